@@ -1,0 +1,43 @@
+"""Every way in which a run can end other than well, with the exit code that tells it to a shell.
+
+A message is written for the person who has to act on it: where, what, and what to do. The command line prints it as
+one line and never shows a traceback for these.
+"""
+
+from __future__ import annotations
+
+DONE = 0
+FAILED = 1
+USAGE = 2
+MISMATCH = 3
+REFUSED = 4
+INTERRUPTED = 130
+TERMINATED = 143
+
+
+class StrandError(Exception):
+    """Base of all errors that strandcli raises on purpose; ``exit_code`` is what the command line ends with."""
+
+    exit_code = FAILED
+
+
+class UsageError(StrandError):
+    """The command was asked for something that makes no sense (exit code 2)."""
+
+    exit_code = USAGE
+
+
+class MismatchError(StrandError):
+    """A check was carried out and did not match (exit code 3)."""
+
+    exit_code = MISMATCH
+
+
+class RefusedError(StrandError):
+    """Refused or stopped for want of disk, memory or permission (exit code 4)."""
+
+    exit_code = REFUSED
+
+
+class SimulationError(StrandError):
+    """A solver left the numbers that a picture can be made of: names the frame, the strand and a remedy."""

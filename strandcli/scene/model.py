@@ -1,0 +1,319 @@
+"""What a person writes in a preset, as typed and frozen data.
+
+Every class here mirrors one mapping of the YAML file. A field's default, unit, range and meaning stand together, and
+the validator (`validate.py`), the JSON Schema (`schema.py`) and the documentation all read them from here.
+
+Units: metres, seconds, degrees. Axes are right-handed with y up. A colour is three linear Rec. 709 numbers, or a
+string "#rrggbb" which is read as sRGB.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .fields import (
+    Colour,
+    Vector,
+    boolean,
+    choice,
+    colour,
+    integer,
+    items,
+    model,
+    number,
+    optional,
+    panels,
+    rules,
+    size,
+    text,
+    union,
+    vector,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Time:
+    """The clock. Frame 1 is at time 0; frame f is at (f - 1) / fps."""
+
+    frames: int = integer(48, low=1, high=1_000_000, doc="frames in the whole animation")
+    fps: float = number(24.0, above=0, high=100_000, unit="1/s", doc="frames a second")
+    substeps: int = integer(1, low=1, high=1000, doc="solver steps a frame; the step is 1 / (fps * substeps)")
+    preroll: float = number(
+        0.0, low=0, high=3600, unit="s", doc="time simulated before frame 1, with everything held at its first key"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class PoseKey:
+    """A position and an orientation at one moment."""
+
+    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="translation")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z; may exceed 360")
+    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+
+
+@dataclass(frozen=True, slots=True)
+class SphereShape:
+    """Roots spread evenly by area over a sphere about the emitter's origin, or over its cap about +y."""
+
+    kind: str = choice("sphere", ("sphere",))
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+    cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
+
+
+@dataclass(frozen=True, slots=True)
+class DiscShape:
+    """Roots spread evenly over a disc in the xz plane, facing +y."""
+
+    kind: str = choice("disc", ("disc",))
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneShape:
+    """Roots spread evenly over a rectangle in the xz plane, facing +y."""
+
+    kind: str = choice("plane", ("plane",))
+    width: float = number(2.0, above=0, unit="m", doc="extent along x")
+    depth: float = number(2.0, above=0, unit="m", doc="extent along z")
+
+
+@dataclass(frozen=True, slots=True)
+class Emitter:
+    """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
+
+    shape: SphereShape | DiscShape | PlaneShape = union(
+        SphereShape(), {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape}, doc="surface that bears the roots"
+    )
+    strands: int = integer(10_000, low=1, high=100_000_000, doc="number of strands")
+    particles: int = integer(10, low=2, high=100_000, doc="particles a strand, root included")
+    length: float = number(1.0, above=0, unit="m", doc="mean strand length from root to tip")
+    length_variation: float = number(
+        0.0, low=0, high=1, doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing"
+    )
+    direction: Vector | None = vector(
+        None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal"
+    )
+    jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
+
+
+@dataclass(frozen=True, slots=True)
+class SphereSolid:
+    """A ball."""
+
+    kind: str = choice("sphere", ("sphere",))
+    name: str = text("", doc="name for a collision rule's `with`")
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+
+
+@dataclass(frozen=True, slots=True)
+class CapsuleSolid:
+    """A rounded cylinder along its own y axis."""
+
+    kind: str = choice("capsule", ("capsule",))
+    name: str = text("", doc="name for a collision rule's `with`")
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+    length: float = number(1.0, low=0, unit="m", doc="distance between the centres of its two round ends")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneSolid:
+    """Everything below a plane through `position`, whose normal is its own +y axis: a ground."""
+
+    kind: str = choice("plane", ("plane",))
+    name: str = text("", doc="name for a collision rule's `with`")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="a point of the plane")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    fade: float = number(
+        0.0, low=0, unit="m", doc="distance from `position` over which it fades into the background; 0: never"
+    )
+    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+
+
+@dataclass(frozen=True, slots=True)
+class BoxSolid:
+    """A cuboid."""
+
+    kind: str = choice("box", ("box",))
+    name: str = text("", doc="name for a collision rule's `with`")
+    size: Vector = vector((1.0, 1.0, 1.0), above=0, unit="m", doc="whole extents along its own axes")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+
+
+Solid = SphereSolid | CapsuleSolid | PlaneSolid | BoxSolid
+SOLIDS = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
+
+
+@dataclass(frozen=True, slots=True)
+class CameraKey:
+    """The camera at one moment. What is left out is taken from the camera itself."""
+
+    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
+    position: Vector | None = vector(None, unit="m", doc="eye")
+    target: Vector | None = vector(None, unit="m", doc="point looked at")
+    fov: float | None = number(None, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
+    height: float | None = number(None, above=0, unit="m", doc="height of the view (orthographic)")
+    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """The point of view."""
+
+    kind: str = choice("perspective", ("perspective", "orthographic"), doc="projection")
+    position: Vector = vector((0.0, 0.0, 5.0), unit="m", doc="eye")
+    target: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="point looked at")
+    up: Vector = vector((0.0, 1.0, 0.0), unit="1", nonzero=True, doc="direction that is up in the picture")
+    fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
+    height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
+    near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
+    keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """The picture."""
+
+    size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc="width and height, as [w, h] or \"800x600\"")
+    supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
+    background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
+    horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
+    exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
+
+
+@dataclass(frozen=True, slots=True)
+class Shadow:
+    """The strands' shadow map of one light (thesis §3, corrected)."""
+
+    model: str = choice("minmax", ("minmax", "off"), doc="minmax: nearest and farthest strand a texel; off: built for nobody")
+    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side")
+    bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionalLight:
+    """Light from infinitely far, like the sun."""
+
+    kind: str = choice("directional", ("directional",))
+    direction: Vector = vector((-0.5, -1.0, -0.5), unit="1", nonzero=True, doc="where the light travels to")
+    colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
+    intensity: float = number(3.0, low=0, doc="irradiance on a surface that faces it")
+    shadow: Shadow = model(Shadow, doc="the strands' shadow map")
+
+
+@dataclass(frozen=True, slots=True)
+class PointLight:
+    """Light from a point, falling off with the square of the distance."""
+
+    kind: str = choice("point", ("point",))
+    position: Vector = vector((3.0, 3.0, 3.0), unit="m", doc="where it is")
+    colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
+    intensity: float = number(30.0, low=0, unit="W/sr", doc="irradiance at one metre")
+    shadow: Shadow = model(Shadow, doc="the strands' shadow map")
+
+
+Light = DirectionalLight | PointLight
+LIGHTS = {"directional": DirectionalLight, "point": PointLight}
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """How strands take light: Marschner et al. 2003 with R, TT and TRT lobes, and a diffuse stand-in for the light that
+    is scattered between strands, which that model leaves out."""
+
+    colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands")
+    tip_colour: Colour | None = colour(None, doc="colour at the tip; absent: the same along the strand")
+    colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
+    eta: float = number(1.55, above=1, high=3, doc="index of refraction")
+    alpha: float = number(-7.5, low=-20, high=20, unit="deg", doc="shift of the R lobe toward the root, by the scales")
+    beta: float = number(7.5, low=0.1, high=45, unit="deg", doc="longitudinal width of the R lobe (standard deviation)")
+    azimuthal: float = number(12.0, low=1, high=60, unit="deg", doc="azimuthal roughness (standard deviation)")
+    specular: float = number(1.0, low=0, high=10, doc="scale of R, TT and TRT together; 0 leaves their tables out")
+    diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
+    width: float = number(
+        0.0, low=0, unit="m", doc="strand diameter near the root; drawn only where it exceeds a pixel. 0: lines one pixel wide"
+    )
+    taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """How a chain of particles becomes a smooth line (thesis §3)."""
+
+    mode: str = choice(
+        "adaptive", ("adaptive", "fixed", "off"), doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight"
+    )
+    level: int = integer(2, low=0, high=8, doc="each segment becomes 2 ** level pieces (fixed), at most (adaptive)")
+    tolerance: float = number(0.25, above=0, unit="px", doc="greatest distance of a piece from its curve (adaptive)")
+    tangents: str = choice(
+        "difference", ("difference", "printed"), doc="central difference, or the source's cross products with its artefact"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Detail:
+    """Level of detail: far away fewer strands are drawn, each one wider by the inverse of the fraction kept."""
+
+    near: float = number(10.0, above=0, unit="m", doc="nearer than this every strand is drawn")
+    fraction: float = number(0.1, above=0, high=1, doc="smallest fraction kept, however far")
+    widen: bool = boolean(True, doc="widen by 1 / fraction, so that the covered area stays")
+
+
+@dataclass(frozen=True, slots=True)
+class RuleUse:
+    """One entry of a preset's list of rules: a rule's registered name and its own validated parameters."""
+
+    name: str
+    parameters: Any
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A whole preset. ``panels`` holds complete scenes, to be drawn side by side, and is empty for a single picture."""
+
+    title: str = text("", doc="what there is to see")
+    seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    solver: str = choice("thesis", ("thesis",), doc="how strands move")
+    time: Time = model(Time, doc="the clock")
+    emitter: Emitter = model(Emitter, doc="where strands come from")
+    rules: tuple[RuleUse, ...] = rules(
+        doc="what moves the strands: a list is applied in its own order, a mapping in the documented default order"
+    )
+    solids: tuple[Solid, ...] = items(SOLIDS, doc="things that are drawn, hide, cast shadows and can be collided with")
+    camera: Camera = model(Camera, doc="the point of view")
+    image: Image = model(Image, doc="the picture")
+    lights: tuple[Light, ...] = items(LIGHTS, default=(DirectionalLight(),), doc="lights; an empty list is darkness")
+    ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
+    material: Material = model(Material, doc="how strands take light")
+    curves: Curves = model(Curves, doc="smoothing")
+    detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")
+    label: str = ""
+    panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
+    source: str = ""
+    sha256: str = ""
