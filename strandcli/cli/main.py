@@ -1,0 +1,182 @@
+"""The command `strandcli`: a group whose commands are imported when they are called, and one place for all errors."""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import click
+
+from .. import __version__
+from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
+from . import signals
+
+# name: module of this package and what --help says. Commands for pictures first, tools after.
+COMMANDS = {
+    "render": ("render", "Simulate and draw a preset as PNG frames."),
+    "simulate": ("simulate", "Simulate a preset and keep the positions only."),
+    "plan": ("plan", "Tell what would run, what is left out and why; run nothing."),
+    "presets": ("presets", "List, show or copy the presets that come with strandcli."),
+    "schema": ("schema", "Print the JSON Schema of presets, for editors."),
+    "bench": ("bench", "Time every stage on the thesis's headline scene."),
+    "claims": ("claims", "Measure what the thesis claims, beside its own figures."),
+    "golden": ("golden", "Check or update golden images."),
+    "compare": ("compare", "Compare two images."),
+    "sheet": ("sheet", "Put images on one labelled contact sheet."),
+    "warmup": ("warmup", "Compile ahead of the first run."),
+}
+
+
+@dataclass(slots=True)
+class State:
+    """What outlives the commands: whether the traceback of an unexpected error is wanted."""
+
+    debug: bool = False
+
+
+class LazyGroup(click.Group):
+    """Knows its commands by name and imports one when it is called for; `--help` imports none."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        module = importlib.import_module(f".{COMMANDS[cmd_name][0]}", __package__)
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, words) for name, (_, words) in COMMANDS.items()])
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-"):
+            from difflib import get_close_matches
+
+            close = get_close_matches(name, COMMANDS, n=1)
+            hint = f"did you mean '{close[0]}'?" if close else f"commands are {', '.join(COMMANDS)}"
+            raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """Callback of every ``--debug``."""
+    if value:
+        ctx.ensure_object(State).debug = True
+
+
+@click.command(
+    cls=LazyGroup,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    epilog="Exit codes: 0 done, 1 failed, 2 usage or preset, 3 a check did not match, 4 refused or stopped for disk, "
+    "memory or permission, 130 and 143 signals.",
+)
+@click.version_option(__version__, "--version", prog_name="strandcli", message="%(prog)s %(version)s")
+@click.option(
+    "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, help="Show tracebacks of bugs."
+)
+@click.pass_context
+def cli(ctx: click.Context) -> None:
+    """Simulate and draw strands: hair, fur, grass. Needs no GPU and no display."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help(), err=True)
+        ctx.exit(USAGE)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; prints every error as one line on stderr."""
+    signals.install()
+    state = State(debug=bool(os.environ.get("STRANDCLI_DEBUG")))
+    try:
+        code = cli.main(
+            args=None if arguments is None else list(arguments),
+            prog_name="strandcli",
+            standalone_mode=False,
+            obj=state,
+            color=False if os.environ.get("NO_COLOR") else None,
+        )
+        sys.stdout.flush()
+        return code if isinstance(code, int) else DONE
+    except SystemExit as end:  # click's way out of shell completion and of a closed pipe
+        _abandon_stdout()
+        return end.code if isinstance(end.code, int) else FAILED
+    except BrokenPipeError:
+        _abandon_stdout()
+        return FAILED
+    except BaseException as error:
+        return report(error, state.debug)
+
+
+def report(error: BaseException, debug: bool) -> int:
+    """Print ``error`` for the person in front of the terminal and return the exit code it stands for."""
+    if debug and not isinstance(error, click.ClickException | click.Abort | KeyboardInterrupt):
+        import traceback
+
+        traceback.print_exception(error)
+    match error:
+        case StrandError():
+            faults = getattr(error, "faults", None)
+            if faults:
+                for fault in faults:
+                    click.echo(_one_line(fault), err=True)
+            else:
+                _say(str(error))
+            return error.exit_code
+        case click.UsageError():
+            command = error.ctx.command_path if error.ctx is not None else "strandcli"
+            _say(f"{error.format_message().rstrip('.')} (see '{command} --help')")
+            return USAGE
+        case click.ClickException():
+            _say(error.format_message())
+            return USAGE
+        case click.Abort() | KeyboardInterrupt():
+            cause = error.__cause__ if isinstance(error, click.Abort) else error
+            return signals.exit_code(cause)
+        case MemoryError():
+            _say(
+                "out of memory; ask for fewer --strands or --particles or a smaller --size "
+                "('strandcli plan' estimates the need)"
+            )
+            return REFUSED
+        case OSError() if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT):
+            _say(_os_error(error))
+            return REFUSED
+        case OSError() if error.strerror:
+            _say(_os_error(error))
+            return FAILED
+        case _:
+            hint = "" if debug else "; please report it with the output of the same command with --debug"
+            _say(f"unexpected {type(error).__name__}: {error}{hint}")
+            return FAILED
+
+
+def _os_error(error: OSError) -> str:
+    return f"{error.filename}: {error.strerror}" if error.filename is not None else str(error.strerror)
+
+
+def _one_line(text: object) -> str:
+    return " ".join(str(text).split("\n"))
+
+
+def _say(message: str) -> None:
+    label = click.style("error:", fg="red", bold=True)
+    color = False if os.environ.get("NO_COLOR") else None
+    click.echo(f"strandcli: {label} {_one_line(message)}", err=True, color=color)
+
+
+def _abandon_stdout() -> None:
+    """Nobody reads stdout any more: let the interpreter's last flush go nowhere, in silence."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):
+        return

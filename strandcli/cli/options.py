@@ -1,0 +1,185 @@
+"""Options that several commands share, each written down once."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ..errors import UsageError
+from .frame_range import FrameRange, FrameRangeType
+from .main import set_debug
+
+if TYPE_CHECKING:
+    from ..output.positions import PositionCache
+    from ..scene.model import Scene
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+MOST_PIXELS = 32_768
+
+
+class SizeType(click.ParamType):
+    """A picture's size, ``800x600``, as (width, height)."""
+
+    name = "WxH"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", str(value), re.ASCII)
+        if match is None:
+            self.fail(f"'{value}' is not a width and a height in pixels, such as 800x600", param, ctx)
+        width, height = int(match[1]), int(match[2])
+        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+            self.fail(f"'{value}': width and height are from 1 to {MOST_PIXELS} pixels", param, ctx)
+        return width, height
+
+
+class ThreadsType(click.IntRange):
+    """A number of threads that this machine has."""
+
+    name = "N"
+
+    def __init__(self) -> None:
+        super().__init__(min=1)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        count = int(super().convert(value, param, ctx))
+        cores = available_cores()
+        if count > cores:
+            offered = "1 core" if cores == 1 else f"{cores} cores"
+            self.fail(f"{count} threads, but this process may use {offered}", param, ctx)
+        return count
+
+
+def available_cores() -> int:
+    """Cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _assignment(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    for value in values:
+        if not re.match(r"\s*[^\s=]+\s*=", value):
+            raise click.BadParameter(f"'{value}' is not KEY=VALUE, such as wind.strength=3", ctx, param)
+    return values
+
+
+def folder(default: str | None = None) -> Callable[[F], F]:
+    """``-o/--output``; required where there is no default folder."""
+    words = "Folder for the results." + (f"  [default: {default}]" if default else "")
+    kind = click.Path(path_type=Path)
+    return click.option("-o", "--output", type=kind, metavar="DIR", required=not default, help=words)
+
+
+preset = click.argument("preset")
+frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
+size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
+strands = click.option("--strands", type=click.IntRange(1, 100_000_000), metavar="N", help="Number of strands.")
+particles = click.option("--particles", type=click.IntRange(2, 100_000), metavar="N", help="Particles a strand.")
+threads = click.option("--threads", type=ThreadsType(), help="Threads.  [default: all cores]")
+seed = click.option("--seed", type=click.IntRange(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
+overrides = click.option(
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment,
+    help="Change one value of the preset, such as wind.strength=3. Repeatable.",
+)  # fmt: skip
+resume = click.option("--resume", is_flag=True, help="Keep the files that are there and whole; make the others.")
+overwrite = click.option("--overwrite", is_flag=True, help="Replace files that are there.")
+from_cache = click.option(
+    "--from-cache", type=click.Path(path_type=Path), metavar="DIR",
+    help="Draw the positions that 'strandcli simulate' left in DIR.",
+)  # fmt: skip
+as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")
+quiet = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+verbose = click.option("-v", "--verbose", is_flag=True, help="Say what happens for every frame.")
+no_progress = click.option("--no-progress", is_flag=True, help="No progress line, even on a terminal.")
+debug = click.option(
+    "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, hidden=True, help="Show tracebacks."
+)
+
+
+def together(*decorators: Callable[[Any], Any]) -> Callable[[F], F]:
+    """Several options as one decorator, listed by --help in the order given."""
+
+    def apply(function: F) -> F:
+        for decorate in reversed(decorators):
+            function = decorate(function)
+        return function
+
+    return apply
+
+
+scene_options = together(size, strands, particles, seed, overrides)
+talk_options = together(as_json, quiet, verbose, no_progress, debug)
+
+
+def load_scene(
+    preset: str,
+    *,
+    size: tuple[int, int] | None = None,
+    strands: int | None = None,
+    particles: int | None = None,
+    seed: int | None = None,
+    overrides: tuple[str, ...] = (),
+) -> Scene:
+    """The preset with what the common options change."""
+    import strandcli
+
+    chosen: dict[str, Any] = {
+        "image.size": size,
+        "emitter.strands": strands,
+        "emitter.particles": particles,
+        "seed": seed,
+    }
+    settings = {path: value for path, value in chosen.items() if value is not None}
+    return strandcli.load(preset, overrides=overrides, settings=settings)
+
+
+def frame_numbers(frames: FrameRange | None, scene: Scene) -> tuple[int, ...]:
+    """The frames asked for, or all of the film's."""
+    if frames is None:
+        return tuple(range(1, scene.time.frames + 1))
+    return frames.within(scene.time.frames)
+
+
+def preset_name(preset: str) -> str:
+    """A preset's name without what makes it a file: ``figures/fig02``, and ``hair`` of ``/tmp/hair.yaml``."""
+    if preset.endswith((".yaml", ".yml")):
+        return Path(preset).stem
+    return preset
+
+
+def default_folder(preset: str) -> Path:
+    """Where a command writes when -o is not given: out/PRESET."""
+    parts = [part for part in Path(preset_name(preset)).parts if part not in ("/", "..")]
+    return Path("out", *parts)
+
+
+def open_cache(directory: Path | None, frames: tuple[int, ...], scene: Scene) -> PositionCache | None:
+    """The checked folder of --from-cache."""
+    if directory is None:
+        return None
+    from ..output.positions import PositionCache
+
+    if scene.panels:
+        raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
+    return PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles)
+
+
+def print_json(data: Any) -> None:
+    """Machine data alone on stdout."""
+    click.echo(json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def exclusive(**flags: bool) -> None:
+    """Raise ``UsageError`` if more than one of the flags is set."""
+    given = ["--" + name.replace("_", "-") for name, is_set in flags.items() if is_set]
+    if len(given) > 1:
+        raise UsageError(f"{' and '.join(given)} exclude each other")

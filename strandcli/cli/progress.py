@@ -1,0 +1,128 @@
+"""What a person sees while a run goes on: one line on stderr, redrawn in place, and only on a terminal."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import Self, TextIO
+
+import click
+
+_TICK = 0.2
+
+
+class Progress:
+    """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
+
+    Nothing is drawn where stderr is no terminal, or with ``hidden``; with ``verbose`` notes are printed as lines then.
+    A thread redraws the line, so that it moves during a long compilation too.
+    """
+
+    def __init__(self, total: int, label: str, *, hidden: bool = False, verbose: bool = False) -> None:
+        self.total = total
+        self.label = label
+        self.stream: TextIO = sys.stderr
+        self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
+        self.verbose = verbose
+        self.done = 0
+        self._note = ""
+        self._note_since = 0.0
+        self._first = 0.0
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Self:
+        self._first = time.monotonic()
+        if self.live:
+            self._thread = threading.Thread(target=self._tick, name="progress", daemon=True)
+            self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._clear()
+
+    def note(self, text: str) -> None:
+        """Tell what is going on: compiling, pre-roll. An empty text ends it. Handed to the pipeline as ``notify``."""
+        now = time.monotonic()
+        with self._lock:
+            if _kind(text) != _kind(self._note):
+                self._note_since = now
+            self._note = text
+        if text and self.verbose and not self.live:
+            click.echo(text, err=True)
+
+    def step(self, text: str = "") -> None:
+        """One more frame is done; ``text`` is its line for --verbose."""
+        with self._lock:
+            if self.done == 0 or self._note:
+                self._first += self._pause()
+            self._note = ""
+            self.done += 1
+        if text and self.verbose:
+            self.line(text)
+
+    def _pause(self) -> float:
+        """Time that the frames did not cost, so that the estimate of what is left does not count it."""
+        return time.monotonic() - self._note_since if self._note else 0.0
+
+    def line(self, text: str) -> None:
+        """Print a line above the progress line."""
+        with self._lock:
+            self._clear()
+            click.echo(text, err=True)
+
+    def _tick(self) -> None:
+        while not self._stop.wait(_TICK):
+            with self._lock:
+                columns = shutil.get_terminal_size().columns
+                self.stream.write("\r\x1b[K" + self.text(time.monotonic())[: max(1, columns - 1)])
+                self.stream.flush()
+
+    def _clear(self) -> None:
+        if self.live:
+            self.stream.write("\r\x1b[K")
+            self.stream.flush()
+
+    def text(self, now: float) -> str:
+        """The line as it stands at the time ``now``."""
+        if self._note:
+            seconds = f"{now - self._note_since:.1f} s"
+            if _kind(self._note) == "compiling":
+                kernel = self._note.removeprefix("compiling").strip()
+                return f"{self.label}: compiling kernels ... {seconds} (only on first use) {kernel}".rstrip()
+            return f"{self.label}: {self._note} ... {seconds}"
+        width = 24
+        filled = width * self.done // max(1, self.total)
+        bar = "#" * filled + "." * (width - filled)
+        counts = f"{self.label}: [{bar}] {self.done}/{self.total}"
+        elapsed = now - self._first
+        if not self.done or elapsed <= 0:
+            return counts
+        rate = self.done / elapsed
+        left = (self.total - self.done) / rate
+        pace = f"{rate:.1f} frames/s" if rate >= 1 else f"{1 / rate:.1f} s a frame"
+        return f"{counts} {pace}, {duration(left)} left"
+
+
+def _kind(text: str) -> str:
+    return text.split(" ", 1)[0]
+
+
+def duration(seconds: float) -> str:
+    """A time for people: ``8 s``, ``3:05``, ``2:03:05``."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    minutes, rest = divmod(whole, 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

@@ -1,0 +1,177 @@
+"""`strandcli render`: a preset to PNG frames, a report, and an animation where asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import options, signals
+from .frame_range import FrameRange
+from .progress import Progress, duration
+
+if TYPE_CHECKING:
+    from ..output.frames import FrameWriter
+    from ..output.report import RunReport
+    from ..scene.model import Scene
+
+
+class KindsType(click.ParamType):
+    """Kinds of animation, separated by commas."""
+
+    name = "KIND"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
+        for kind in kinds:
+            if kind not in ("gif", "webp"):
+                self.fail(f"'{kind}' is not an animation that can be written; choose gif, webp or gif,webp", param, ctx)
+        return kinds
+
+
+@click.command()
+@options.preset
+@options.folder("out/PRESET")
+@options.frames
+@options.scene_options
+@options.threads
+@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
+@options.from_cache
+@options.resume
+@options.overwrite
+@options.talk_options
+def command(
+    preset: str,
+    output: Path | None,
+    frames: FrameRange | None,
+    threads: int | None,
+    animate: tuple[str, ...] | None,
+    from_cache: Path | None,
+    resume: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+    **scene_settings: Any,
+) -> None:
+    """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them).
+
+    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole.
+    """
+    options.exclusive(overwrite=overwrite, resume=resume)
+    options.exclusive(quiet=quiet, verbose=verbose)
+    scene = options.load_scene(preset, **scene_settings)
+    numbers = options.frame_numbers(frames, scene)
+
+    from ..plan import make_plan, require_memory
+
+    plan = make_plan(scene, numbers)
+    require_memory(plan)
+
+    from ..output.frames import FrameWriter
+    from ..output.report import RunReport, fingerprint
+
+    positions = options.open_cache(from_cache, numbers, scene)
+    writer = FrameWriter(
+        output or options.default_folder(preset),
+        numbers,
+        scene.image.size,
+        overwrite=overwrite,
+        resume=resume,
+        scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
+        also=[f"animation.{kind}" for kind in animate or ()],
+    )
+    report = RunReport(preset, scene.sha256, plan)
+    label = options.preset_name(preset)
+    with Progress(len(writer.wanted), label, hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+        data = _run(scene, writer, report, positions, threads, progress)
+    made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
+    if as_json:
+        options.print_json(data)
+    if not quiet:
+        _tell(data, writer, made)
+
+
+def _run(
+    scene: Scene, writer: FrameWriter, report: RunReport, positions: Any, threads: int | None, progress: Progress
+) -> dict[str, Any]:
+    """Draw what is wanted, and write the report however that ends."""
+    from ..output.report import finite, read_report, write_report
+
+    previous = read_report(writer.directory) if writer.written else None
+    status = "failed"
+    machine: Mapping[str, Any] | None = None
+    compile_seconds: float | None = None
+    try:
+        with writer:
+            if writer.wanted:
+                from .. import runtime
+
+                runtime.start(threads, progress.note)
+                from .. import pipeline
+
+                found = pipeline.render(
+                    scene, writer.wanted, threads=threads, positions=positions, notify=progress.note
+                )
+                for frame in found:
+                    writer.submit(frame.number, frame.image)
+                    report.add(frame.number, frame.report)
+                    progress.step(_line(frame.number, frame.report))
+                    signals.check()
+        status = "complete"
+    except KeyboardInterrupt:
+        status = "interrupted"
+        raise
+    finally:
+        if writer.wanted:
+            from .. import runtime
+
+            machine = runtime.machine()
+            compile_seconds = runtime.compile_seconds()
+        elif previous is not None:
+            machine = previous.get("machine")
+        data: dict[str, Any] = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous))
+        write_report(writer.directory, data)
+    return data
+
+
+def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: float, quiet: bool) -> Path:
+    from ..output.animation import write_animation
+    from ..output.frames import frame_file
+
+    path = writer.directory / f"animation.{kind}"
+    paths = [writer.directory / frame_file(number) for number in numbers]
+    shown = write_animation(path, paths, numbers, fps)
+    if not quiet and abs(shown / fps - 1) > 0.01:
+        click.echo(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
+    return path
+
+
+def _line(number: int, report: Mapping[str, Any]) -> str:
+    stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
+    return f"frame {number}: {', '.join(stages)} ms"
+
+
+def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
+    drawn = len(writer.wanted)
+    kept = len(data["frames"]) - drawn
+    totals = data["totals"]
+    words = f"{writer.directory}: {drawn} {'frame' if drawn == 1 else 'frames'} in {_seconds(totals['seconds'])}"
+    if totals["frames_per_second"] and drawn > 1:
+        words += f" ({totals['frames_per_second']:.1f} frames/s)"
+    if data["compile_seconds"]:
+        words += f", of which {data['compile_seconds']:.1f} s compiling (only on first use)"
+    if kept:
+        words += f"; {kept} kept"
+    for path in made:
+        words += f"; {path.name}"
+    click.echo(words, err=True)
+
+
+def _seconds(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 60 else duration(seconds)

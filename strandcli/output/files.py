@@ -1,0 +1,149 @@
+"""Files that are either whole or absent: written under a temporary name in the same folder, then renamed.
+
+A temporary file is named ``.NAME.HOST.PID.tmp``, so that one left by a killed run can be told from one that another
+run, perhaps on another machine that shares the folder, is writing just now.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import re
+import shutil
+import socket
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from ..errors import RefusedError
+
+_TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
+_DAY = 86_400.0
+
+
+def _host() -> str:
+    return re.sub(r"[^A-Za-z0-9_-]", "_", socket.gethostname()) or "host"
+
+
+def temporary_name(path: Path) -> Path:
+    """The name under which this process writes what will become ``path``."""
+    return path.with_name(f".{path.name}.{_host()}.{os.getpid()}.tmp")
+
+
+@contextmanager
+def atomic(path: Path) -> Iterator[BinaryIO]:
+    """A binary file that takes the name ``path`` when the block ends well, and vanishes when it does not.
+
+    An ``OSError`` becomes a ``RefusedError`` that says what could not be written and why.
+    """
+    temporary = temporary_name(path)
+    try:
+        with open(temporary, "wb") as file:
+            yield file
+        os.replace(temporary, path)
+    except OSError as error:
+        _discard(temporary)
+        raise refusal(error, path) from error
+    except BaseException:
+        _discard(temporary)
+        raise
+
+
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """Write ``pieces`` one after the other as the file ``path``, whole or not at all."""
+    with atomic(path) as file:
+        for piece in pieces:
+            file.write(piece)
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON."""
+    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
+    write_pieces(path, [text.encode(), b"\n"])
+
+
+def _discard(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink(missing_ok=True)
+
+
+def refusal(error: OSError, path: Path) -> RefusedError:
+    """The one-line error for a file that could not be written."""
+    reasons = {
+        errno.ENOSPC: "the disk is full; free some space, then run again with --resume",
+        errno.EDQUOT: "the disk quota is used up; free some space, then run again with --resume",
+        errno.EFBIG: "the file is larger than this file system or its limits allow",
+        errno.EROFS: "the file system is read-only; choose another place with -o",
+        errno.EACCES: "no permission to write there; choose another place with -o",
+        errno.EPERM: "no permission to write there; choose another place with -o",
+        errno.ENAMETOOLONG: "the name is too long",
+        errno.ENOTDIR: "a part of this path is a file, not a folder; choose another place with -o",
+        errno.EISDIR: "it is a folder",
+    }
+    reason = reasons.get(error.errno or 0, error.strerror or str(error))
+    return RefusedError(f"{path}: cannot be written: {reason}")
+
+
+def remove_strays(directory: Path) -> list[Path]:
+    """Delete temporary files that killed runs left in ``directory``; returns them.
+
+    A file of this host is a stray when its process is gone; one of another host when it is a day old.
+    """
+    removed = []
+    for path in directory.glob(".*.tmp"):
+        match = _TEMPORARY.fullmatch(path.name)
+        if match is None:
+            continue
+        stray = False
+        if match["host"] == _host():
+            stray = not _alive(int(match["pid"]))
+        else:
+            with suppress(OSError):
+                stray = time.time() - path.stat().st_mtime > _DAY
+        if stray:
+            _discard(path)
+            removed.append(path)
+    return removed
+
+
+def _alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def prepare_folder(directory: Path, needed_bytes: int) -> None:
+    """Make sure that ``directory`` exists, takes files, and has room for ``needed_bytes``; else ``RefusedError``.
+
+    The only sure test of permission is to write, so a file is made and removed.
+    """
+    if directory.exists() and not directory.is_dir():
+        raise RefusedError(f"{directory}: is a file, not a folder; choose another folder with -o")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        trial = temporary_name(directory / "trial")
+        trial.write_bytes(b"")
+        trial.unlink()
+        free = shutil.disk_usage(directory).free
+    except OSError as error:
+        raise refusal(error, directory) from error
+    remove_strays(directory)
+    if free < needed_bytes:
+        raise RefusedError(
+            f"{directory}: about {megabytes(needed_bytes)} are needed and {megabytes(free)} are free; "
+            "free some space or choose another folder with -o"
+        )
+
+
+def megabytes(count: int) -> str:
+    """A size for people: ``12 MB``, ``3.4 GB``."""
+    if count >= 1_000_000_000:
+        return f"{count / 1e9:.1f} GB"
+    return f"{max(1, round(count / 1e6))} MB" if count else "0 MB"

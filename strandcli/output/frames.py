@@ -1,0 +1,168 @@
+"""The frames of a run as files ``frame_0001.png`` …, encoded on a thread of their own while the next one is drawn."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from ..errors import RefusedError, UsageError
+from . import png
+from .files import prepare_folder, write_pieces
+
+# Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
+BYTES_PER_PIXEL = 1.5
+SCENE_KEYWORD = "strandcli scene"
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """One finished file. ``seconds`` is the time of hashing, encoding and writing; None for a frame that was kept."""
+
+    frame: int
+    file: str
+    pixels_sha256: str
+    seconds: float | None
+
+
+def frame_file(frame: int) -> str:
+    """The file name of a frame; four digits at least, so that names sort up to frame 9999."""
+    return f"frame_{frame:04d}.png"
+
+
+class FrameWriter:
+    """Takes pictures and leaves finished PNG files in one folder.
+
+    Everything that can be refused is refused by the constructor, before anything is computed. Use it as a context
+    manager: leaving the block, for whatever reason, finishes the frames that were handed in and stops the thread.
+    """
+
+    def __init__(
+        self,
+        directory: Path,
+        frames: Sequence[int],
+        size: tuple[int, int],
+        *,
+        overwrite: bool = False,
+        resume: bool = False,
+        scene: str = "",
+        also: Sequence[str] = (),
+    ) -> None:
+        """``size`` is (width, height). ``scene`` is a fingerprint kept inside each file, so that ``resume`` can tell
+        frames of another scene. ``also`` names further files that the run will write and must not find.
+
+        Raises ``RefusedError`` for a folder that cannot be written to or has too little room, and ``UsageError`` for
+        files that are in the way.
+        """
+        if overwrite and resume:
+            raise UsageError("--overwrite and --resume exclude each other: replace the frames, or keep them")
+        self.directory = directory
+        self.size = size
+        self.scene = scene
+        self.written: dict[int, Written] = {}
+        self._failure: BaseException | None = None
+        self._queue: queue.Queue[tuple[int, png.Pixels] | None] = queue.Queue(maxsize=2)
+        self._thread: threading.Thread | None = None
+        width, height = size
+        if directory.is_dir():
+            self._look(frames, overwrite, resume, also)
+        self.wanted = tuple(frame for frame in frames if frame not in self.written)
+        prepare_folder(directory, round(len(self.wanted) * width * height * BYTES_PER_PIXEL))
+
+    def _look(self, frames: Sequence[int], overwrite: bool, resume: bool, also: Sequence[str]) -> None:
+        there = [frame for frame in frames if (self.directory / frame_file(frame)).exists()]
+        others = [name for name in also if (self.directory / name).exists()]
+        if resume:
+            for frame in there:
+                self._keep(frame)
+        elif (there or others) and not overwrite:
+            names = [frame_file(frame) for frame in there] + others
+            listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+            raise UsageError(
+                f"{self.directory}: already holds {listed}; "
+                "add --overwrite to replace or --resume to keep what is there"
+            )
+
+    def _keep(self, frame: int) -> None:
+        """Keep a frame that is whole and of the right size; one that is neither will be drawn again."""
+        path = self.directory / frame_file(frame)
+        try:
+            image = png.load(path)
+        except UsageError:
+            return
+        if image.size != self.size or image.mode != "RGB":
+            return
+        made_from = image.info.get(SCENE_KEYWORD, "")
+        if made_from and self.scene and made_from != self.scene:
+            raise UsageError(
+                f"{path}: was made from another scene or with other settings, so --resume would mix two films; "
+                "add --overwrite instead, or choose another folder with -o"
+            )
+        self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)
+
+    def __enter__(self) -> Self:
+        self._thread = threading.Thread(target=self._work, name="frame writer", daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._thread is not None:
+            self._put(None)
+            self._thread.join()
+            self._thread = None
+        if kind is None:
+            self._raise()
+
+    def submit(self, frame: int, image: png.Pixels) -> None:
+        """Hand in a picture: uint8, (height, width, 3), which the caller may reuse at once. Waits while two are queued.
+
+        Raises what went wrong with an earlier frame.
+        """
+        self._raise()
+        if (image.shape[1], image.shape[0]) != self.size:
+            raise ValueError(f"frame {frame} is {image.shape[1]}x{image.shape[0]}, not {self.size[0]}x{self.size[1]}")
+        self._put((frame, np.array(image, copy=True)))
+
+    def _put(self, item: tuple[int, png.Pixels] | None) -> None:
+        """Queue an item, but never wait for a thread that has died."""
+        while self._thread is not None and self._thread.is_alive():
+            with suppress(queue.Full):
+                self._queue.put(item, timeout=0.2)
+                return
+
+    def _raise(self) -> None:
+        if self._failure is None:
+            return
+        if isinstance(self._failure, RefusedError):
+            count = sum(one.seconds is not None for one in self.written.values())
+            whole = f"; {count} finished {'frame is' if count == 1 else 'frames are'} whole" if count else ""
+            raise RefusedError(f"{self._failure}{whole}")
+        raise self._failure
+
+    def _work(self) -> None:
+        while (item := self._queue.get()) is not None:
+            try:
+                self._write(*item)
+            except BaseException as error:
+                self._failure = error
+                return
+
+    def _write(self, frame: int, image: png.Pixels) -> None:
+        start = time.perf_counter()
+        path = self.directory / frame_file(frame)
+        text = {"Software": "strandcli"}
+        if self.scene:
+            text[SCENE_KEYWORD] = self.scene
+        digest = png.pixels_sha256(image)
+        write_pieces(path, png.encode(image, text))
+        self.written[frame] = Written(frame, path.name, digest, time.perf_counter() - start)

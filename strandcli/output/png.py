@@ -1,0 +1,108 @@
+"""PNG files: a fast encoder for frames, a checked reader, and the hash by which pictures are compared.
+
+Why an encoder of its own: Pillow tries five filters on every row before it compresses, and that, not zlib, is what a
+noisy frame waits for. Filters do not pay for thin strands at all. Measured on 2 cores, 800x600, milliseconds and MB:
+
+===============================  =============  ==============
+encoder                          strands        white noise
+===============================  =============  ==============
+Pillow, default (level 6)        74   0.60      68   1.44
+Pillow, level 1                  30   0.56      78   1.44
+Pillow, level 1, Z_RLE           28   0.74      56   1.44
+Pillow, level 1, Z_HUFFMAN_ONLY  31   0.81      46   1.44
+no filter, zlib 1, default       14.8 0.46      30   1.44
+no filter, zlib 1, Z_RLE         12.4 0.75      20   1.44
+no filter, zlib 1, Z_HUFFMAN     16.5 0.84      12   1.44
+===============================  =============  ==============
+
+The file is an ordinary truecolour PNG with an sRGB chunk.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import RefusedError, UsageError
+
+Pixels = npt.NDArray[np.uint8]
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+LEVEL = 1
+STRATEGY = zlib.Z_RLE
+_PIECE = 1 << 20
+
+
+def pixels_sha256(image: Pixels) -> str:
+    """Hash of what a picture shows: its shape as little-endian 64-bit numbers, then its bytes, row by row.
+
+    Never the hash of a PNG file: the same pixels may be compressed in many ways.
+    """
+    digest = hashlib.sha256(np.array(image.shape, dtype="<i8").tobytes())
+    digest.update(np.ascontiguousarray(image).data)
+    return digest.hexdigest()
+
+
+def encode(image: Pixels, text: Mapping[str, str] | None = None) -> list[bytes]:
+    """A PNG file, as pieces to be written one after the other, of ``image``: uint8, shape (height, width, 3), sRGB.
+
+    ``text`` becomes tEXt chunks: Latin-1 keywords and values. Releases the GIL while it compresses.
+    """
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
+        raise ValueError(f"a frame must be uint8 of shape (height, width, 3), not {image.dtype} {image.shape}")
+    height, width, _ = image.shape
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    pieces = [SIGNATURE, *_chunk(b"IHDR", header), *_chunk(b"sRGB", b"\0")]
+    for keyword, value in (text or {}).items():
+        pieces += _chunk(b"tEXt", keyword.encode("latin-1") + b"\0" + value.encode("latin-1", "replace"))
+    rows = np.empty((height, 1 + 3 * width), dtype=np.uint8)
+    rows[:, 0] = 0  # filter type None
+    rows[:, 1:] = image.reshape(height, 3 * width)
+    packer = zlib.compressobj(LEVEL, zlib.DEFLATED, 15, 9, STRATEGY)
+    data = packer.compress(rows.data) + packer.flush()
+    for start in range(0, len(data), _PIECE):
+        pieces += _chunk(b"IDAT", data[start : start + _PIECE])
+    return [*pieces, *_chunk(b"IEND", b"")]
+
+
+def _chunk(kind: bytes, body: bytes) -> tuple[bytes, bytes, bytes]:
+    check = zlib.crc32(body, zlib.crc32(kind))
+    return struct.pack(">I", len(body)) + kind, body, struct.pack(">I", check)
+
+
+def read(path: Path, mode: str = "RGB") -> Pixels:
+    """Decode the picture at ``path`` as uint8, (height, width, channels of ``mode``).
+
+    Raises ``UsageError`` if there is none or it cannot be read, ``RefusedError`` if it is too big.
+    """
+    return np.asarray(load(path).convert(mode))
+
+
+def load(path: Path) -> Any:
+    """The wholly decoded Pillow image at ``path``, with the errors of :func:`read`."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return image.copy()
+    except FileNotFoundError:
+        raise UsageError(f"{path}: no such image") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    except Image.DecompressionBombError:
+        most = 2 * (Image.MAX_IMAGE_PIXELS or 0)
+        raise RefusedError(f"{path}: more than {most:,} pixels; too big to be read") from None
+    except (OSError, ValueError, SyntaxError) as error:
+        raise UsageError(f"{path}: not an image that can be read: {_plain(error)}") from None
+
+
+def _plain(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

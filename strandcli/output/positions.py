@@ -1,0 +1,165 @@
+"""Positions of a run as ``positions_0001.npz`` … with ``manifest.json``, written by ``simulate`` and read again by
+``render --from-cache``: the array ``positions``, float32, shape (strands, particles, 3), world units (metres)."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import __version__
+from ..errors import RefusedError, UsageError
+from .files import atomic, prepare_folder, write_json
+
+Positions = npt.NDArray[np.float32]
+
+MANIFEST = "manifest.json"
+SCHEMA_VERSION = 1
+
+
+def positions_file(frame: int) -> str:
+    """The file name of one frame's positions."""
+    return f"positions_{frame:04d}.npz"
+
+
+class PositionsWriter:
+    """Writes one compressionless .npz a frame, and at the end the manifest of all of them."""
+
+    def __init__(
+        self, directory: Path, frames: Sequence[int], strands: int, particles: int, *, overwrite: bool, resume: bool
+    ) -> None:
+        """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of the right shape stay."""
+        if overwrite and resume:
+            raise UsageError("--overwrite and --resume exclude each other: replace the files, or keep them")
+        self.directory = directory
+        self.shape = (strands, particles, 3)
+        self.kept = [f for f in frames if resume and self._whole(directory / positions_file(f))]
+        there = [positions_file(f) for f in frames if (directory / positions_file(f)).exists()]
+        if there and not overwrite and not resume:
+            more = f" and {len(there) - 3} more" if len(there) > 3 else ""
+            raise UsageError(
+                f"{directory}: already holds {', '.join(there[:3])}{more}; "
+                "add --overwrite to replace or --resume to keep what is there"
+            )
+        self.wanted = tuple(f for f in frames if f not in self.kept)
+        self.done = list(self.kept)
+        prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
+
+    def _whole(self, path: Path) -> bool:
+        try:
+            read_positions(path, self.shape)
+        except UsageError:
+            return False
+        return True
+
+    def write(self, frame: int, positions: Positions) -> None:
+        """Write one frame's positions, whole or not at all."""
+        with atomic(self.directory / positions_file(frame)) as file:
+            np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
+        self.done.append(frame)
+
+    def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> Path:
+        """Write the manifest of the frames that are there."""
+        path = self.directory / MANIFEST
+        data = {
+            "schema_version": SCHEMA_VERSION,
+            "strandcli": __version__,
+            "status": status,
+            "preset": {"name": preset, "sha256": sha256 or None},
+            "strands": self.shape[0],
+            "particles": self.shape[1],
+            "dtype": "float32",
+            "unit": "m",
+            "fps": fps,
+            "frames": [{"frame": f, "file": positions_file(f)} for f in sorted(self.done)],
+        }
+        write_json(path, data)
+        return path
+
+
+class PositionCache:
+    """Positions to draw instead of simulating. Calling it with a frame number gives that frame's array."""
+
+    def __init__(self, directory: Path, frames: Sequence[int], strands: int, particles: int) -> None:
+        """Check that the folder holds every frame, of the right shape and type, before anything is drawn.
+
+        Raises ``UsageError`` that names what is missing or wrong.
+        """
+        self.directory = directory
+        self.shape = (strands, particles, 3)
+        manifest = _read_manifest(directory)
+        files = {entry["frame"]: entry["file"] for entry in manifest["frames"]}
+        missing = [f for f in frames if f not in files or not (directory / files[f]).is_file()]
+        if missing:
+            listed = ", ".join(str(f) for f in missing[:10]) + (" …" if len(missing) > 10 else "")
+            raise UsageError(
+                f"{directory}: has no positions for {'frame' if len(missing) == 1 else 'frames'} {listed}; "
+                "simulate them first, or ask for other frames with -f"
+            )
+        self.files = {f: directory / files[f] for f in frames}
+        for path in self.files.values():
+            _check_header(path, self.shape)
+
+    def __call__(self, frame: int) -> Positions:
+        return read_positions(self.files[frame], self.shape)
+
+
+def read_positions(path: Path, shape: tuple[int, int, int]) -> Positions:
+    """The array of one file; ``UsageError`` for anything but finite float32 numbers of exactly this shape."""
+    _check_header(path, shape)
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            positions: Positions = data["positions"]
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise UsageError(f"{path}: cannot be read: {error}") from None
+    bad = ~np.isfinite(positions).all(axis=(1, 2))
+    if bad.any():
+        raise UsageError(f"{path}: positions of strand {int(np.argmax(bad))} are not finite ({int(bad.sum())} strands)")
+    return positions
+
+
+def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
+    """Look at shape and type before any memory is taken on the file's word."""
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open("positions.npy") as member:
+            version = np.lib.format.read_magic(member)
+            header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            found, _, dtype = header(member)
+    except KeyError:
+        raise UsageError(f"{path}: holds no array named 'positions'") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise UsageError(f"{path}: not a file of positions: {error}") from None
+    if tuple(found) != shape:
+        raise UsageError(f"{path}: positions have shape {tuple(found)}, but the scene needs {shape}")
+    if dtype != np.dtype(np.float32):
+        raise UsageError(f"{path}: positions are {dtype}, not float32")
+
+
+def _read_manifest(directory: Path) -> dict[str, Any]:
+    path = directory / MANIFEST
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UsageError(f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}") from None
+    entries = data.get("frames") if isinstance(data, dict) else None
+    if not isinstance(entries, list) or not all(_is_entry(entry) for entry in entries):
+        raise UsageError(f"{path}: 'frames' must list mappings of a frame number and the name of a file beside it")
+    return dict(data)
+
+
+def _is_entry(entry: Any) -> bool:
+    if not isinstance(entry, dict) or type(entry.get("frame")) is not int:
+        return False
+    name = entry.get("file")
+    return isinstance(name, str) and bool(name) and name == Path(name).name
