@@ -147,7 +147,7 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
     path = writer.directory / f"animation.{kind}"
     paths = [writer.directory / frame_file(number) for number in numbers]
     shown = write_animation(path, paths, numbers, fps)
-    if not quiet and abs(shown / fps - 1) > 0.01:
+    if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
         click.echo(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
     return path
 

@@ -1,0 +1,132 @@
+"""How far two images are apart, in numbers and as a picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import MismatchError
+from . import png
+from .files import write_pieces
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Differences of two images of one size. Units are those of 8-bit images, 0 … 255, over all channels.
+
+    ``over`` counts the pixels of which some channel differs by more than ``threshold``. ``psnr_db`` is None for equal
+    images, whose ratio is infinite. ``rmse_relative`` is the RMSE over the root mean square of the first image, and
+    None if that is black.
+    """
+
+    width: int
+    height: int
+    threshold: int
+    over: int
+    over_fraction: float
+    max_difference: int
+    rmse: float
+    rmse_relative: float | None
+    psnr_db: float | None
+
+    @property
+    def equal(self) -> bool:
+        """Whether every pixel is the same."""
+        return self.max_difference == 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same for JSON."""
+        return {**asdict(self), "equal": self.equal}
+
+    def __str__(self) -> str:
+        if self.equal:
+            return "the same pixels"
+        total = self.width * self.height
+        counted = "differ" if self.threshold == 0 else f"differ by more than {self.threshold}/255"
+        return (
+            f"{self.over} of {total} pixels ({100 * self.over_fraction:.3g} %) {counted}, "
+            f"the most by {self.max_difference}/255; RMSE {self.rmse:.3g}/255"
+        )
+
+
+def compare(first: png.Pixels, second: png.Pixels, threshold: int = 0) -> Comparison:
+    """Compare uint8 images of shape (height, width, channels). Raises ``MismatchError`` if their shapes differ."""
+    if first.shape != second.shape:
+        raise MismatchError(f"sizes differ: {_size(first)} against {_size(second)}")
+    difference = _difference(first, second)
+    worst = difference.max(axis=2)
+    over = int(np.count_nonzero(worst > threshold))
+    square = float(np.mean(np.square(difference, dtype=np.float64)))
+    level = float(np.mean(np.square(first, dtype=np.float64)))
+    return Comparison(
+        width=first.shape[1],
+        height=first.shape[0],
+        threshold=threshold,
+        over=over,
+        over_fraction=over / worst.size,
+        max_difference=int(worst.max()),
+        rmse=math.sqrt(square),
+        rmse_relative=math.sqrt(square / level) if level else None,
+        psnr_db=10 * math.log10(255.0**2 / square) if square else None,
+    )
+
+
+def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Comparison, png.Pixels, png.Pixels]:
+    """Compare two files, and hand back what was compared. Alpha counts if either image has some.
+
+    Raises ``UsageError`` if one cannot be read and ``MismatchError``, naming both, if their sizes differ.
+    """
+    images = png.load(first), png.load(second)
+    mode = "RGBA" if any(image.has_transparency_data for image in images) else "RGB"
+    one, two = (np.asarray(image.convert(mode)) for image in images)
+    try:
+        return compare(one, two, threshold), one, two
+    except MismatchError as error:
+        raise MismatchError(f"{first} and {second}: {error}") from None
+
+
+def difference_image(first: png.Pixels, second: png.Pixels) -> png.Pixels:
+    """Where two images differ, to be looked at: the first in dark grey, and over it each differing pixel on a scale
+    red, yellow, white, stretched so that the greatest difference is white. Each is spread over its 8 neighbours, so
+    that a single one is seen."""
+    worst = _difference(first, second).max(axis=2).astype(np.float64)
+    spread = _spread(worst)
+    grey = first[..., :3].astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]) * 0.3
+    picture = np.repeat(grey[..., None], 3, axis=2)
+    if worst.max() > 0:
+        heat = 0.25 + 0.75 * spread / worst.max()
+        scale = np.clip(np.stack([3 * heat, 3 * heat - 1, 3 * heat - 2], axis=2), 0, 1) * 255
+        picture = np.where(spread[..., None] > 0, scale, picture)
+    return np.rint(picture).astype(np.uint8)
+
+
+def side_by_side(expected: png.Pixels, found: png.Pixels) -> png.Pixels:
+    """Expected, found and difference in one image, a white line between them."""
+    line = np.full((expected.shape[0], 2, 3), 255, dtype=np.uint8)
+    parts = [expected[..., :3], line, found[..., :3], line, difference_image(expected, found)]
+    return np.concatenate(parts, axis=1)
+
+
+def write_image(path: Path, image: png.Pixels) -> None:
+    """Write a picture as PNG, whole or not at all."""
+    write_pieces(path, png.encode(image))
+
+
+def _difference(first: png.Pixels, second: png.Pixels) -> Any:
+    return np.abs(first.astype(np.int16) - second.astype(np.int16))
+
+
+def _spread(values: Any) -> Any:
+    """The greatest value among each pixel and its 8 neighbours."""
+    padded = np.pad(values, 1)
+    height, width = values.shape
+    shifted = [padded[y : y + height, x : x + width] for y in range(3) for x in range(3)]
+    return np.maximum.reduce(shifted)
+
+
+def _size(image: png.Pixels) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"
