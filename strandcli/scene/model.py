@@ -7,11 +7,14 @@ Units: metres, seconds, degrees. Axes are right-handed with y up. A colour is th
 string "#rrggbb" which is read as sRGB.
 """
 
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from . import fields
 from .fields import (
     Colour,
     Vector,
@@ -85,13 +88,18 @@ class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
 
     shape: SphereShape | DiscShape | PlaneShape = union(
-        SphereShape(), {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape}, doc="surface that bears the roots"
+        SphereShape(),
+        {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape},
+        doc="surface that bears the roots",
     )
     strands: int = integer(10_000, low=1, high=100_000_000, doc="number of strands")
     particles: int = integer(10, low=2, high=100_000, doc="particles a strand, root included")
     length: float = number(1.0, above=0, unit="m", doc="mean strand length from root to tip")
     length_variation: float = number(
-        0.0, low=0, high=1, doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing"
+        0.0,
+        low=0,
+        high=1,
+        doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
     )
     direction: Vector | None = vector(
         None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal"
@@ -210,7 +218,9 @@ class Image:
 class Shadow:
     """The strands' shadow map of one light (thesis §3, corrected)."""
 
-    model: str = choice("minmax", ("minmax", "off"), doc="minmax: nearest and farthest strand a texel; off: built for nobody")
+    model: str = choice(
+        "minmax", ("minmax", "off"), doc="minmax: nearest and farthest strand a texel; off: built for nobody"
+    )
     size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side")
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
 
@@ -247,7 +257,8 @@ class Material:
     is scattered between strands, which that model leaves out."""
 
     colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands")
-    tip_colour: Colour | None = colour(None, doc="colour at the tip; absent: the same along the strand")
+    # inside this class `colour` is by now the field above
+    tip_colour: Colour | None = fields.colour(None, doc="colour at the tip; absent: the same along the strand")
     colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
     eta: float = number(1.55, above=1, high=3, doc="index of refraction")
     alpha: float = number(-7.5, low=-20, high=20, unit="deg", doc="shift of the R lobe toward the root, by the scales")
@@ -256,7 +267,10 @@ class Material:
     specular: float = number(1.0, low=0, high=10, doc="scale of R, TT and TRT together; 0 leaves their tables out")
     diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
     width: float = number(
-        0.0, low=0, unit="m", doc="strand diameter near the root; drawn only where it exceeds a pixel. 0: lines one pixel wide"
+        0.0,
+        low=0,
+        unit="m",
+        doc="strand diameter near the root; drawn only where it exceeds a pixel. 0: lines one pixel wide",
     )
     taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
 
@@ -266,12 +280,16 @@ class Curves:
     """How a chain of particles becomes a smooth line (thesis §3)."""
 
     mode: str = choice(
-        "adaptive", ("adaptive", "fixed", "off"), doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight"
+        "adaptive",
+        ("adaptive", "fixed", "off"),
+        doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight",
     )
     level: int = integer(2, low=0, high=8, doc="each segment becomes 2 ** level pieces (fixed), at most (adaptive)")
     tolerance: float = number(0.25, above=0, unit="px", doc="greatest distance of a piece from its curve (adaptive)")
     tangents: str = choice(
-        "difference", ("difference", "printed"), doc="central difference, or the source's cross products with its artefact"
+        "difference",
+        ("difference", "printed"),
+        doc="central difference, or the source's cross products with its artefact",
     )
 
 
@@ -313,7 +331,7 @@ class Scene:
     material: Material = model(Material, doc="how strands take light")
     curves: Curves = model(Curves, doc="smoothing")
     detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")
-    label: str = ""
+    label: str = text("", doc="what stands below the picture when it is a panel")
     panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
-    source: str = ""
-    sha256: str = ""
+    source: str = field(default="", compare=False)
+    sha256: str = field(default="", compare=False)

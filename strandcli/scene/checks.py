@@ -1,0 +1,126 @@
+"""What can be wrong with a scene although each of its settings is fine by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from .faults import shown
+from .fields import Vector
+from .model import Camera, CameraKey, Emitter, PoseKey, Scene, Solid
+from .motion import camera_key
+
+CLOSEST_PARTICLES = 1e-6
+"""Metres. Positions near 1 m are stored in single precision to about 1e-7 m."""
+
+_PARALLEL = 1e-6
+"""Sine of the angle below which two directions are parallel."""
+
+
+class Finding(NamedTuple):
+    """Something wrong: the path to report it at, the message, and the paths that it follows from."""
+
+    path: str
+    message: str
+    involves: tuple[str, ...]
+
+
+def findings(scene: Scene) -> Iterator[Finding]:
+    """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
+    yield from _spacing(scene.emitter)
+    yield from _times(scene.emitter.keys, "emitter.keys")
+    yield from _solid_names(scene.solids)
+    for index, solid in enumerate(scene.solids):
+        yield from _times(solid.keys, f"solids.{index}.keys")
+    yield from _camera(scene.camera)
+    yield from _times(scene.camera.keys, "camera.keys")
+
+
+def _spacing(emitter: Emitter) -> Iterator[Finding]:
+    apart = emitter.length / (emitter.particles - 1)
+    if apart < CLOSEST_PARTICLES:
+        yield Finding(
+            "emitter.length",
+            f"{emitter.particles} particles on {emitter.length:g} m stand {apart:.2g} m apart, too close for single "
+            f"precision (at least {CLOSEST_PARTICLES:g} m); take fewer particles or longer strands",
+            ("emitter.length", "emitter.particles"),
+        )
+
+
+def _times(keys: Sequence[PoseKey | CameraKey], path: str) -> Iterator[Finding]:
+    for index in range(1, len(keys)):
+        if keys[index].time <= keys[index - 1].time:
+            yield Finding(
+                f"{path}.{index}.time",
+                f"keys must go forward in time: {keys[index].time:g} s comes after {keys[index - 1].time:g} s",
+                (f"{path}.{index}.time", f"{path}.{index - 1}.time"),
+            )
+
+
+def _solid_names(solids: Iterable[Solid]) -> Iterator[Finding]:
+    first: dict[str, int] = {}
+    for index, solid in enumerate(solids):
+        path = f"solids.{index}.name"
+        if solid.name and solid.name in first:
+            message = f"solids.{first[solid.name]} has the name {shown(solid.name)} too; names must differ"
+            yield Finding(path, message, (path, f"solids.{first[solid.name]}.name"))
+        first.setdefault(solid.name, index)
+
+
+def _camera(camera: Camera) -> Iterator[Finding]:
+    """The camera looks somewhere, and not along its up direction: itself, at each key and between keys."""
+    own = ("camera.position", "camera.target", "camera.up")
+    problem = _blind(_minus(camera.target, camera.position), camera)
+    if problem:
+        yield Finding("camera.target", f"at {list(camera.target)} {problem}", own)
+    views = [camera_key(camera, key) for key in camera.keys]
+    looks = [_minus(view.target, view.position) for view in views]
+    for index, (key, look) in enumerate(zip(camera.keys, looks, strict=True)):
+        path = f"camera.keys.{index}"
+        place = f"{path}.target" if key.target is not None else f"{path}.position"
+        involves = (*own, f"{path}.position", f"{path}.target")
+        problem = _blind(look, camera)
+        if problem:
+            yield Finding(place, f"at {list(views[index].target)} {problem}", involves)
+        elif index and camera.keys[index - 1].ease != "step" and not _blind(looks[index - 1], camera):
+            problem = _blind_between(looks[index - 1], look, camera)
+            if problem:
+                before = (f"camera.keys.{index - 1}.position", f"camera.keys.{index - 1}.target")
+                yield Finding(place, problem, (*involves, *before))
+
+
+def _blind(look: Vector, camera: Camera) -> str:
+    """Why a camera that looks along ``look`` sees nothing, or nothing at all."""
+    reach = math.hypot(*look)
+    if reach < 1e-6:
+        return "is where the camera stands; it has to look somewhere else"
+    if math.hypot(*_cross(camera.up, look)) < _PARALLEL * reach * math.hypot(*camera.up):
+        return "lies along `up` from the camera; turn `up` aside"
+    return ""
+
+
+def _blind_between(before: Vector, after: Vector, camera: Camera) -> str:
+    """The same on the straight way from one look to the next."""
+    longest = max(math.hypot(*before), math.hypot(*after))
+    if _least(before, after) < _PARALLEL * longest:
+        return "on the way from the key before, the camera passes through its own target"
+    if _least(_cross(camera.up, before), _cross(camera.up, after)) < _PARALLEL * longest * math.hypot(*camera.up):
+        return "on the way from the key before, the camera looks along `up`; turn `up` aside or add a key"
+    return ""
+
+
+def _least(a: Vector, b: Vector) -> float:
+    """Least distance from the origin to the line segment from a to b."""
+    way = _minus(b, a)
+    square = sum(w * w for w in way)
+    share = 0.0 if square == 0.0 else min(max(-sum(p * w for p, w in zip(a, way, strict=True)) / square, 0.0), 1.0)
+    return math.hypot(*(p + share * w for p, w in zip(a, way, strict=True)))
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

@@ -1,0 +1,47 @@
+"""A validated scene back to plain data and to YAML that loads to an equal scene."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from .fields import settings_of
+from .model import RuleUse, Scene
+
+
+def plain(value: Any) -> Any:
+    """A setting's value as None, bool, int, float, str, lists and dicts with the keys of a preset."""
+    if isinstance(value, RuleUse):
+        return {value.name: plain(value.parameters)}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {key: plain(getattr(value, setting.attribute)) for key, setting in settings_of(type(value)).items()}
+    if isinstance(value, tuple):
+        return [plain(item) for item in value]
+    return value
+
+
+def to_dict(scene: Scene) -> dict[str, Any]:
+    """``scene`` with every setting written out. A panel holds only the top-level settings in which it differs."""
+    base: dict[str, Any] = plain(dataclasses.replace(scene, panels=()))
+    del base["panels"]
+    if scene.panels:
+        base["panels"] = []
+    for panel in scene.panels:
+        own = plain(panel)
+        del own["panels"]
+        label = own.pop("label")
+        changes = {key: value for key, value in own.items() if value != base[key]}
+        base["panels"].append({"label": label, "set": changes})
+    return base
+
+
+def dump(scene: Scene) -> str:
+    """``scene`` as the text of a preset that stands by itself, without ``extends``."""
+    import yaml
+
+    class Dumper(yaml.SafeDumper):
+        def ignore_aliases(self, data: Any) -> bool:
+            return True
+
+    # short lists such as vectors stay on one line
+    return yaml.dump(to_dict(scene), Dumper=Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None)

@@ -1,0 +1,296 @@
+"""A preset's name or path to a `Scene`: files, ``extends``, ``--set``, panels, then validation of the whole."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..errors import UsageError
+from . import library
+from .checks import findings
+from .faults import Fault, Mark, SceneError, fault_at, hint, shown
+from .model import Scene
+from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
+from .rule_type import RuleType, check_of
+from .settings import Unreachable, merge_scenes, place
+from .validate import Reader
+from .yaml_source import LARGEST_FILE, read, read_value
+
+if TYPE_CHECKING:
+    import hashlib
+
+DEEPEST_CHAIN = 8
+
+Rules = Mapping[str, RuleType]
+
+
+def load(
+    name_or_path: str | os.PathLike[str],
+    *,
+    rules: Rules,
+    overrides: Sequence[str] = (),
+    settings: Mapping[str, Any] | None = None,
+) -> Scene:
+    """A preset as a validated scene.
+
+    ``name_or_path`` is a path to a .yaml file or a shipped name (``hair``, ``figures/fig02``). ``rules`` are the rules
+    that presets may use, by name. ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``;
+    ``settings`` the same with ready values, by dotted path. Both change the preset before its panels do.
+
+    Raises `SceneError` with every fault in the order of the files, `UsageError` where there is no such preset.
+    """
+    import hashlib  # 2 ms, with OpenSSL behind it
+
+    source = _locate(os.fspath(name_or_path))
+    digest = hashlib.sha256()
+    faults: list[Fault] = []
+    root = _chain(source, rules, faults, digest)
+    root = _override(root, overrides, settings or {}, rules, faults)
+    for override in overrides:
+        _feed(digest, override.encode("utf-8", "surrogatepass"))
+    for path, value in sorted((settings or {}).items()):
+        _feed(digest, f"{path}={value!r}".encode("utf-8", "surrogatepass"))
+    scene = _whole(root, rules, faults)
+    if faults:
+        raise SceneError(_in_order(faults))
+    name, sha256 = str(source), digest.hexdigest()
+    panels = tuple(dataclasses.replace(panel, source=name, sha256=sha256) for panel in scene.panels)
+    return dataclasses.replace(scene, panels=panels, source=name, sha256=sha256)
+
+
+def loads(text: str, *, rules: Rules, name: str = "preset.yaml") -> Scene:
+    """`load` for the text of a preset that extends nothing; ``name`` stands for the file in messages."""
+    root, faults = read(text.encode("utf-8", "surrogatepass"), name)
+    scene = _whole(root, rules, faults)
+    if faults:
+        raise SceneError(_in_order(faults))
+    return scene
+
+
+def _locate(given: str) -> Path:
+    """The file of a preset. Raises UsageError."""
+    path = Path(given)
+    if not given.endswith(library.SUFFIXES):
+        for name, shipped in library.list_presets():
+            if name == given:
+                return shipped
+    try:
+        if path.is_file():
+            return path
+        if path.is_dir():
+            raise UsageError(f"{shown(given)} is a folder; a preset is a .yaml file")
+        beside = [p.name for p in path.parent.iterdir() if p.suffix in library.SUFFIXES] if path.name else []
+    except (OSError, ValueError):
+        beside = []
+    raise UsageError(library.no_such_preset(given, tuple(str(path.parent / name) for name in beside)))
+
+
+def _bytes_of(path: Path) -> bytes:
+    """A preset's bytes; one more than allowed where it is too large. Raises UsageError."""
+    try:
+        with path.open("rb") as file:
+            return file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise UsageError(f"{shown(str(path))} cannot be read: {error.strerror or error}") from None
+
+
+class _Link(NamedTuple):
+    """One file of a chain of presets that extend each other."""
+
+    path: Path
+    root: MapNode
+
+
+def _chain(source: Path, rules: Rules, faults: list[Fault], digest: hashlib._Hash) -> MapNode:
+    """The preset at ``source`` laid over all that it extends."""
+    links: list[_Link] = []
+    path: Path | None = source
+    while path is not None:
+        data = _bytes_of(path)
+        _feed(digest, data)
+        try:
+            root, found = read(data, str(path))
+        except SceneError as error:
+            raise SceneError([*faults, *error.faults]) from None
+        faults.extend(found)
+        links.append(_Link(path, root))
+        path = _parent(links, faults)
+    links.reverse()
+    root = links[0].root.without("extends")
+    for link in links[1:]:
+        try:
+            root = merge_scenes(root, link.root.without("extends"), rules)
+        except Unreachable as problem:
+            entry = link.root.entries["rules"]
+            faults.append(fault_at(entry.mark, "rules", str(problem)))
+    return root
+
+
+def _parent(links: list[_Link], faults: list[Fault]) -> Path | None:
+    """The file that the last link extends, or None; a fault where it cannot be."""
+    last = links[-1]
+    node = last.root.get("extends")
+    if node is None or (isinstance(node, Scalar) and node.null):
+        return None
+    chain = " -> ".join(str(link.path) for link in links)
+    problem = ""
+    if not isinstance(node, Scalar) or node.empty:
+        given = kind_of(node)
+        problem = f"must be the name or the path of a preset, not {given}"
+    else:
+        try:
+            path = _beside(last.path, node.text)
+            same = [link for link in links if link.path.resolve() == path.resolve()]
+            if same:
+                problem = f"goes in a circle: {chain} -> {node.text}"
+            elif len(links) > DEEPEST_CHAIN:
+                problem = f"goes more than {DEEPEST_CHAIN} deep: {chain} -> {node.text}"
+            else:
+                _bytes_of(path)
+                return path
+        except UsageError as error:
+            problem = str(error)
+    faults.append(fault_at(node.mark, "extends", problem))
+    return None
+
+
+def _beside(path: Path, extends: str) -> Path:
+    """What ``extends`` means in the file at ``path``."""
+    return _locate(str(path.parent / extends)) if extends.endswith(library.SUFFIXES) else library.find(extends)
+
+
+def _override(
+    root: MapNode, overrides: Sequence[str], settings: Mapping[str, Any], rules: Rules, faults: list[Fault]
+) -> MapNode:
+    """``root`` with the settings of the command line and of Python."""
+    changes: list[tuple[str, Node]] = []
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        path = path.strip()
+        mark = Mark(f"--set {override}")
+        if not equals or not path:
+            faults.append(fault_at(mark, "", "must be PATH=VALUE, such as wind.strength=3"))
+            continue
+        try:
+            changes.append((path, read_value(text, mark.file)))
+        except SceneError as error:
+            faults.extend(error.faults)
+    for path, value in settings.items():
+        try:
+            changes.append((path, node_of(value, Mark(""))))
+        except TypeError as error:
+            faults.append(Fault("", 0, 0, path, str(error)))
+    for path, node in changes:
+        try:
+            root = place(root, path, node, rules)
+        except Unreachable as problem:
+            faults.append(fault_at(node.mark, path, str(problem)))
+    return root
+
+
+def _whole(root: MapNode, rules: Rules, faults: list[Fault]) -> Scene:
+    """The scene of a complete tree with its panels; faults are added to ``faults``."""
+    panels_entry = root.entries.get("panels")
+    base = root.without("panels")
+    scene, found = _one(base, rules)
+    faults.extend(found)
+    if panels_entry is None or (isinstance(panels_entry.node, Scalar) and panels_entry.node.null):
+        return scene
+    if not isinstance(panels_entry.node, ListNode):
+        given = kind_of(panels_entry.node)
+        faults.append(fault_at(panels_entry.node.mark, "panels", f"must be a list of panels, not {given}"))
+        return scene
+    known = {(fault.mark, fault.message) for fault in found}
+    panels = []
+    for index, node in enumerate(panels_entry.node.items):
+        panel, wrong = _panel(base, node, f"panels.{index}", rules, known)
+        faults.extend(wrong)
+        panels.append(panel)
+    return dataclasses.replace(scene, panels=tuple(panel for panel in panels if panel is not None))
+
+
+def _panel(
+    base: MapNode, node: Node, path: str, rules: Rules, known: set[tuple[Mark, str]]
+) -> tuple[Scene | None, list[Fault]]:
+    """One panel's scene and its faults; ``known`` faults of the base are not told again."""
+    if not isinstance(node, MapNode):
+        return None, [fault_at(node.mark, path, f"must be a mapping with `label` and `set`, not {kind_of(node)}")]
+    faults = [
+        fault_at(entry.mark, f"{path}.{key}", f"unknown key; {hint(key, ('label', 'set'), 'the keys are')}")
+        for key, entry in node.entries.items()
+        if key not in ("label", "set")
+    ]
+    root = base
+    label = node.entries.get("label")
+    if label is not None:
+        root = root.with_entry("label", label)
+    changes = node.get("set")
+    if isinstance(changes, MapNode):
+        for key, entry in changes.entries.items():
+            where = f"{path}.set.{key}"
+            if key.split(".")[0] in ("panels", "extends"):
+                faults.append(fault_at(entry.mark, where, "a panel cannot hold this; panels do not nest"))
+                continue
+            try:
+                root = place(root, key, entry.node, rules)
+            except Unreachable as problem:
+                faults.append(fault_at(entry.mark, where, str(problem)))
+    elif changes is not None and not (isinstance(changes, Scalar) and (changes.null or changes.empty)):
+        faults.append(fault_at(changes.mark, f"{path}.set", f"must be a mapping of settings, not {kind_of(changes)}"))
+    scene, found = _one(root, rules)
+    inside = set(marks_of(node))
+    for fault in found:
+        if (fault.mark, fault.message) not in known:
+            # what only together with the base is wrong is reported at the panel
+            mark = fault.mark if fault.mark in inside else node.mark
+            faults.append(fault_at(mark, f"{path}.set.{fault.path}", fault.message))
+    return scene, faults
+
+
+def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
+    """One scene without panels, and everything that is wrong with it."""
+    reader = Reader(rules)
+    scene: Scene = reader.model(Scene, root, "")
+    reported = [fault.path for fault in reader.faults]
+    for finding in findings(scene):
+        if not any(_touches(path, about) for path in reported for about in finding.involves):
+            written = (path for path in (finding.path, *finding.involves) if path in reader.marks)
+            path = next(written, finding.path)
+            reader.refuse(reader.mark_near(path) or root.mark, path, finding.message)
+    if any(_shakes_solids(path) for path in reported):
+        return scene, reader.faults
+    for use in scene.rules:
+        check = check_of(rules[use.name])
+        if check is None or any(_touches(path, use.path) for path in reported):
+            continue
+        for inner, message in check(use.parameters, scene):
+            path = f"{use.path}.{inner}" if inner else use.path
+            reader.refuse(reader.mark_near(path) or root.mark, path, message)
+    return scene, reader.faults
+
+
+def _touches(path: str, other: str) -> bool:
+    """Whether one path is the other or lies inside of it."""
+    return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")
+
+
+def _shakes_solids(path: str) -> bool:
+    """Whether a fault at ``path`` leaves open which solids there are, which rules' checks may ask for."""
+    parts = path.split(".")
+    return parts[0] == "solids" and (len(parts) < 3 or parts[2] in ("kind", "name"))
+
+
+def _in_order(faults: Iterable[Fault]) -> list[Fault]:
+    """Faults by place, files in the order in which they came up, each fault once."""
+    unique = list(dict.fromkeys(faults))
+    files = {file: place for place, file in enumerate(dict.fromkeys(fault.file for fault in unique))}
+    # what has no lines (--set, Python) comes last
+    return sorted(unique, key=lambda f: (not f.line, files[f.file], f.line, f.column))
+
+
+def _feed(digest: hashlib._Hash, data: bytes) -> None:
+    """Add ``data`` so that where one piece ends and the next begins makes a difference."""
+    digest.update(len(data).to_bytes(8, "big") + data)

@@ -1,0 +1,189 @@
+"""Where things are at a moment: keys, easing, and poses, in plain Python.
+
+A pose maps a point x of a thing's own frame to rotation · x + translation. Rotations are written as Euler angles in
+degrees about x, then y, then z (fixed axes), so the matrix is Rz · Ry · Rx. Angles are interpolated each by itself, in
+degrees: from 0 to 720 turns twice.
+
+Sines and cosines are polynomials of our own, because those of the C library differ in the last bit between machines.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import NamedTuple, Protocol, TypeVar
+
+from .fields import Vector
+from .model import Camera, CameraKey, Emitter, PoseKey, Solid
+
+Matrix = tuple[Vector, Vector, Vector]
+"""Three rows."""
+
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+class Pose(NamedTuple):
+    """A rigid motion: x -> rotation · x + translation (metres)."""
+
+    rotation: Matrix
+    translation: Vector
+
+
+class View(NamedTuple):
+    """The camera at a moment: eye and target in metres, vertical field of view in degrees, height in metres."""
+
+    position: Vector
+    target: Vector
+    fov: float
+    height: float
+
+
+class _Key(Protocol):
+    @property
+    def time(self) -> float: ...
+    @property
+    def ease(self) -> str: ...
+
+
+Key = TypeVar("Key", bound=_Key)
+
+
+def emitter_pose(emitter: Emitter, time: float) -> Pose:
+    """The emitter's pose at ``time`` (seconds)."""
+    return _pose(emitter.position, emitter.rotation, emitter.keys, time)
+
+
+def solid_pose(solid: Solid, emitter: Emitter, time: float) -> Pose:
+    """A solid's pose in the world at ``time`` (seconds); where it follows the emitter, its own is in that frame."""
+    own = _pose(solid.position, solid.rotation, solid.keys, time)
+    return compose(emitter_pose(emitter, time), own) if solid.follow == "emitter" else own
+
+
+def camera_at(camera: Camera, time: float) -> View:
+    """The camera's view at ``time`` (seconds). What a key leaves out is the camera's own."""
+    if not camera.keys:
+        return View(camera.position, camera.target, camera.fov, camera.height)
+    before, after, share = _between(camera.keys, time)
+    first, second = camera_key(camera, before), camera_key(camera, after)
+    return View(
+        _mix_vector(first.position, second.position, share),
+        _mix_vector(first.target, second.target, share),
+        _mix(first.fov, second.fov, share),
+        _mix(first.height, second.height, share),
+    )
+
+
+def camera_key(camera: Camera, key: CameraKey) -> View:
+    """The view at a key, completed from the camera itself."""
+    return View(
+        camera.position if key.position is None else key.position,
+        camera.target if key.target is None else key.target,
+        camera.fov if key.fov is None else key.fov,
+        camera.height if key.height is None else key.height,
+    )
+
+
+def compose(outer: Pose, inner: Pose) -> Pose:
+    """The pose that first applies ``inner``, then ``outer``."""
+    return Pose(multiply(outer.rotation, inner.rotation), apply(outer, inner.translation))
+
+
+def apply(pose: Pose, point: Vector) -> Vector:
+    """A point (3,) of the pose's own frame, in the frame outside."""
+    turned = rotate(pose.rotation, point)
+    return (
+        turned[0] + pose.translation[0],
+        turned[1] + pose.translation[1],
+        turned[2] + pose.translation[2],
+    )
+
+
+def rotate(matrix: Matrix, vector: Vector) -> Vector:
+    """matrix · vector."""
+    x, y, z = vector
+    a, b, c = matrix
+    return (a[0] * x + a[1] * y + a[2] * z, b[0] * x + b[1] * y + b[2] * z, c[0] * x + c[1] * y + c[2] * z)
+
+
+def multiply(left: Matrix, right: Matrix) -> Matrix:
+    """left · right."""
+    columns = tuple(zip(*right, strict=True))
+    x, y, z = (rotate(left, (c[0], c[1], c[2])) for c in columns)
+    return ((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]))
+
+
+def rotation_matrix(degrees: Vector) -> Matrix:
+    """Rz · Ry · Rx of three angles in degrees. Quarter turns are exact."""
+    (sx, cx), (sy, cy), (sz, cz) = (sine_cosine(angle) for angle in degrees)
+    return (
+        (cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx),
+        (sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx),
+        (-sy, cy * sx, cy * cx),
+    )
+
+
+def sine_cosine(degrees: float) -> tuple[float, float]:
+    """Sine and cosine of an angle in degrees, to 1e-15, the same bits on every machine."""
+    within = math.fmod(degrees, 360.0)  # exact
+    quarter = math.floor(within / 90.0 + 0.5)
+    x = (within - 90.0 * quarter) * (math.pi / 180.0)  # |x| <= pi / 4
+    square = x * x
+    # Taylor series; at pi / 4 the first term left out is below 1e-17
+    sine, cosine = 1.0, 1.0
+    for n in range(17, 1, -2):
+        sine = 1.0 - square * sine / (n * (n - 1))
+        cosine = 1.0 - square * cosine / ((n - 1) * (n - 2))
+    sine *= x
+    turn = quarter % 4
+    if turn == 0:
+        return sine, cosine
+    if turn == 1:
+        return cosine, -sine
+    if turn == 2:
+        return -sine, -cosine
+    return -cosine, sine
+
+
+def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey], time: float) -> Pose:
+    """The pose of a thing that stands at position and rotation, or moves by its keys."""
+    if not keys:
+        return Pose(rotation_matrix(rotation), position)
+    before, after, share = _between(keys, time)
+    return Pose(
+        rotation_matrix(_mix_vector(before.rotation, after.rotation, share)),
+        _mix_vector(before.position, after.position, share),
+    )
+
+
+def _between(keys: Sequence[Key], time: float) -> tuple[Key, Key, float]:
+    """The keys on both sides of ``time`` and the eased share of the way between them; held outside of all keys."""
+    if time <= keys[0].time:
+        return keys[0], keys[0], 0.0
+    for before, after in pairwise(keys):
+        if time < after.time:
+            return before, after, EASES[before.ease]((time - before.time) / (after.time - before.time))
+    return keys[-1], keys[-1], 0.0
+
+
+def _smooth(share: float) -> float:
+    return share * share * (3.0 - 2.0 * share)
+
+
+def _linear(share: float) -> float:
+    return share
+
+
+def _step(share: float) -> float:
+    return 0.0
+
+
+EASES: dict[str, Callable[[float], float]] = {"smooth": _smooth, "linear": _linear, "step": _step}
+
+
+def _mix(a: float, b: float, share: float) -> float:
+    return a if share == 0.0 else a + (b - a) * share
+
+
+def _mix_vector(a: Vector, b: Vector, share: float) -> Vector:
+    return (_mix(a[0], b[0], share), _mix(a[1], b[1], share), _mix(a[2], b[2], share))

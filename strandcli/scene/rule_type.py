@@ -1,0 +1,44 @@
+"""What the scene has to be told about a rule in order to read it from a preset: nothing about how it moves anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from .model import Scene
+
+Check = Callable[[Any, "Scene"], Iterable[tuple[str, str]]]
+"""(parameters, scene) -> (path inside the parameters, message) of everything that does not fit the scene."""
+
+
+class RuleType(Protocol):
+    """A kind of rule: any object or module with these names.
+
+    ``Parameters`` is a frozen dataclass whose fields are made with the helpers of `fields.py`. ``order`` is the rule's
+    place in the default order (rules written as a mapping), ascending.
+
+    Two more are used where they exist. ``check`` (see `Check`) finds parameters that are fine in themselves but not in
+    this scene, such as the name of a solid that is not there. ``doc`` describes the rule; without it the first
+    paragraph of its ``__doc__`` does.
+    """
+
+    name: str
+    order: float
+    Parameters: type
+
+
+def check_of(rule: RuleType) -> Check | None:
+    """The rule's own check, if it has one."""
+    check: Check | None = getattr(rule, "check", None)
+    return check
+
+
+def doc_of(rule: RuleType) -> str:
+    """The rule's description on one line."""
+    return getattr(rule, "doc", "") or first_paragraph(rule.__doc__)
+
+
+def first_paragraph(doc: str | None) -> str:
+    """The first paragraph of a docstring, on one line."""
+    return " ".join((doc or "").strip().split("\n\n")[0].split())

@@ -1,0 +1,243 @@
+"""Changing a preset before it is validated: one tree laid over another, and single settings put at a dotted path.
+
+`merge` serves ``extends``: mappings are merged deeply, anything else is replaced. `place` serves ``--set``, the
+settings given from Python, and panels.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from .dump import plain
+from .faults import hint, shown
+from .fields import (
+    ColourSpec,
+    ItemsSpec,
+    ModelSpec,
+    NamesSpec,
+    PanelsSpec,
+    RulesSpec,
+    SizeSpec,
+    Spec,
+    UnionSpec,
+    VectorSpec,
+    settings_of,
+)
+from .model import Scene
+from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
+from .rule_type import RuleType
+
+SCENE = ModelSpec(default=None, model=Scene)
+
+
+class Unreachable(ValueError):
+    """A path that leads to no setting; the message says why."""
+
+
+class RuleEntry(NamedTuple):
+    """One rule as a preset lists it."""
+
+    name: str
+    place: int
+    parameters: Node
+
+
+def merge(base: Node | None, over: Node, spec: Spec | None, rules: Mapping[str, RuleType]) -> Node:
+    """``base`` with ``over`` laid over it, both being values of a setting ``spec`` (None: unknown).
+
+    Raises Unreachable where ``over`` names a rule that a list in ``base`` does not hold.
+    """
+    if base is None or spec is None:
+        return over
+    if isinstance(over, Scalar) and over.empty and isinstance(spec, ModelSpec | UnionSpec | RulesSpec):
+        return base
+    if isinstance(spec, RulesSpec) and isinstance(over, MapNode) and isinstance(base, ListNode):
+        return _patched(base, over, rules)
+    if not isinstance(base, MapNode) or not isinstance(over, MapNode):
+        return over
+    if isinstance(spec, UnionSpec) and _kind(over, _kind(base, "")) != _kind(base, ""):
+        return over  # another kind has other settings
+    specs = _specs(spec, over if isinstance(spec, UnionSpec) and over.get("kind") else base, rules)
+    if specs is None:
+        return over
+    merged = base
+    for key, entry in over.entries.items():
+        merged = merged.with_entry(key, Entry(entry.mark, merge(base.get(key), entry.node, specs.get(key), rules)))
+    return merged
+
+
+def merge_scenes(base: MapNode, over: MapNode, rules: Mapping[str, RuleType]) -> MapNode:
+    """`merge` for whole presets."""
+    merged = merge(base, over, SCENE, rules)
+    assert isinstance(merged, MapNode)
+    return merged
+
+
+def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) -> MapNode:
+    """``root``, a whole preset, with ``value`` laid over what is at ``path``; its marks are those of ``value``.
+
+    ``path`` is dotted: keys, places in lists (from 0) or names of solids, and rules by name, `wind.strength` being
+    short for `rules.wind.strength`; `wind[2]` is the second wind. Raises Unreachable.
+    """
+    parts = path.split(".")
+    known = settings_of(Scene)
+    if parts[0] not in known:
+        rule = _rule_part(parts[0])[0]
+        if rule not in rules:
+            raise Unreachable(f"unknown key; {hint(parts[0], [*known, *rules], 'the keys are')}")
+        parts.insert(0, "rules")
+    placed = _place(SCENE, root, parts, value, rules)
+    assert isinstance(placed, MapNode)
+    return placed
+
+
+def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:
+    if not parts:
+        return merge(node, value, spec, rules)
+    if isinstance(node, Scalar) and (node.null or node.empty):
+        node = None
+    part = parts[0]
+    if isinstance(spec, ModelSpec | UnionSpec):
+        if node is None:
+            node = MapNode({}, value.mark)
+        if not isinstance(node, MapNode):
+            raise Unreachable(f"{shown(part)} cannot be reached inside {kind_of(node)}")
+        specs = _specs(spec, node, rules)
+        if specs is None:
+            raise Unreachable(f"{shown(part)} cannot be reached: the kind of what holds it is not known")
+        if part not in specs:
+            raise Unreachable(f"unknown key; {hint(part, specs, 'the keys are')}")
+        child = _place(specs[part], node.get(part), parts[1:], value, rules)
+        if isinstance(spec, UnionSpec) and part == "kind":
+            node = _of_kind(spec, node, child)
+        old = node.entries.get(part)
+        return node.with_entry(part, Entry(value.mark if len(parts) == 1 or old is None else old.mark, child))
+    if isinstance(spec, RulesSpec):
+        return _place_rule(node, parts, value, rules)
+    if isinstance(spec, PanelsSpec):
+        raise Unreachable("single panels are changed in the preset itself")
+    if not isinstance(spec, ItemsSpec | VectorSpec | ColourSpec | SizeSpec | NamesSpec):
+        raise Unreachable("there is nothing inside this setting")
+    if node is None and spec.default is not None:
+        node = node_of(plain(spec.default), value.mark)
+    if not isinstance(node, ListNode):
+        raise Unreachable(f"{shown(part)} cannot be reached inside {'nothing' if node is None else kind_of(node)}")
+    index = _index(node, part)
+    item = node.items[index]
+    inner: Spec | None = None
+    if isinstance(spec, ItemsSpec):
+        kinds = spec.kinds
+        stand_in = next(iter(kinds.values()))
+        inner = UnionSpec(default=stand_in(), kinds=kinds) if spec.tagged else ModelSpec(model=stand_in)
+    elif len(parts) > 1:
+        raise Unreachable("there is nothing inside a number")
+    return node.with_item(index, value if inner is None else _place(inner, item, parts[1:], value, rules))
+
+
+def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:
+    """The node of `rules` with a change at parts[0], a rule, or inside of it."""
+    name, count = _rule_part(parts[0])
+    listed = _listed(node)
+    if name.isdecimal() and len(name) < 7 and int(name) < len(listed):
+        found = listed[int(name)]
+    else:
+        if name not in rules:
+            raise Unreachable(f"unknown rule {shown(name)}; {hint(name, rules, 'the rules are')}")
+        same = [entry for entry in listed if entry.name == name]
+        if count > len(same):
+            have = ", ".join(entry.name for entry in listed) or "none"
+            times = f" {count} times" if count > 1 else ""
+            raise Unreachable(f"the preset does not list the rule {shown(name)}{times}; its rules are {have}")
+        found = same[count - 1]
+    if found.name not in rules:
+        raise Unreachable(f"unknown rule {shown(found.name)}")
+    if isinstance(value, Scalar) and value.null and len(parts) == 1:
+        if isinstance(node, ListNode):
+            return node.without_item(found.place)
+        assert isinstance(node, MapNode)
+        return node.without(found.name)
+    parameters = ModelSpec(model=rules[found.name].Parameters)
+    inner = _place(parameters, found.parameters, parts[1:], value, rules)
+    if isinstance(node, ListNode):
+        entry = Entry(node.items[found.place].mark, inner)
+        return node.with_item(found.place, MapNode({found.name: entry}, entry.mark))
+    assert isinstance(node, MapNode)
+    return node.with_entry(found.name, Entry(node.entries[found.name].mark, inner))
+
+
+def _listed(node: Node | None) -> list[RuleEntry]:
+    """The rules that `rules` holds, in the order of the text; what is none is left out."""
+    if isinstance(node, MapNode):
+        return [
+            RuleEntry(name, index, entry.node)
+            for index, (name, entry) in enumerate(node.entries.items())
+            if not (isinstance(entry.node, Scalar) and entry.node.null)
+        ]
+    found: list[RuleEntry] = []
+    for index, item in enumerate(node.items if isinstance(node, ListNode) else ()):
+        if isinstance(item, MapNode) and len(item.entries) == 1:
+            found.extend(RuleEntry(name, index, entry.node) for name, entry in item.entries.items())
+        elif isinstance(item, Scalar):
+            found.append(RuleEntry(item.text, index, MapNode({}, item.mark)))
+    return found
+
+
+def _patched(base: ListNode, over: MapNode, rules: Mapping[str, RuleType]) -> Node:
+    """A list of rules with the changes of a mapping, where null takes a rule out. The order stays."""
+    node: Node = base
+    for name, entry in over.entries.items():
+        node = _place_rule(node, [name], entry.node, rules)
+    return node
+
+
+def _rule_part(part: str) -> tuple[str, int]:
+    """`wind` -> wind, 1; `wind[2]` -> wind, 2."""
+    numbered = re.fullmatch(r"(.+)\[([1-9][0-9]{0,5})\]", part)
+    return (numbered[1], int(numbered[2])) if numbered else (part, 1)
+
+
+def _index(node: ListNode, part: str) -> int:
+    """The place in a list that ``part`` means: a number from 0, or the `name` of an item."""
+    if part.isdecimal() and part.isascii() and len(part) < 7:
+        if int(part) < len(node.items):
+            return int(part)
+        count = len(node.items)
+        have = f"it has {count}, counted from 0" if count else "it is empty"
+        raise Unreachable(f"there is no entry {part} in this list; {have}")
+    known: dict[str, int] = {}
+    for index, item in enumerate(node.items):
+        name = item.get("name") if isinstance(item, MapNode) else None
+        if isinstance(name, Scalar) and name.text:
+            known.setdefault(name.text, index)
+    if part in known:
+        return known[part]
+    raise Unreachable(f"no entry of this list has the name {shown(part)}; {hint(part, known, 'the names are')}")
+
+
+def _kind(node: MapNode, otherwise: str) -> str:
+    kind = node.get("kind")
+    return kind.text if isinstance(kind, Scalar) else otherwise
+
+
+def _specs(spec: Spec, node: MapNode, rules: Mapping[str, RuleType]) -> dict[str, Spec] | None:
+    """The specs of the keys that a mapping may have, or None where its kind is not known."""
+    if isinstance(spec, RulesSpec):
+        return {name: ModelSpec(model=rule.Parameters) for name, rule in rules.items()}
+    if isinstance(spec, UnionSpec):
+        cls = spec.kinds.get(_kind(node, ""), None if node.get("kind") else type(spec.default))
+    elif isinstance(spec, ModelSpec):
+        cls = spec.model
+    else:
+        return None
+    return None if cls is None else {key: setting.spec for key, setting in settings_of(cls).items()}
+
+
+def _of_kind(spec: UnionSpec, node: MapNode, kind: Node) -> MapNode:
+    """``node`` without the settings that another kind does not have."""
+    cls = spec.kinds.get(kind.text) if isinstance(kind, Scalar) else None
+    if cls is None:
+        return node
+    known = settings_of(cls)
+    return node.without(*(key for key in node.entries if key not in known))

@@ -1,0 +1,293 @@
+"""A tree (`nodes.py`) to the typed data of `model.py`, with every fault on the way.
+
+A faulty value is noted and its default put in its place, so that one pass finds all faults. What a mapping gives as
+``null`` counts as not given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from .describe import wanted
+from .faults import Fault, Mark, fault_at, hint, shown
+from .fields import (
+    SMALLEST,
+    BooleanSpec,
+    ChoiceSpec,
+    ColourSpec,
+    IntegerSpec,
+    ItemsSpec,
+    ModelSpec,
+    NamesSpec,
+    NumberSpec,
+    Range,
+    RulesSpec,
+    SizeSpec,
+    Spec,
+    TextSpec,
+    UnionSpec,
+    VectorSpec,
+    settings_of,
+)
+from .model import RuleUse
+from .nodes import ListNode, MapNode, Node, Scalar, kind_of
+from .rule_type import RuleType
+from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size
+
+
+class Reader:
+    """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written."""
+
+    def __init__(self, rules: Mapping[str, RuleType]) -> None:
+        self.rules = rules
+        self.faults: list[Fault] = []
+        self.marks: dict[str, Mark] = {}
+
+    def refuse(self, mark: Mark, path: str, message: str) -> None:
+        """Note a fault."""
+        self.faults.append(fault_at(mark, path, message))
+
+    def mark_near(self, path: str) -> Mark | None:
+        """Where ``path`` was written, or the nearest thing around it that was."""
+        while path:
+            if path in self.marks:
+                return self.marks[path]
+            path = path.rpartition(".")[0]
+        return self.marks.get("")
+
+    def model(self, cls: type, node: Node, path: str) -> Any:
+        """An instance of ``cls`` from a mapping; nothing at all counts as an empty one."""
+        self.marks[path] = node.mark
+        if isinstance(node, Scalar) and node.empty:
+            node = MapNode({}, node.mark)
+        if not isinstance(node, MapNode):
+            self.refuse(node.mark, path, f"must be a mapping of settings, not {_given(node)}")
+            return cls()
+        settings = settings_of(cls)
+        values = {}
+        for key, entry in node.entries.items():
+            where = f"{path}.{key}" if path else key
+            setting = settings.get(key)
+            if setting is None:
+                self.refuse(entry.mark, where, self.unknown_key(key, settings, top=not path))
+            elif not (isinstance(entry.node, Scalar) and entry.node.null):
+                values[setting.attribute] = self.value(setting.spec, entry.node, where)
+        return cls(**values)
+
+    def unknown_key(self, key: str, settings: Mapping[str, Any], top: bool) -> str:
+        """The message for a key that is none of ``settings``."""
+        if top and key in self.rules:
+            return f"unknown key; {shown(key)} is a rule and belongs under `rules`"
+        if not settings:
+            return "unknown key; there are no settings here"
+        return f"unknown key; {hint(key, settings, 'the keys are')}"
+
+    def value(self, spec: Spec, node: Node, path: str) -> Any:
+        """The value of one setting, or its default after a fault."""
+        self.marks[path] = node.mark
+        try:
+            match spec:
+                case ModelSpec():
+                    return self.model(spec.model, node, path)
+                case UnionSpec():
+                    return self.union(spec, node, path)
+                case ItemsSpec():
+                    return self.items(spec, node, path)
+                case RulesSpec():
+                    return self.rule_uses(spec, node, path)
+                case VectorSpec():
+                    return self.vector(spec, node, path)
+                case ColourSpec():
+                    return self.colour(spec, node, path)
+                case SizeSpec():
+                    return self.size(spec, node, path)
+                case NamesSpec():
+                    return self.names(spec, node, path)
+            if not isinstance(node, Scalar) or node.empty:
+                raise Refusal(f"not {_given(node)}")
+            match spec:
+                case NumberSpec():
+                    return _in_range(float(as_number(node)), spec.range, node)
+                case IntegerSpec():
+                    return _whole(node, spec.range)
+                case BooleanSpec():
+                    return as_boolean(node)
+                case ChoiceSpec():
+                    return _option(node, spec)
+                case TextSpec():
+                    return node.text
+        except Refusal as refusal:
+            self.refuse(node.mark, path, f"must be {wanted(spec)}, {refusal}")
+            return spec.default
+        raise TypeError(f"no such kind of setting: {type(spec).__name__}")
+
+    def numbers(self, spec: Spec, limits: Range, node: ListNode, path: str) -> tuple[float, ...] | None:
+        """The numbers of a list, each refused by itself; None after a fault."""
+        found: list[float] = []
+        for index, item in enumerate(node.items):
+            try:
+                if not isinstance(item, Scalar) or item.empty or item.null:
+                    raise Refusal(f"not {_given(item)}")
+                found.append(_in_range(float(as_number(item)), limits, item))
+            except Refusal as refusal:
+                one = NumberSpec(range=limits, unit=spec.unit)
+                self.refuse(item.mark, f"{path}.{index}", f"must be {wanted(one)}, {refusal}")
+        return tuple(found) if len(found) == len(node.items) else None
+
+    def vector(self, spec: VectorSpec, node: Node, path: str) -> Any:
+        """Three numbers."""
+        if not isinstance(node, ListNode) or len(node.items) != 3:
+            raise Refusal(f"not {_given(node)}")
+        found = self.numbers(spec, spec.range, node, path)
+        if found is not None and spec.nonzero and math.hypot(*found) < SMALLEST:
+            self.refuse(node.mark, path, "must have a direction, not be zero")
+            return spec.default
+        return spec.default if found is None else found
+
+    def colour(self, spec: ColourSpec, node: Node, path: str) -> Any:
+        """Three linear numbers, or sRGB in hexadecimal."""
+        if isinstance(node, ListNode) and len(node.items) == 3:
+            found = self.numbers(spec, Range(low=0), node, path)
+            return spec.default if found is None else found
+        if isinstance(node, Scalar) and node.empty:
+            raise Refusal("not nothing; without quotes a # begins a comment")
+        if isinstance(node, Scalar):
+            return as_hex_colour(node)
+        raise Refusal(f"not {_given(node)}")
+
+    def size(self, spec: SizeSpec, node: Node, path: str) -> Any:
+        """Width and height."""
+        limits = Range(low=1, high=spec.high)
+        if isinstance(node, Scalar) and not node.empty:
+            found: tuple[int, ...] = as_size(node)
+        elif isinstance(node, ListNode) and len(node.items) == 2 and all(isinstance(i, Scalar) for i in node.items):
+            found = tuple(_whole(item, limits) for item in node.items if isinstance(item, Scalar))
+        else:
+            raise Refusal(f"not {_given(node)}")
+        if not all(limits.holds(side) for side in found):
+            raise Refusal(f"not {_given(node)}")
+        return found
+
+    def names(self, spec: NamesSpec, node: Node, path: str) -> Any:
+        """One name, or a list of names."""
+        items = node.items if isinstance(node, ListNode) else (node,)
+        found = []
+        for item in items:
+            if not isinstance(item, Scalar) or item.empty or item.null:
+                raise Refusal(f"not {_given(item)}")
+            found.append(item.text)
+        return tuple(found)
+
+    def union(self, spec: UnionSpec, node: Node, path: str) -> Any:
+        """An instance of the class that ``kind`` names, or of the default's class."""
+        if not isinstance(node, MapNode) or node.get("kind") is None:
+            return self.model(type(spec.default), node, path)
+        cls = self.kind(spec.kinds, node, path)
+        return spec.default if cls is None else self.model(cls, node, path)
+
+    def items(self, spec: ItemsSpec, node: Node, path: str) -> Any:
+        """A tuple of instances; what cannot be read is replaced by a stand-in, so that places stay right."""
+        if not isinstance(node, ListNode):
+            raise Refusal(f"not {_given(node)}")
+        found = []
+        for index, item in enumerate(node.items):
+            where = f"{path}.{index}"
+            self.marks[where] = item.mark
+            cls: type | None = next(iter(spec.kinds.values()))
+            stand_in = cls
+            if not isinstance(item, MapNode):
+                self.refuse(item.mark, where, f"must be a mapping of settings, not {_given(item)}")
+                cls = None
+            elif spec.tagged:
+                cls = self.kind(spec.kinds, item, where)
+            assert stand_in is not None
+            found.append(stand_in() if cls is None else self.model(cls, item, where))
+        return tuple(found)
+
+    def kind(self, kinds: Mapping[str, type], node: MapNode, path: str) -> type | None:
+        """The class that a mapping's ``kind`` names, or None after a fault."""
+        named = node.get("kind")
+        if named is None:
+            self.refuse(node.mark, path, f"has no kind; the kinds are {', '.join(kinds)}")
+            return None
+        if isinstance(named, Scalar) and named.text in kinds:
+            return kinds[named.text]
+        text = named.text if isinstance(named, Scalar) else ""
+        given = shown(text) if text else _given(named)
+        self.refuse(named.mark, f"{path}.kind", f"unknown kind {given}; {hint(text, kinds, 'the kinds are')}")
+        return None
+
+    def rule_uses(self, spec: RulesSpec, node: Node, path: str) -> tuple[RuleUse, ...]:
+        """The rules in the order in which they are to be applied."""
+        entries: list[tuple[str, Mark, Node]] = []
+        if isinstance(node, ListNode):
+            for index, item in enumerate(node.items):
+                if isinstance(item, Scalar) and not item.empty and not item.null:
+                    entries.append((item.text, item.mark, MapNode({}, item.mark)))
+                elif isinstance(item, MapNode) and len(item.entries) == 1:
+                    entries.extend((name, entry.mark, entry.node) for name, entry in item.entries.items())
+                else:
+                    self.refuse(item.mark, f"{path}.{index}", _no_rule(item))
+        elif isinstance(node, MapNode):
+            listed = [(name, entry.mark, entry.node) for name, entry in node.entries.items()]
+            entries = [(n, m, p) for n, m, p in listed if not (isinstance(p, Scalar) and p.null)]
+            entries.sort(key=lambda e: self.rules[e[0]].order if e[0] in self.rules else math.inf)
+        elif not node.empty:
+            raise Refusal(f"not {_given(node)}")
+        uses, counts = [], dict.fromkeys(self.rules, 0)
+        for name, mark, parameters in entries:
+            if name not in self.rules:
+                known = f"the rules are {', '.join(self.rules)}"
+                guess = hint(name, self.rules, "the rules are")
+                more = "" if guess == known else f" {known[0].upper()}{known[1:]}"
+                self.refuse(mark, path, f"unknown rule {shown(name)}; {guess}{more}")
+                continue
+            counts[name] += 1
+            where = name if counts[name] == 1 else f"{name}[{counts[name]}]"
+            if isinstance(parameters, Scalar) and parameters.null:
+                parameters = MapNode({}, parameters.mark)
+            uses.append(RuleUse(name, self.model(self.rules[name].Parameters, parameters, where), where))
+        return tuple(uses)
+
+
+def _given(node: Node) -> str:
+    """What stands there, for messages."""
+    if isinstance(node, ListNode):
+        if all(isinstance(item, Scalar) for item in node.items):
+            return shown(f"[{', '.join(item.text for item in node.items if isinstance(item, Scalar))}]")
+        return f"a list of {len(node.items)}"
+    return shown(node.text) if isinstance(node, Scalar) and not node.empty else kind_of(node)
+
+
+def _in_range(value: float, limits: Range, node: Scalar) -> float:
+    if not limits.holds(value):
+        raise Refusal(f"not {shown(node.text)}")
+    return value
+
+
+def _whole(node: Scalar, limits: Range) -> int:
+    value = as_number(node)
+    if isinstance(value, float) and not value.is_integer():
+        raise Refusal(f"not {shown(node.text)}")
+    _in_range(value, limits, node)
+    return int(value)
+
+
+def _option(node: Scalar, spec: ChoiceSpec) -> str:
+    if node.text in spec.options:
+        return node.text
+    guess = hint(node.text, spec.options, "") if len(spec.options) > 1 else ""
+    raise Refusal(f"not {shown(node.text)}; {guess}" if guess.startswith("did") else f"not {shown(node.text)}")
+
+
+def _no_rule(node: Node) -> str:
+    """The message for an entry of the list of rules that is none."""
+    if isinstance(node, MapNode) and len(node.entries) > 1:
+        keys = list(node.entries)
+        return (
+            f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
+            "indent it further"
+        )
+    return f"must be a rule's name or `name: {{setting: value}}`, not {_given(node)}"

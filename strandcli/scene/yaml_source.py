@@ -1,0 +1,232 @@
+"""YAML text to a tree that knows its places (`nodes.py`).
+
+Built on the events of PyYAML's pure Python parser, whose state machine does not recurse, so that size and depth are
+checked before anything grows. Refused: anchors and aliases (a few lines of them can unfold to gigabytes), tags,
+duplicate keys (YAML lets the last one win in silence), more than one document, and anything that is not UTF-8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .faults import Fault, Mark, SceneError, fault_at, one_line, shown
+from .nodes import Entry, ListNode, MapNode, Node, Scalar
+
+if TYPE_CHECKING:
+    import yaml
+
+LARGEST_FILE = 1 << 20  # bytes
+DEEPEST = 32
+
+
+def read(data: bytes, file: str) -> tuple[MapNode, list[Fault]]:
+    """The tree of a preset's bytes, and the faults after which reading could go on (duplicate keys, anchors, tags).
+
+    Raises SceneError where there is no tree: not YAML, not UTF-8, too large or deep, empty, not a mapping.
+    """
+    if len(data) > LARGEST_FILE:
+        raise SceneError([fault_at(Mark(file, 1, 1), "", f"is larger than {LARGEST_FILE} bytes; is it a preset?")])
+    text = _decoded(data, file)
+    builder = _Builder(Mark(file))
+    root = builder.build(text)
+    if root is None or (isinstance(root, Scalar) and root.empty):
+        builder.stop(Mark(file, 1, 1), "is empty; a preset is a mapping such as `title: hair`")
+    if not isinstance(root, MapNode):
+        builder.stop(root.mark, "must be a mapping of settings, such as `title: hair`")
+    return root, builder.faults
+
+
+def read_value(text: str, file: str) -> Node:
+    """The tree of a value given on the command line; ``file`` names it in messages, and marks have no lines.
+
+    Only single values and flow collections (``[1, 2]``, ``{a: 1}``) are YAML here. Anything that would be a block
+    mapping or a comment (``Wind: strong``, ``#ff0000``) is taken as text.
+
+    Raises SceneError.
+    """
+    here = Mark(file)
+    builder = _Builder(here, lines=False)
+    if text.lstrip().startswith("#"):
+        plain = Scalar(builder.checked(text.strip(), here), True, here)
+        if builder.faults:
+            raise SceneError(builder.faults)
+        return plain
+    node = builder.build(text)
+    if builder.faults:
+        raise SceneError(builder.faults)
+    if node is None:
+        return Scalar("", True, here)
+    if not isinstance(node, Scalar) and not text.lstrip().startswith(("[", "{")):
+        return Scalar(text.strip(), True, here)  # it was a block mapping or list, of which `--set` has none
+    return node
+
+
+@dataclass(slots=True)
+class _OpenList:
+    """A list whose end has not been read yet."""
+
+    mark: Mark
+    items: list[Node] = field(default_factory=list)
+
+    def close(self) -> Node:
+        return ListNode(tuple(self.items), self.mark)
+
+
+@dataclass(slots=True)
+class _OpenMap:
+    """A mapping whose end has not been read yet. ``key`` is a key that waits for its value; None drops that value."""
+
+    mark: Mark
+    entries: dict[str, Entry] = field(default_factory=dict)
+    waiting: bool = False
+    key: str | None = None
+    key_mark: Mark = field(default_factory=lambda: Mark(""))
+
+    def close(self) -> Node:
+        return MapNode(self.entries, self.mark)
+
+
+class _Builder:
+    """Builds one tree from events, with its own stack, and gathers faults on the way."""
+
+    def __init__(self, origin: Mark, lines: bool = True) -> None:
+        self.origin = origin
+        self.lines = lines
+        self.faults: list[Fault] = []
+        self.stack: list[_OpenList | _OpenMap] = []
+        self.root: Node | None = None
+        self.documents = 0
+
+    def stop(self, mark: Mark, message: str) -> NoReturn:
+        """Give up, reporting what was found so far too."""
+        raise SceneError([*self.faults, fault_at(mark, "", message)])
+
+    def mark(self, mark: Any) -> Mark:
+        """PyYAML's mark as ours."""
+        if mark is None or not self.lines:
+            return self.origin
+        return Mark(self.origin.file, mark.line + 1, mark.column + 1)
+
+    def build(self, text: str) -> Node | None:
+        """The tree of ``text``, or None where it holds no document."""
+        import yaml  # 30 ms, which commands that read no preset need not spend
+
+        try:
+            for event in yaml.parse(text, Loader=yaml.SafeLoader):
+                self.take(event)
+        except yaml.reader.ReaderError as error:
+            line = text.count("\n", 0, error.position)
+            column = error.position - (text.rfind("\n", 0, error.position) + 1)
+            mark = Mark(self.origin.file, line + 1, column + 1) if self.lines else self.origin
+            self.stop(mark, f"holds a character that YAML does not allow: {shown(text[error.position])}")
+        except yaml.MarkedYAMLError as error:
+            self.stop(self.mark(error.problem_mark or error.context_mark), _advice(error))
+        except (ValueError, OverflowError):  # PyYAML on \UFFFFFFFF, and on a %YAML directive of 5,000 digits
+            self.stop(self.origin if not self.lines else Mark(self.origin.file, 1, 1), "holds a number or an escape "
+                      "that YAML does not allow")
+        return self.root
+
+    def take(self, event: yaml.Event) -> None:
+        """Add one event to the tree."""
+        import yaml
+
+        mark = self.mark(event.start_mark)
+        if isinstance(event, yaml.DocumentStartEvent):
+            self.documents += 1
+            if self.documents > 1:
+                self.stop(mark, "holds more than one document; a preset is one, without `---` inside")
+        elif isinstance(event, yaml.AliasEvent):
+            self.refuse(mark, f"`*{event.anchor}`: aliases are refused; write the value again, or use `extends`")
+            self.add(Scalar("null", True, mark))
+        elif isinstance(event, yaml.NodeEvent):
+            self.start(event, mark)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            self.add(self.stack.pop().close())
+
+    def start(self, event: yaml.NodeEvent, mark: Mark) -> None:
+        """Add a scalar, or open a collection."""
+        import yaml
+
+        if event.anchor is not None:
+            self.refuse(mark, f"`&{event.anchor}`: anchors are refused; write the value again, or use `extends`")
+        if isinstance(event, yaml.ScalarEvent):
+            if event.tag is not None:
+                self.refuse(mark, f"`{event.tag}`: tags are refused")
+            self.add(Scalar(self.checked(event.value, mark), event.style is None, mark))
+            return
+        assert isinstance(event, yaml.CollectionStartEvent)
+        if event.tag is not None:
+            self.refuse(mark, f"`{event.tag}`: tags are refused")
+        if len(self.stack) >= DEEPEST:
+            self.stop(mark, f"is nested more than {DEEPEST} deep")
+        self.stack.append(_OpenMap(mark) if isinstance(event, yaml.MappingStartEvent) else _OpenList(mark))
+
+    def add(self, node: Node) -> None:
+        """Put a finished node where the open collection wants it."""
+        if not self.stack:
+            self.root = node
+            return
+        parent = self.stack[-1]
+        if isinstance(parent, _OpenList):
+            parent.items.append(node)
+        elif parent.waiting:
+            if parent.key is not None:
+                parent.entries[parent.key] = Entry(parent.key_mark, node)
+            parent.waiting = False
+        else:
+            parent.waiting = True
+            parent.key = self.key(parent, node)
+            parent.key_mark = node.mark
+
+    def key(self, parent: _OpenMap, node: Node) -> str | None:
+        """The key that ``node`` is, or None after a fault."""
+        if not isinstance(node, Scalar):
+            self.refuse(node.mark, "a key must be a single word")
+            return None
+        if node.text == "<<" and node.plain:
+            self.refuse(node.mark, "merge keys are refused; use `extends`")
+            return None
+        if node.text in parent.entries:
+            first = parent.entries[node.text].mark.line
+            where = f", first given on line {first}" if first else ""
+            self.refuse(node.mark, f"duplicate key {shown(node.text)}{where}")
+            return None
+        return node.text
+
+    def checked(self, text: str, mark: Mark) -> str:
+        """``text``, of which escapes may have made something that cannot be printed or encoded."""
+        if any(_unwanted(c) for c in text):
+            self.refuse(mark, f"holds a control character or half a surrogate pair: {shown(text)}")
+            return "".join(" " if _unwanted(c) else c for c in text)
+        return text
+
+    def refuse(self, mark: Mark, message: str) -> None:
+        """Note a fault and go on."""
+        self.faults.append(fault_at(mark, "", message))
+
+
+def _unwanted(character: str) -> bool:
+    return (character < " " and character not in "\t\n") or character == "\x7f" or "\ud800" <= character <= "\udfff"
+
+
+def _decoded(data: bytes, file: str) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = len(data[data.rfind(b"\n", 0, error.start) + 1 : error.start].decode("utf-8", "replace")) + 1
+        message = f"is not UTF-8 text (byte 0x{data[error.start]:02x}); is it a preset?"
+        raise SceneError([fault_at(Mark(file, line, column), "", message)]) from None
+
+
+def _advice(error: yaml.MarkedYAMLError) -> str:
+    """PyYAML's complaint in words that tell what to do."""
+    problem = one_line(error.problem or error.context or "unreadable")
+    if "'\\t'" in problem or "'\\\\t'" in problem:
+        return "not valid YAML: a tab cannot indent; use spaces"
+    if "mapping values are not allowed" in problem:
+        return "not valid YAML: a `: ` where no mapping can begin; check the indentation, or quote the text"
+    if "cannot start any token" in problem:
+        return f"not valid YAML: {problem}; quote the text"
+    return f"not valid YAML: {problem}"
