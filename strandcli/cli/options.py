@@ -178,6 +178,12 @@ def print_json(data: Any) -> None:
     click.echo(json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False))
 
 
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Raise ``UsageError`` if a file is in the way and --overwrite was not given."""
+    if path.exists() and not overwrite:
+        raise UsageError(f"{path}: is there already; add --overwrite to replace it")
+
+
 def exclusive(**flags: bool) -> None:
     """Raise ``UsageError`` if more than one of the flags is set."""
     given = ["--" + name.replace("_", "-") for name, is_set in flags.items() if is_set]

@@ -63,9 +63,8 @@ class PositionsWriter:
             np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
         self.done.append(frame)
 
-    def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> Path:
-        """Write the manifest of the frames that are there."""
-        path = self.directory / MANIFEST
+    def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> dict[str, Any]:
+        """Write the manifest of the frames that are there; returns it."""
         data = {
             "schema_version": SCHEMA_VERSION,
             "strandcli": __version__,
@@ -78,8 +77,8 @@ class PositionsWriter:
             "fps": fps,
             "frames": [{"frame": f, "file": positions_file(f)} for f in sorted(self.done)],
         }
-        write_json(path, data)
-        return path
+        write_json(self.directory / MANIFEST, data)
+        return data
 
 
 class PositionCache:

@@ -1,0 +1,110 @@
+"""`strandcli golden`: golden images, checked or updated."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from pathlib import Path
+
+import click
+
+from ..errors import MismatchError
+from . import options
+from .progress import Progress
+
+
+@click.group()
+def command() -> None:
+    """Check or update golden images: a folder with a list of presets, golden.yaml, and a small picture of each.
+
+    On a machine of the class that the pictures were made on they must agree in every bit; elsewhere within the
+    tolerance that the documentation states.
+    """
+
+
+directory_argument = click.argument("directory", type=click.Path(path_type=Path), metavar="DIR")
+names_argument = click.argument("names", nargs=-1, metavar="[NAME]...")
+
+
+@command.command()
+@directory_argument
+@names_argument
+@options.folder("golden-diff in the temporary folder")
+@options.threads
+@options.talk_options
+def check(
+    directory: Path,
+    names: tuple[str, ...],
+    output: Path | None,
+    threads: int | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+) -> None:
+    """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
+    options.exclusive(quiet=quiet, verbose=verbose)
+    from .. import runtime
+    from ..study import golden
+
+    entries = golden.select(golden.read_entries(directory), names)
+    output = output or Path(tempfile.gettempdir()) / "golden-diff"
+    results = []
+    with Progress(len(entries), "golden check", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+        runtime.start(threads, progress.note)
+        drawer = functools.partial(golden.draw, notify=progress.note)
+        for entry in entries:
+            result = golden.check(directory, entry, output, drawer)
+            results.append(result)
+            progress.step()
+            if not as_json and not (quiet and result.matches):
+                place = f" ({result.difference})" if result.difference else ""
+                progress.line(f"{'ok      ' if result.matches else 'MISMATCH'} {entry.name}: {result.words}{place}")
+    failed = [result.entry.name for result in results if not result.matches]
+    if as_json:
+        found = [result.as_dict() for result in results]
+        options.print_json({"machine_class": golden.machine_class(), "mismatches": len(failed), "images": found})
+    if failed:
+        raise MismatchError(f"{len(failed)} of {len(results)} golden images do not match: {', '.join(failed)}")
+
+
+@command.command()
+@directory_argument
+@names_argument
+@options.threads
+@options.talk_options
+def update(
+    directory: Path,
+    names: tuple[str, ...],
+    threads: int | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+) -> None:
+    """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
+    options.exclusive(quiet=quiet, verbose=verbose)
+    from .. import runtime
+    from ..output.files import prepare_folder
+    from ..study import golden
+
+    listed = golden.read_entries(directory)
+    entries = golden.select(listed, names)
+    prepare_folder(directory, 0)
+    changes: dict[str, str] = {}
+    with Progress(len(entries), "golden update", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+        runtime.start(threads, progress.note)
+        drawer = functools.partial(golden.draw, notify=progress.note)
+        for entry in entries:
+            change = golden.update(directory, entry, drawer)
+            progress.step()
+            if change is not None:
+                changes[entry.name] = change
+            if not as_json and not quiet and (change is not None or verbose):
+                progress.line(f"{entry.name}: {change or 'unchanged'}")
+    if not names:
+        changes |= dict.fromkeys(golden.prune(directory, listed), "removed")
+    if as_json:
+        options.print_json({"machine_class": golden.machine_class(), "changes": changes})
+    elif not quiet:
+        click.echo(f"{directory}: {len(changes)} of {len(entries)} golden images changed", err=True)

@@ -1,0 +1,43 @@
+"""`strandcli plan`: what would run; runs nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import click
+
+from . import options
+from .frame_range import FrameRange
+
+
+@click.command()
+@options.preset
+@options.frames
+@options.scene_options
+@options.as_json
+@options.debug
+def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_settings: Any) -> None:
+    """Tell what rendering PRESET would run, what is left out and why, and the memory it would take. Runs nothing."""
+    scene = options.load_scene(preset, **scene_settings)
+    numbers = options.frame_numbers(frames, scene)
+
+    from ..plan import make_plan
+
+    plan = make_plan(scene, numbers)
+    if as_json:
+        options.print_json(dataclasses.asdict(plan))
+        return
+    stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
+    width = max((len(stage) for stage, _ in stages), default=0)
+    for title, part in (("Runs", plan.used), ("Left out", plan.left_out)):
+        click.echo(f"{title}:")
+        for one in part:
+            click.echo(f"  {one.stage:<{width}}  {one.why}")
+        if not part:
+            click.echo("  nothing")
+    _totals(plan)
+
+
+def _totals(plan: Any) -> None:
+    click.echo(f"Memory: about {plan.memory_bytes / 1e6:,.0f} MB")

@@ -1,0 +1,67 @@
+"""`strandcli presets`: what is shipped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..errors import UsageError
+from . import options
+
+
+@click.group(invoke_without_command=True)
+@click.pass_context
+def command(ctx: click.Context) -> None:
+    """List, show or copy the presets that come with strandcli; lists them when nothing else is said."""
+    if ctx.invoked_subcommand is None:
+        ctx.invoke(list_presets)
+
+
+@command.command("list")
+@options.as_json
+@options.debug
+def list_presets(as_json: bool = False) -> None:
+    """List the shipped presets with their titles."""
+    from ..scene import preset_names, preset_title
+
+    names = preset_names()
+    if as_json:
+        options.print_json([{"name": name, "title": preset_title(name)} for name in names])
+        return
+    width = max(len(name) for name in names)
+    for name in names:
+        click.echo(f"{name:<{width}}  {preset_title(name)}".rstrip())
+
+
+@command.command("show")
+@click.argument("name")
+@options.debug
+def show(name: str) -> None:
+    """Print the file of a shipped preset."""
+    from ..scene import preset_path
+
+    click.echo(preset_path(name).read_text(encoding="utf-8"), nl=False)
+
+
+@command.command("copy")
+@click.argument("name")
+@click.argument("target", required=False, type=click.Path(path_type=Path))
+@options.overwrite
+@options.quiet
+@options.debug
+def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
+    """Copy a shipped preset to TARGET, a file or a folder (by default this one), to be changed there."""
+    from ..output.files import write_pieces
+    from ..scene import preset_path
+
+    source = preset_path(name)
+    path = target if target is not None else Path()
+    if path.is_dir():
+        path = path / source.name
+    if not path.parent.is_dir():
+        raise UsageError(f"{path.parent}: no such folder")
+    options.refuse_existing(path, overwrite)
+    write_pieces(path, [source.read_bytes()])
+    if not quiet:
+        click.echo(f"{path}: copied from {name}; draw it with 'strandcli render {path}'", err=True)

@@ -1,0 +1,38 @@
+"""`strandcli sheet`: many images on one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from . import options
+
+
+@click.command()
+@click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DIR_OR_FILE...")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="The sheet (PNG).")
+@click.option(
+    "--columns", type=click.IntRange(1, 1000), default=4, show_default=True, metavar="N", help="Images a row."
+)
+@click.option(
+    "--width", type=click.IntRange(16, 32_768), default=400, show_default=True, metavar="PX",
+    help="Images wider than this are scaled down.",
+)  # fmt: skip
+@options.overwrite
+@options.quiet
+@options.debug
+def command(sources: tuple[Path, ...], output: Path, columns: int, width: int, overwrite: bool, quiet: bool) -> None:
+    """Put images on one labelled contact sheet.
+
+    A folder gives its images by name; a folder of folders, such as out/figures, the last frame of each.
+    """
+    from ..output.files import prepare_folder
+    from ..output.sheet import gather, write_sheet
+
+    options.refuse_existing(output, overwrite)
+    cells = gather(sources, leave_out=output)
+    prepare_folder(output.parent, 0)
+    wide, high = write_sheet(output, cells, columns, width)
+    if not quiet:
+        click.echo(f"{output}: {len(cells)} {'image' if len(cells) == 1 else 'images'}, {wide}x{high}", err=True)

@@ -1,0 +1,84 @@
+"""`strandcli simulate`: positions only."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import UsageError
+from . import options, signals
+from .frame_range import FrameRange
+from .progress import Progress
+
+
+@click.command()
+@options.preset
+@options.folder()
+@options.frames
+@options.scene_options
+@options.threads
+@options.resume
+@options.overwrite
+@options.talk_options
+def command(
+    preset: str,
+    output: Path,
+    frames: FrameRange | None,
+    threads: int | None,
+    resume: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+    **scene_settings: Any,
+) -> None:
+    """Simulate PRESET and keep the positions only, as positions_0001.npz … and manifest.json.
+
+    'strandcli render --from-cache DIR' draws them.
+    """
+    options.exclusive(overwrite=overwrite, resume=resume)
+    options.exclusive(quiet=quiet, verbose=verbose)
+    scene = options.load_scene(preset, **scene_settings)
+    if scene.panels:
+        raise UsageError(f"{preset}: draws several panels, each with positions of its own; simulate them one by one")
+    numbers = options.frame_numbers(frames, scene)
+
+    from ..plan import make_plan, require_memory
+
+    require_memory(make_plan(scene, numbers))
+
+    from ..output.positions import PositionsWriter
+
+    emitter = scene.emitter
+    writer = PositionsWriter(output, numbers, emitter.strands, emitter.particles, overwrite=overwrite, resume=resume)
+    label = options.preset_name(preset)
+    status = "failed"
+    with Progress(len(writer.wanted), label, hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+        try:
+            if writer.wanted:
+                from .. import runtime
+
+                runtime.start(threads, progress.note)
+                from .. import pipeline
+
+                for frame in pipeline.render(
+                    scene, writer.wanted, threads=threads, draw=False, keep_positions=True, notify=progress.note
+                ):
+                    writer.write(frame.number, frame.positions)
+                    progress.step(f"frame {frame.number}")
+                    signals.check()
+            status = "complete"
+        except KeyboardInterrupt:
+            status = "interrupted"
+            raise
+        finally:
+            data = writer.write_manifest(preset, scene.sha256, scene.time.fps, status)
+    if as_json:
+        options.print_json(data)
+    if not quiet:
+        kept = f"; {len(writer.kept)} kept" if writer.kept else ""
+        count = len(writer.wanted)
+        click.echo(f"{output}: {count} {'frame' if count == 1 else 'frames'} of positions{kept}", err=True)

@@ -1,0 +1,311 @@
+"""Golden images: small pictures that were once looked at and found good, and that every later version must draw again.
+
+A folder holds ``golden.yaml``, a list of entries ::
+
+    - preset: hair              # a shipped name, or a file beside golden.yaml
+      name: hair                # optional; the preset's name, '/' as '-'
+      frame: 12                 # optional; 1
+      size: 160x120             # optional; the preset's own
+      set: [emitter.strands=500]    # optional; as --set
+
+and, made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
+
+How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash was
+recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and there;
+there a picture may differ in at most ``MOST_OVER`` of its pixels by more than ``THRESHOLD``, and by ``MOST_RMSE`` over
+all. These three numbers are the whole tolerance; nothing else in strandcli has one for images.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import RefusedError, SimulationError, UsageError
+from ..output import png
+from ..output.compare import Comparison, compare, side_by_side, write_image
+from ..output.files import prepare_folder, write_json
+
+THRESHOLD = 8  # of 255
+MOST_OVER = 0.005  # of all pixels
+MOST_RMSE = 2.0  # of 255
+
+LIST = "golden.yaml"
+HASHES = "hashes.json"
+SCHEMA_VERSION = 1
+_LARGEST = 1 << 20
+
+Notify = Callable[[str], None]
+Draw = Callable[["Entry", Path], png.Pixels]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One golden image: what to draw, and the name of its file without .png."""
+
+    name: str
+    preset: str
+    overrides: tuple[str, ...] = ()
+    frame: int = 1
+    size: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What became of one entry. ``difference`` is the picture that shows a mismatch, where there is one."""
+
+    entry: Entry
+    matches: bool
+    words: str
+    comparison: Comparison | None = None
+    difference: Path | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same for JSON."""
+        return {
+            "name": self.entry.name,
+            "preset": self.entry.preset,
+            "frame": self.entry.frame,
+            "matches": self.matches,
+            "why": self.words,
+            "comparison": self.comparison.as_dict() if self.comparison else None,
+            "difference": str(self.difference) if self.difference else None,
+        }
+
+
+def machine_class() -> str:
+    """The name of all machines whose pictures agree in every bit: same instruction set, and the same makers of code and
+    of elementary functions. Numba's kernels use arithmetic and square roots alone, but roots are placed with NumPy's
+    sines, which depend on its version and on the widest SIMD it finds, and keys are turned with those of the C library.
+    """
+    import llvmlite.binding as llvm
+    import numba
+
+    simd = np.show_config(mode="dicts").get("SIMD Extensions", {})  # type: ignore[union-attr]
+    widest = (simd.get("found") or simd.get("baseline") or ["plain"])[-1]
+    libc, version = platform.libc_ver()
+    parts = [
+        platform.machine(),
+        widest,
+        f"numba-{_minor(numba.__version__)}",
+        f"llvm-{llvm.llvm_version_info[0]}",
+        f"numpy-{_minor(np.__version__)}",
+        f"{libc or 'libc'}-{version or 'unknown'}",
+    ]
+    return " ".join(parts)
+
+
+def _minor(version: str) -> str:
+    return ".".join(version.split(".")[:2])
+
+
+def tolerable(comparison: Comparison) -> bool:
+    """Whether a difference may come from another class of machine; ``comparison`` must be made with ``THRESHOLD``."""
+    return comparison.over_fraction <= MOST_OVER and comparison.rmse <= MOST_RMSE
+
+
+def read_entries(directory: Path) -> list[Entry]:
+    """The list of a folder. Raises ``UsageError`` that names the entry at fault."""
+    import yaml
+
+    path = directory / LIST
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"{path}: no such file; it lists the golden images, as in '- preset: hair'") from None
+    except NotADirectoryError:
+        raise UsageError(f"{directory}: is a file, not a folder of golden images") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    if len(data) > _LARGEST:
+        raise UsageError(f"{path}: larger than {_LARGEST} bytes")
+    try:
+        found = yaml.safe_load(data)
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise UsageError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(found, list) or not found:
+        raise UsageError(f"{path}: must be a list of entries such as '- preset: hair'")
+    entries = [_entry(one, f"{path}: entry {number}") for number, one in enumerate(found, 1)]
+    names = [entry.name for entry in entries]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{path}: two entries are named '{name}'; give one another 'name'")
+    return entries
+
+
+def _entry(data: Any, where: str) -> Entry:
+    if not isinstance(data, dict):
+        raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
+    known = ("preset", "name", "frame", "size", "set")
+    for key in data:
+        if key not in known:
+            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(known)}")
+    preset = data.get("preset")
+    if not isinstance(preset, str) or not preset:
+        raise UsageError(f"{where}: 'preset' must be a shipped name or a file")
+    name = data.get("name", Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-"))
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
+        raise UsageError(f"{where}: 'name' must be letters, digits, '.', '_' or '-', not {name!r}")
+    frame = data.get("frame", 1)
+    if type(frame) is not int or frame < 1:
+        raise UsageError(f"{where}: 'frame' must be a whole number from 1, not {frame!r}")
+    overrides = data.get("set", [])
+    if not isinstance(overrides, list) or not all(isinstance(one, str) and "=" in one for one in overrides):
+        raise UsageError(f"{where}: 'set' must be a list of texts such as 'wind.strength=3'")
+    size = data.get("size")
+    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", size) if isinstance(size, str) else None
+    if size is not None and match is None:
+        raise UsageError(f"{where}: 'size' must be a width and a height such as 160x120, not {size!r}")
+    return Entry(name, preset, tuple(overrides), frame, (int(match[1]), int(match[2])) if match else None)
+
+
+def draw(entry: Entry, directory: Path, notify: Notify | None = None) -> png.Pixels:
+    """The picture of an entry, drawn now: uint8, (height, width, 3)."""
+    import strandcli
+
+    from .. import pipeline
+
+    preset = entry.preset
+    if preset.endswith((".yaml", ".yml")):
+        preset = str(directory / preset)
+    scene = strandcli.load(preset, entry.overrides, {"image.size": entry.size} if entry.size else None)
+    if entry.frame > scene.time.frames:
+        raise UsageError(
+            f"{directory / LIST}: {entry.name}: frame {entry.frame} is beyond the last, {scene.time.frames}"
+        )
+    (frame,) = pipeline.render(scene, [entry.frame], notify=notify)
+    image: png.Pixels = np.array(frame.image)
+    return image
+
+
+def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:
+    """The entries of these names, or all if there are none. Raises ``UsageError`` for a name that is not there."""
+    known = [entry.name for entry in entries]
+    for name in names:
+        if name not in known:
+            raise UsageError(f"no golden image is named '{name}'; there are {', '.join(known)}")
+    return [entry for entry in entries if not names or entry.name in names]
+
+
+def check(directory: Path, entry: Entry, output: Path, drawer: Draw) -> Result:
+    """Draw an entry and hold it against its golden image; a mismatch leaves ``output``/NAME.diff.png with expected,
+    found and difference side by side."""
+    picture = directory / f"{entry.name}.png"
+    record = read_hashes(directory).get(entry.name)
+    if not picture.exists() or record is None:
+        lost = picture.name if not picture.exists() else f"its hash in {HASHES}"
+        return Result(entry, False, f"{lost} is missing; look at the picture and run 'strandcli golden update'")
+    expected = png.read(picture)
+    try:
+        found = drawer(entry, directory)
+    except SimulationError as error:
+        return Result(entry, False, f"could not be drawn: {error}")
+    exact = record["classes"].get(machine_class())
+    if png.pixels_sha256(expected) != record["picture"]:
+        words = f"{picture.name} is not the image that {HASHES} was written for"
+    elif expected.shape != found.shape:
+        words = f"sizes differ: {expected.shape[1]}x{expected.shape[0]} against {found.shape[1]}x{found.shape[0]}"
+    elif exact is not None and png.pixels_sha256(found) != exact:
+        words = "not the pixels recorded for machines of this class"
+    elif exact is None and not tolerable(compare(expected, found, THRESHOLD)):
+        words = "beyond the tolerance for machines of another class"
+    else:
+        return Result(entry, True, "exact" if exact is not None else "within the tolerance for another machine class")
+    if expected.shape != found.shape:
+        path = _keep(output, f"{entry.name}.found.png", found)
+        return Result(entry, False, words, None, path)
+    comparison = compare(expected, found, 0 if exact is not None else THRESHOLD)
+    path = _keep(output, f"{entry.name}.diff.png", side_by_side(expected, found))
+    return Result(entry, False, f"{words}: {comparison}", comparison, path)
+
+
+def _keep(output: Path, name: str, image: png.Pixels) -> Path:
+    prepare_folder(output, image.nbytes)
+    write_image(output / name, image)
+    return output / name
+
+
+def update(directory: Path, entry: Entry, drawer: Draw) -> str | None:
+    """Draw an entry and make it the golden image; returns what changed, or None if nothing did.
+
+    On a machine of a new class, a picture within the tolerance stays and only its hash is added; otherwise the picture
+    is replaced, and with it go the hashes of other classes, which were of another picture.
+    """
+    picture = directory / f"{entry.name}.png"
+    hashes = read_hashes(directory)
+    record = hashes.get(entry.name)
+    here = machine_class()
+    found = drawer(entry, directory)
+    digest = png.pixels_sha256(found)
+    old = _readable(picture)
+    sound = old is not None and record is not None and png.pixels_sha256(old) == record["picture"]
+    if sound and record is not None and old is not None:
+        if record["classes"].get(here) == digest:
+            return None
+        same = old.shape == found.shape and tolerable(compare(old, found, THRESHOLD))
+        if here not in record["classes"] and same:
+            record["classes"][here] = digest
+            write_hashes(directory, hashes)
+            return "hash added for this class of machine"
+    write_image(picture, found)
+    hashes[entry.name] = {"picture": digest, "classes": {here: digest}}
+    write_hashes(directory, hashes)
+    if old is None:
+        return "new"
+    if old.shape != found.shape:
+        return f"now {found.shape[1]}x{found.shape[0]}, was {old.shape[1]}x{old.shape[0]}"
+    return f"changed: {compare(old, found)}"
+
+
+def _readable(picture: Path) -> png.Pixels | None:
+    try:
+        return png.read(picture)
+    except UsageError:
+        return None
+
+
+def prune(directory: Path, entries: Sequence[Entry]) -> list[str]:
+    """Forget the hashes and pictures of entries that are no longer listed; returns their names."""
+    hashes = read_hashes(directory)
+    names = {entry.name for entry in entries}
+    gone = [name for name in hashes if name not in names]
+    for name in gone:
+        (directory / f"{name}.png").unlink(missing_ok=True)
+        del hashes[name]
+    if gone:
+        write_hashes(directory, hashes)
+    return gone
+
+
+def read_hashes(directory: Path) -> dict[str, Any]:
+    """The records of hashes.json: name to ``{"picture": hash of the .png, "classes": {machine class: hash}}``."""
+    path = directory / HASHES
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}") from None
+    images = data.get("images") if isinstance(data, dict) else None
+    if not isinstance(images, dict) or not all(_is_record(record) for record in images.values()):
+        raise UsageError(f"{path}: is damaged; remove it and run 'strandcli golden update'")
+    return images
+
+
+def _is_record(record: Any) -> bool:
+    return (
+        isinstance(record, dict) and isinstance(record.get("picture"), str) and isinstance(record.get("classes"), dict)
+    )
+
+
+def write_hashes(directory: Path, images: dict[str, Any]) -> None:
+    """Write hashes.json, whole or not at all."""
+    data = {"schema_version": SCHEMA_VERSION, "images": {name: images[name] for name in sorted(images)}}
+    write_json(directory / HASHES, data)

@@ -1,0 +1,92 @@
+"""Frame ranges: what is written is what is meant, and nothing that cannot be meant gets through."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strandcli.cli.frame_range import FrameRange
+from strandcli.errors import UsageError
+
+parts = st.builds(
+    lambda first, extra, step: (first, first + extra, step),
+    st.integers(1, 500),
+    st.integers(0, 60),
+    st.integers(1, 80),
+)
+
+
+@given(st.lists(parts, min_size=1, max_size=6))
+def test_the_numbers_are_those_of_every_part_once_and_in_order(written: list[tuple[int, int, int]]) -> None:
+    text = ",".join(f"{first}-{last}x{step}" for first, last, step in written)
+    expected: list[int] = []
+    for first, last, step in written:
+        number = first
+        while number <= last:
+            expected.append(number)
+            number += step
+    found = FrameRange.parse(text)
+    assert list(found.numbers()) == sorted(set(expected))
+    assert found.last == max(expected)
+
+
+@given(st.lists(parts, min_size=1, max_size=6))
+def test_what_is_printed_reads_back_as_the_same_frames(written: list[tuple[int, int, int]]) -> None:
+    found = FrameRange.parse(",".join(f"{first}-{last}x{step}" for first, last, step in written))
+    assert FrameRange.parse(str(found)).numbers() == found.numbers()
+
+
+@given(st.text(max_size=20))
+def test_any_text_is_either_frames_from_1_or_a_clear_refusal(text: str) -> None:
+    try:
+        found = FrameRange.parse(text)
+    except ValueError as error:
+        assert str(error)
+    else:
+        assert set(text) <= set("0123456789-x, \t\n\r\x0b\x0c\x1c\x1d\x1e\x1f\x85\xa0") | {
+            c for c in text if c.isspace()
+        }
+        assert all(part[0] >= 1 for part in found.parts)
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [("1-4", (1, 2, 3, 4)), ("1-10x5,12", (1, 6, 12)), ("7", (7,)), (" 3 , 1-2 ", (1, 2, 3)), ("2,2,1-2", (1, 2))],
+)
+def test_examples(text: str, numbers: tuple[int, ...]) -> None:
+    assert FrameRange.parse(text).numbers() == numbers
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        ",",
+        "1,",
+        "0",
+        "0-3",
+        "5-3",
+        "-3",
+        "1-",
+        "1-5x0",
+        "1-5x",
+        "x2",
+        "1.5",
+        "1e3",
+        "a",
+        "1--2",
+        "１",
+        "1-99999999",
+    ],
+)
+def test_what_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"frame|runs backwards|step"):
+        FrameRange.parse(text)
+
+
+def test_a_huge_range_costs_nothing_until_it_is_known_to_fit() -> None:
+    huge = FrameRange.parse("1-9999999")
+    with pytest.raises(UsageError, match="asks for frame 9999999, but the animation has frames 1 to 48"):
+        huge.within(48)
+    assert FrameRange.parse("1-48").within(48) == tuple(range(1, 49))

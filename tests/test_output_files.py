@@ -1,0 +1,103 @@
+"""Files are whole or absent, and folders are refused before any work is done."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from strandcli.errors import RefusedError
+from strandcli.output import files
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+
+    def pieces() -> list[bytes]:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), files.atomic(path) as file:
+        file.write(b"new, but only half of it")
+        pieces()
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["a.bin"]
+    files.write_pieces(path, [b"ne", b"w"])
+    assert path.read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["a.bin"]
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [(errno.ENOSPC, "disk is full"), (errno.EACCES, "no permission"), (errno.EROFS, "read-only")],
+)
+def test_the_system_s_refusals_become_one_clear_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, words: str
+) -> None:
+    def fail(source: object, target: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(RefusedError, match=words) as caught:
+        files.write_pieces(tmp_path / "a.bin", [b"x"])
+    assert "a.bin" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert os.listdir(tmp_path) == []
+
+
+def test_json_is_whole_and_has_no_nan(tmp_path: Path) -> None:
+    files.write_json(tmp_path / "a.json", {"é": [1, None]})
+    assert json.loads((tmp_path / "a.json").read_text(encoding="utf-8")) == {"é": [1, None]}
+    with pytest.raises(ValueError, match="JSON"):
+        files.write_json(tmp_path / "b.json", {"x": float("nan")})
+    assert os.listdir(tmp_path) == ["a.json"]
+
+
+def test_strays_of_dead_processes_go_and_those_of_living_ones_stay(tmp_path: Path) -> None:
+    mine = files.temporary_name(tmp_path / "frame_0001.png")
+    dead = mine.with_name(mine.name.replace(str(os.getpid()), "4194399"))
+    elsewhere = tmp_path / ".frame_0002.png.another-host.4194399.tmp"
+    old = tmp_path / ".frame_0003.png.another-host.7.tmp"
+    foreign = tmp_path / ".something.tmp"
+    for path in (mine, dead, elsewhere, old, foreign):
+        path.write_bytes(b"half")
+    os.utime(old, (0, 0))
+    assert set(files.remove_strays(tmp_path)) == {dead, old}
+    assert set(tmp_path.iterdir()) == {mine, elsewhere, foreign}
+
+
+def test_a_folder_that_is_a_file_or_lies_in_one_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("here")
+    with pytest.raises(RefusedError, match="is a file, not a folder"):
+        files.prepare_folder(tmp_path / "file", 0)
+    with pytest.raises(RefusedError, match="file, not a folder"):
+        files.prepare_folder(tmp_path / "file" / "inner", 0)
+
+
+def test_a_folder_without_room_is_refused_with_the_estimate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 10**9, 5_000_000))
+    with pytest.raises(RefusedError, match="about 12 MB are needed and 5 MB are free"):
+        files.prepare_folder(tmp_path / "out", 12_000_000)
+    files.prepare_folder(tmp_path / "out", 4_000_000)
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_folder_that_takes_no_files_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Path, data: bytes) -> int:
+        raise PermissionError(errno.EACCES, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "write_bytes", fail)
+    with pytest.raises(RefusedError, match="no permission to write there"):
+        files.prepare_folder(tmp_path, 0)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
+def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    with pytest.raises(RefusedError, match="no permission"):
+        files.prepare_folder(tmp_path, 0)
+    tmp_path.chmod(0o755)
