@@ -1,0 +1,39 @@
+"""Simulate and draw strands (hair, fur, grass) without a GPU, a display or Blender.
+
+>>> import strandcli
+>>> scene = strandcli.load("hair")
+>>> for frame in strandcli.render(scene, frames=[1, 2]):
+...     frame.image, frame.positions, frame.report
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .pipeline import Frame
+    from .scene.model import Scene
+
+__all__ = ["__version__", "load", "render"]
+
+
+def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None) -> Scene:
+    """A preset, by path or shipped name, as a validated scene.
+
+    ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``; ``settings`` the same with ready values.
+    Raises `strandcli.scene.SceneError` with every fault that was found.
+    """
+    from .scene import load as load_scene
+    from .simulate.rules import registry
+
+    return load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {})
+
+
+def render(scene: Scene, frames: Sequence[int] | None = None, *, threads: int | None = None) -> Iterator[Frame]:
+    """Simulate and draw; yields a `strandcli.pipeline.Frame` for each frame asked for (all by default)."""
+    from .pipeline import render as run
+
+    return run(scene, frames, threads=threads, keep_positions=True)

@@ -1,0 +1,42 @@
+"""Strands in blocks: ``[block][row][xyz][lane]``, float32, W strands a block, one lane a strand.
+
+Row 0 stands one segment before the root, along the strand's direction: with it the first segment needs no special case
+(thesis §2, stiffness: for i = 1, d_1 = L d). Row 1 is the root. The last block is padded with copies of its last
+strand, so that padding can neither fail nor differ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .constants import W
+
+Array = NDArray[np.float32]
+
+
+def lanes(rows: NDArray[np.floating]) -> Array:
+    """(strands, k) values a strand -> (blocks, k * W): value 0 of every lane, then value 1, ..."""
+    strands, k = rows.shape
+    blocks = -(-strands // W)
+    padded = np.empty((blocks * W, k), np.float32)
+    padded[:strands] = rows
+    padded[strands:] = rows[-1]
+    return np.ascontiguousarray(padded.reshape(blocks, W, k).transpose(0, 2, 1)).reshape(blocks, k * W)
+
+
+def pack(positions: NDArray[np.floating]) -> Array:
+    """(strands, rows, 3) -> (blocks, rows, 3 W)."""
+    strands, rows, _ = positions.shape
+    blocks = -(-strands // W)
+    packed = np.empty((blocks, rows, 3 * W), np.float32)
+    for row in range(rows):
+        packed[:, row] = lanes(positions[:, row])
+    return packed
+
+
+def unpack(packed: Array, strands: int) -> Array:
+    """(blocks, rows, 3 W) -> (strands, rows, 3), without the padding."""
+    blocks, rows, _ = packed.shape
+    wide = packed.reshape(blocks, rows, 3, W).transpose(0, 3, 1, 2)
+    return np.ascontiguousarray(wide).reshape(blocks * W, rows, 3)[:strands]

@@ -1,0 +1,210 @@
+"""What a scene needs, what is left out and why, and the memory that it takes. Imports neither numpy nor numba.
+
+The decisions are the drivers' own: they leave a stage out by the same conditions (`needs_…`) that are told here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .constants import PORTION, W
+from .errors import RefusedError
+from .render.detail import drawn_fraction
+from .scene.model import Scene
+from .simulate.rules import idle, registry
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+RESIDENT = 190_000_000
+"""Bytes of the interpreter, its libraries and the compiled kernels."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the run and the reason why it is run or left out."""
+
+    stage: str
+    why: str
+
+
+@dataclass
+class Plan:
+    """What would run for some frames of a scene."""
+
+    used: list[Stage] = field(default_factory=list)
+    left_out: list[Stage] = field(default_factory=list)
+    strands: int = 0
+    """Strands that are simulated: no more than any frame draws."""
+    particles: int = 0
+    steps: int = 0
+    """Solver steps, those of the pre-roll and of frames that are not drawn included."""
+    frames: int = 0
+    segments_max: int = 0
+    """Line pieces a frame at the most."""
+    pixels: int = 0
+    samples: int = 0
+    memory_bytes: int = 0
+    """Peak of the whole process, estimated."""
+
+
+def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
+    """The plan for some frames (numbered from 1). Panels add up."""
+    if scene.panels:
+        parts = [make_plan(panel, frames, draw) for panel in scene.panels]
+        plan = Plan(frames=len(frames))
+        for panel, part in zip(scene.panels, parts, strict=True):
+            for stages, more in ((plan.used, part.used), (plan.left_out, part.left_out)):
+                stages += [Stage(f"{panel.label or 'panel'}: {one.stage}", one.why) for one in more]
+            for name in ("strands", "particles", "steps", "segments_max", "pixels", "samples"):
+                setattr(plan, name, getattr(plan, name) + getattr(part, name))
+        plan.memory_bytes = RESIDENT + sum(part.memory_bytes - RESIDENT for part in parts)
+        return plan
+    plan = Plan(frames=len(frames))
+    _motion(plan, scene, frames)
+    if draw:
+        _drawing(plan, scene, frames)
+    plan.memory_bytes = _memory(plan, scene, draw)
+    return plan
+
+
+def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
+    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made."""
+    most = max((drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
+    return max(round(scene.emitter.strands * most), 1)
+
+
+def require_memory(plan: Plan) -> None:
+    """Raise `RefusedError` where the estimate exceeds the memory that is free."""
+    free = available_memory()
+    if free is not None and plan.memory_bytes > free:
+        raise RefusedError(
+            f"this run would take about {plan.memory_bytes / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: "
+            "use fewer --strands or --particles, or a smaller --size"
+        )
+
+
+def available_memory() -> int | None:
+    """Free bytes, by the system and by the control group of this process; None where nobody tells."""
+    found = []
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable")]
+    except OSError:
+        pass
+    group = Path("/sys/fs/cgroup")
+    try:
+        most = (group / "memory.max").read_text(encoding="ascii").strip()
+        if most != "max":
+            found.append(int(most) - int((group / "memory.current").read_text(encoding="ascii")))
+    except (OSError, ValueError):
+        pass
+    return min(found, default=None)
+
+
+def _motion(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
+    emitter = scene.emitter
+    plan.strands = needed_strands(scene, frames)
+    plan.particles = plan.strands * emitter.particles
+    if plan.strands < emitter.strands:
+        plan.left_out.append(
+            Stage("strands", f"{emitter.strands - plan.strands} of {emitter.strands} are too far to be drawn in any frame")
+        )
+    moving = [use for use in scene.rules if not idle(use, scene)]
+    listed = {use.name for use in scene.rules}
+    for use in scene.rules:
+        why = idle(use, scene)
+        (plan.left_out if why else plan.used).append(Stage(f"rule {use.name}", why or "the preset lists it"))
+    for name in registry():
+        if name not in listed:
+            plan.left_out.append(Stage(f"rule {name}", "the preset does not list it"))
+    if "emitter_motion" not in listed and len(emitter.keys) > 1:
+        plan.left_out.append(Stage("emitter keys", "no rule emitter_motion carries the roots along"))
+    if moving:
+        before = round(scene.time.preroll * scene.time.fps * scene.time.substeps)
+        plan.steps = before + (max(frames, default=1) - 1) * scene.time.substeps
+        if scene.time.preroll == 0:
+            plan.left_out.append(Stage("pre-roll", "its time is zero"))
+        else:
+            plan.used.append(Stage("pre-roll", f"{scene.time.preroll:g} s, {before} steps before frame 1"))
+
+
+def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
+    use, skip = plan.used.append, plan.left_out.append
+    n = scene.emitter.particles
+    curves = scene.curves
+    pieces = 1 if curves.mode == "off" else 2**curves.level
+    plan.segments_max = plan.strands * (n - 1) * pieces
+    width, height = scene.image.size
+    plan.pixels = width * height
+    plan.samples = plan.pixels * scene.image.supersample**2
+    if curves.mode == "off":
+        skip(Stage("curves", "the preset draws straight segments"))
+    elif curves.mode == "fixed":
+        use(Stage("curves", f"each segment becomes {pieces} pieces"))
+    else:
+        use(Stage("curves", f"up to {pieces} pieces a segment, within {curves.tolerance:g} px"))
+        if not needs_shadow_maps(scene):
+            skip(Stage("curves off the screen", "no shadow map needs them"))
+    lit = [light for light in scene.lights if light.intensity > 0 and any(light.colour)]
+    if len(lit) < len(scene.lights):
+        skip(Stage("lights", f"{len(scene.lights) - len(lit)} of {len(scene.lights)} are dark"))
+    maps = sum(light.shadow.model != "off" for light in lit)
+    if maps:
+        use(Stage("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows"))
+    else:
+        skip(Stage("shadow maps", "there is no light" if not lit else "no light asks for one"))
+    if scene.material.specular > 0 and lit:
+        use(Stage("marschner tables", "highlights are on"))
+    else:
+        skip(Stage("marschner tables", "there is no light" if not lit else "material.specular is zero"))
+    varied = scene.material.tip_colour is not None or scene.material.colour_variation > 0
+    (use if varied else skip)(Stage("colour variation", "strands differ" if varied else "all strands have one colour"))
+    visible = [solid for solid in scene.solids if solid.visible]
+    if visible:
+        use(Stage("solids", f"{len(visible)} to draw, to hide strands and to cast shadows"))
+    else:
+        skip(Stage("solids", "there are none to see"))
+    fractions = [drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames]
+    if scene.detail is None:
+        skip(Stage("level of detail", "the preset has none"))
+    elif min(fractions, default=1.0) < 1:
+        use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands"))
+    else:
+        skip(Stage("level of detail", "every frame is near"))
+    if scene.material.width == 0:
+        skip(Stage("body", "material.width is zero: lines are a pixel wide"))
+    else:
+        use(Stage("body", "where a strand is wider than a pixel"))
+    if scene.image.supersample > 1:
+        use(Stage("supersampling", f"{scene.image.supersample} x {scene.image.supersample} samples a pixel"))
+    else:
+        skip(Stage("supersampling", "one sample a pixel"))
+    use(Stage("shading", "only vertices of segments that are seen"))
+
+
+def needs_shadow_maps(scene: Scene) -> bool:
+    """Whether any light has a shadow map."""
+    return any(light.shadow.model != "off" and light.intensity > 0 and any(light.colour) for light in scene.lights)
+
+
+def _memory(plan: Plan, scene: Scene, draw: bool) -> int:
+    n = scene.emitter.particles
+    blocks = -(-plan.strands // W) * W
+    # the state, the emitted groom, and the float64 work of one row while strands are emitted
+    total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160)
+    if not draw:
+        return total + plan.strands * n * 24
+    per_strand = plan.segments_max // max(plan.strands, 1) + 1
+    vertices = min(plan.strands * per_strand, PORTION + per_strand * W)
+    light = 12 if needs_shadow_maps(scene) else 0
+    total += vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
+    total += plan.strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+    for one in scene.lights:
+        if needs_shadow_maps(scene) and one.shadow.model != "off":
+            total += 8 * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
+    total += plan.samples * 20 * 9 // 8 + plan.pixels * 3 * 8
+    return total
+

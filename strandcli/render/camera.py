@@ -1,0 +1,105 @@
+"""Points of view: the scene's camera, and the lights' own views for their shadow maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..scene.motion import camera_at
+from ..scene.model import Camera
+
+SIZE = 24
+
+
+@dataclass(frozen=True)
+class View:
+    """A rigid transform and a projection onto ``width`` × ``height`` pixels."""
+
+    eye: NDArray[np.float64]
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    forward: NDArray[np.float64]
+    perspective: bool
+    focal: float
+    """Pixels a metre: at a depth of one metre (perspective) or anywhere (orthographic)."""
+    near: float
+    far: float
+    width: float
+    height: float
+
+    def pack(self) -> NDArray[np.float32]:
+        """(24,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
+        perspective; [13] focal; [14] near; [15], [16] half width and height in pixels; [17], [18] how much further out
+        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye."""
+        out = np.zeros(SIZE, np.float64)
+        for row, axis in enumerate((self.right, self.up, self.forward)):
+            out[4 * row : 4 * row + 3] = axis
+            out[4 * row + 3] = -axis @ self.eye
+        half = np.array([self.width, self.height]) / 2
+        slant = np.sqrt(1 + (half / self.focal) ** 2) if self.perspective else np.ones(2)
+        out[12:] = [self.perspective, self.focal, self.near, *half, *slant, self.far - self.near, *self.eye, 0.0]
+        return out.astype(np.float32)
+
+
+def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Right, up and forward, orthonormal; an ``up`` along the view is replaced by another axis."""
+    f = np.asarray(forward, np.float64)
+    f = f / np.linalg.norm(f)
+    u = np.asarray(up, np.float64)
+    right = np.cross(f, u)
+    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(u), 1e-300):
+        right = np.cross(f, np.eye(3)[np.argmin(np.abs(f))])
+    right = right / np.linalg.norm(right)
+    return right, np.cross(right, f), f
+
+
+def camera_view(camera: Camera, time: float, width: int, height: int, bounds: NDArray[np.float64]) -> View:
+    """The scene's camera at a moment; ``bounds`` (2, 3) is the box of what there is to see, for the depth range of an
+    orthographic camera."""
+    position, target, fov, tall = camera_at(camera, time)
+    eye = np.array(position, np.float64)
+    right, up, forward = axes(np.array(target) - eye, camera.up)
+    if camera.kind == "perspective":
+        focal = height / 2 / np.tan(np.radians(fov) / 2)
+        return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height)
+    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
+    far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0
+    return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height)
+
+
+def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) -> View:
+    """An orthographic view along a directional light that just holds the box ``bounds`` (2, 3)."""
+    right, up, forward = axes(direction, (0.0, 1.0, 0.0))
+    centre, radius = ball(bounds)
+    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T - centre
+    extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-9 * max(radius, 1e-20))
+    eye = centre - forward * radius * 1.01
+    # one texel is kept free on every side
+    focal = max(size - 2, 1) / (2 * extent)
+    return View(eye, right, up, forward, False, focal, 0.0, 2.02 * radius, size, size)
+
+
+def point_views(position: ArrayLike, size: int, bounds: NDArray[np.float64]) -> list[View]:
+    """One perspective view that holds the box from a point light outside; six, as a cube, from a light inside."""
+    eye = np.asarray(position, np.float64)
+    centre, radius = ball(bounds)
+    distance = float(np.linalg.norm(centre - eye))
+    if distance > 1.3 * radius:
+        half = np.arcsin(radius / distance)
+        right, up, forward = axes(centre - eye, (0.0, 1.0, 0.0))
+        focal = max(size - 2, 1) / 2 / np.tan(half)
+        return [View(eye, right, up, forward, True, float(focal), distance - radius, distance + radius, size, size)]
+    near = 1e-4 * max(radius, 1e-20)
+    views = []
+    for axis in np.concatenate([np.eye(3), -np.eye(3)]):
+        right, up, forward = axes(axis, (0.0, 1.0, 0.0))
+        views.append(View(eye, right, up, forward, True, size / 2, near, distance + radius, size, size))
+    return views
+
+
+def ball(bounds: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Centre and radius of the ball about a box."""
+    centre = bounds.mean(0)
+    return centre, max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-12)

@@ -1,0 +1,76 @@
+"""Strands as polylines: how many pieces, and where their vertices are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.model import Curves
+from .camera import View
+from .kernels import curves as kernel
+from .scratch import Scratch
+
+
+@dataclass(frozen=True)
+class Polylines:
+    """Polylines of consecutive strands: strand s owns the vertices first[s] … first[s + 1] − 1."""
+
+    first: NDArray[np.int64]
+    """(strands + 1,)"""
+    world: NDArray[np.float32]
+    """(V, 3) metres."""
+    error: float | None
+    """Greatest distance of a piece from its curve in pixels; None where it was not asked for."""
+
+    @property
+    def segments(self) -> int:
+        """Line pieces in all."""
+        return int(len(self.world) - np.count_nonzero(np.diff(self.first)))
+
+
+def greatest_pieces(curves: Curves) -> int:
+    """Pieces that a segment can become."""
+    return 1 if curves.mode == "off" else 2**curves.level
+
+
+def flatten(
+    positions: NDArray[np.float32],
+    lengths: NDArray[np.float32],
+    strands: int,
+    curves: Curves,
+    view: View,
+    keep_unseen: bool,
+    scratch: Scratch,
+) -> Polylines:
+    """Polylines of the first ``strands`` strands.
+
+    positions (blocks, n + 1, 3 W), lengths (blocks, W); ``keep_unseen``: strands off the screen are kept, coarsely,
+    because a light's shadow map needs them; otherwise adaptive curves leave them out.
+    """
+    n = positions.shape[1] - 1
+    first = scratch.take("first", strands + 1, np.int64)
+    first[0] = 0
+    most = greatest_pieces(curves)
+    pieces = None
+    error = None
+    if curves.mode == "adaptive":
+        pieces = scratch.take("pieces", (strands, n - 1), np.uint16)
+        bound = scratch.take("curve_error", strands, np.float32)
+        sizes = scratch.take("sizes", strands, np.int64)
+        kernel.count(
+            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen),
+            pieces, sizes, bound,
+        )  # fmt: skip
+        np.cumsum(sizes, out=first[1:])
+        error = float(bound.max())
+    else:
+        first[:] = np.arange(strands + 1, dtype=np.int64) * ((n - 1) * most + 1)
+    world = scratch.take("world", (int(first[-1]), 3), np.float32)
+    switch = np.zeros(1, np.float32)
+    kernel.flatten(
+        positions, lengths, strands, pieces, most,
+        switch if curves.tangents == "printed" else None, switch if curves.mode == "off" else None, first, world,
+    )  # fmt: skip
+    return Polylines(first, world, error)

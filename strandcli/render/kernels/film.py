@@ -1,0 +1,73 @@
+"""From what is seen in each sample to the picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import parallel, prange
+from .raster import EMPTY, LOW
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+
+
+@parallel
+def background(top, bottom, image):  # type: ignore[no-untyped-def]
+    """A vertical gradient. top, bottom (3,) linear; image (height, width, 3) float32."""
+    height = image.shape[0]
+    for y in prange(height):
+        t = (np.float32(y) + HALF) / np.float32(height)
+        for c in range(3):
+            value = top[c] + t * (bottom[c] - top[c])
+            for x in range(image.shape[1]):
+                image[y, x, c] = value
+
+
+@parallel
+def colours(keys, base, screen, vertex, image):  # type: ignore[no-untyped-def]
+    """Colour of the strands that are seen, linear between the two vertices of a segment.
+
+    keys (height * width,) uint64; base: number that was added to vertex indices; screen (V, 3) as projected; vertex
+    (V, 3) radiance; image (height, width, 3).
+    """
+    height, width, _ = image.shape
+    count = screen.shape[0]
+    for y in prange(height):
+        for x in range(width):
+            key = keys[y * width + x]
+            if key == EMPTY:
+                continue
+            v = np.int64(key & LOW) - base
+            if not 0 <= v < count - 1:
+                continue
+            dx = screen[v + 1, 0] - screen[v, 0]
+            dy = screen[v + 1, 1] - screen[v, 1]
+            if abs(dx) >= abs(dy):
+                t = (np.float32(x) + HALF - screen[v, 0]) / dx if dx != ZERO else ZERO
+            else:
+                t = (np.float32(y) + HALF - screen[v, 1]) / dy
+            t = min(max(t, ZERO), ONE)
+            for c in range(3):
+                image[y, x, c] = vertex[v, c] + t * (vertex[v + 1, c] - vertex[v, c])
+
+
+@parallel
+def develop(image, samples, exposure, curve, out):  # type: ignore[no-untyped-def]
+    """Average samples × samples squares and encode.
+
+    image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8, the transfer function
+    of [0, 1]; out (height, width, 3) uint8. What is not a number is drawn as black, never cast.
+    """
+    height, width, _ = out.shape
+    share = exposure / np.float32(samples * samples) * np.float32(65535.0)
+    for y in prange(height):
+        for x in range(width):
+            for c in range(3):
+                total = ZERO
+                for j in range(samples):
+                    for i in range(samples):
+                        total += image[y * samples + j, x * samples + i, c]
+                value = total * share
+                value = value if value > ZERO else ZERO
+                out[y, x, c] = curve[int(min(value, np.float32(65535.0)) + HALF)]

@@ -1,0 +1,94 @@
+"""World to screen, for a camera or a light."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import parallel, prange
+from .curves import into
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+
+
+@parallel
+def widths(first, screen, view, thickness, taper, least, out):  # type: ignore[no-untyped-def]
+    """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
+    never under `least`. first, screen, view as in `points`; out (V,) float32."""
+    for s in prange(first.shape[0] - 1):
+        begin = first[s]
+        end = first[s + 1]
+        per = taper / np.float32(max(end - begin - 1, 1))
+        for v in range(begin, end):
+            wide = thickness * (ONE - per * np.float32(v - begin)) * view[13]
+            if view[12] > ZERO:
+                wide *= screen[v, 2]
+            out[v] = max(wide, least)
+
+
+@parallel
+def bounds(positions, out):  # type: ignore[no-untyped-def]
+    """Box of each block: positions (blocks, n + 1, 3 W), the row before the root left out; out (blocks, 2, 3)."""
+    lanes = positions.shape[2] // 3
+    for b in prange(positions.shape[0]):
+        for c in range(3):
+            low = positions[b, 1, c * lanes]
+            high = low
+            for i in range(1, positions.shape[1]):
+                for k in range(c * lanes, c * lanes + lanes):
+                    low = min(low, positions[b, i, k])
+                    high = max(high, positions[b, i, k])
+            out[b, 0, c] = low
+            out[b, 1, c] = high
+
+
+@parallel
+def points(first, world, view, screen):  # type: ignore[no-untyped-def]
+    """Project polylines.
+
+    first (S + 1,) int64; world (V, 3) metres; view (20,) float32, built by `strandcli.render.camera.View.pack`: three
+    rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
+    depth 1 for perspective); [14] near; [15], [16] half width and height in pixels; [17], [18] margins; [19] depth
+    range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
+    toward the eye and is linear on the screen; 0 where the point is behind `near`. A vertex behind is moved to the near
+    plane where a neighbour is in front of it, so that a piece that crosses is clipped and not lost.
+    """
+    focal = view[13]
+    near = view[14]
+    cx = view[15]
+    cy = view[16]
+    if view[12] > ZERO:
+        for s in prange(first.shape[0] - 1):
+            begin = first[s]
+            end = first[s + 1]
+            for v in range(begin, end):
+                x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
+                if z < near:
+                    front = False
+                    if v > begin:
+                        x1, y1, z1 = into(world[v - 1, 0], world[v - 1, 1], world[v - 1, 2], view)
+                        front = z1 >= near
+                    if not front and v + 1 < end:
+                        x1, y1, z1 = into(world[v + 1, 0], world[v + 1, 1], world[v + 1, 2], view)
+                        front = z1 >= near
+                    if not front:
+                        screen[v, 0] = ZERO
+                        screen[v, 1] = ZERO
+                        screen[v, 2] = ZERO
+                        continue
+                    t = (near - z) / (z1 - z)
+                    x += t * (x1 - x)
+                    y += t * (y1 - y)
+                    z = near
+                q = ONE / z
+                screen[v, 0] = cx + focal * x * q
+                screen[v, 1] = cy - focal * y * q
+                screen[v, 2] = q
+    else:
+        far = ONE / view[19]
+        for s in prange(first.shape[0] - 1):
+            for v in range(first[s], first[s + 1]):
+                x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
+                screen[v, 0] = cx + focal * x
+                screen[v, 1] = cy - focal * y
+                screen[v, 2] = max(ONE - (z - near) * far, ZERO)

@@ -1,0 +1,221 @@
+"""Lines into a z-buffer, without colours: which segment is seen in each pixel.
+
+A pixel holds one 64-bit key: the inverse depth, complemented so that nearer is smaller, above the index of the
+segment's first vertex. The smallest key wins, and equal depths go to the lower index, so neither the order of drawing
+nor the number of threads can change a picture. What is not seen is never shaded.
+
+A line takes one sample a pixel along its longer axis, where that axis crosses the pixel's centre:
+
+        .   .   .   .            a polyline's joints are drawn once,
+      x---o . | .   .            because each piece covers the half-open
+        .   o---o---x            range of centres between its ends
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function, parallel, prange
+
+EMPTY = np.uint64(0xFFFFFFFFFFFFFFFF)
+LOW = np.uint64(0xFFFFFFFF)
+SHIFT = np.uint64(32)
+HALF = np.float32(0.5)
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+
+
+@parallel
+def bands(first, screen, height, rows, margin, out):  # type: ignore[no-untyped-def]
+    """The bands of rows that each strand touches.
+
+    first (S + 1,) int64 vertex offsets; screen (V, 3) float32 pixels and inverse depth; bands are `rows` high; margin:
+    half the greatest width of a line, in pixels;
+    out (S, 2) int32: first and last band, first > last for a strand that is not on the screen.
+    """
+    last_band = (height - 1) // rows
+    for s in prange(first.shape[0] - 1):
+        low = np.float32(np.inf)
+        high = np.float32(-np.inf)
+        for v in range(first[s], first[s + 1]):
+            if screen[v, 2] > ZERO:
+                low = min(low, screen[v, 1])
+                high = max(high, screen[v, 1])
+        if low <= high and high + margin >= ZERO and low - margin < np.float32(height):
+            out[s, 0] = int(max(low - margin, ZERO)) // rows
+            out[s, 1] = min(int(min(high + margin, np.float32(height))) // rows, last_band)
+        else:
+            out[s, 0] = 1
+            out[s, 1] = 0
+
+
+@function
+def count(ranges, out):  # type: ignore[no-untyped-def]
+    """Strands in each band: ranges (S, 2) as from `bands`; out (bands + 1,) int64 becomes where each band's list
+    begins."""
+    out[:] = 0
+    for s in range(ranges.shape[0]):
+        for b in range(ranges[s, 0], ranges[s, 1] + 1):
+            out[b + 1] += 1
+    for b in range(1, out.shape[0]):
+        out[b] += out[b - 1]
+
+
+@function
+def scatter(ranges, cursor, members):  # type: ignore[no-untyped-def]
+    """List the strands band by band, in their own order. cursor (bands,) int64 holds where each list begins and is used
+    up; members (M,) int32."""
+    for s in range(ranges.shape[0]):
+        for b in range(ranges[s, 0], ranges[s, 1] + 1):
+            members[cursor[b]] = s
+            cursor[b] += 1
+
+
+@parallel
+def visible(first, screen, widths, members, begin, width, height, rows, workers, base, keys):  # type: ignore[no-untyped-def]
+    """Draw lines.
+
+    widths (V,) float32 pixels, or None for lines one pixel wide; members (M,) int32 strands listed band by band, begin
+    (bands + 1,) int64; base: number added to a vertex index in the key; keys (height * width,) uint64, drawn into. Each
+    band of `rows` rows has one owner; the `workers` take them in turn, so that busy bands are shared out.
+    """
+    for task in prange(workers):
+        for b in range(task, begin.shape[0] - 1, workers):
+            band(first, screen, widths, members, begin, b, width, height, rows, base, keys)
+
+
+@function
+def band(first, screen, widths, members, begin, b, width, height, rows, base, keys):  # type: ignore[no-untyped-def]
+    """All that `visible` does in band number `b`."""
+    top = b * rows
+    bottom = min(top + rows, height)
+    for m in range(begin[b], begin[b + 1]):
+        s = members[m]
+        a = first[s]
+        x1 = screen[a, 0]
+        y1 = screen[a, 1]
+        q1 = screen[a, 2]
+        for v in range(a + 1, first[s + 1]):
+            x0 = x1
+            y0 = y1
+            q0 = q1
+            x1 = screen[v, 0]
+            y1 = screen[v, 1]
+            q1 = screen[v, 2]
+            if q0 <= ZERO or q1 <= ZERO:
+                continue
+            if widths is None:
+                if max(y0, y1) < top or min(y0, y1) >= bottom:
+                    continue
+                line(x0, y0, q0, x1, y1, q1, top, bottom, width, np.uint64(base + v - 1), keys)
+            else:
+                w = max(HALF * (widths[v - 1] + widths[v]), ONE)
+                if max(y0, y1) + w < top or min(y0, y1) - w >= bottom:
+                    continue
+                ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, np.uint64(base + v - 1), keys)
+
+
+@function
+def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):  # type: ignore[no-untyped-def]
+    """One segment into the rows top <= y < bottom."""
+    dx = x1 - x0
+    dy = y1 - y0
+    if abs(dx) >= abs(dy):
+        if x1 < x0:
+            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+        low = max(math.ceil(x0 - HALF), ZERO)
+        high = min(math.ceil(x1 - HALF), np.float32(width))
+        if low >= high:
+            return
+        per = ONE / (x1 - x0)
+        slope = (y1 - y0) * per
+        rise = (q1 - q0) * per
+        at = low + HALF - x0
+        y = y0 + slope * at
+        q = q0 + rise * at
+        for x in range(int(low), int(high)):
+            row = int(math.floor(y))
+            if top <= row < bottom:
+                deposit(q, identity, np.uint64(row * width + x), keys)
+            y += slope
+            q += rise
+    else:
+        if y1 < y0:
+            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+        low = max(math.ceil(y0 - HALF), np.float32(top))
+        high = min(math.ceil(y1 - HALF), np.float32(bottom))
+        if low >= high:
+            return
+        per = ONE / (y1 - y0)
+        slope = (x1 - x0) * per
+        rise = (q1 - q0) * per
+        at = low + HALF - y0
+        x = x0 + slope * at
+        q = q0 + rise * at
+        for y in range(int(low), int(high)):
+            column = int(math.floor(x))
+            if 0 <= column < width:
+                deposit(q, identity, np.uint64(y * width + column), keys)
+            x += slope
+            q += rise
+
+
+@function
+def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):  # type: ignore[no-untyped-def]
+    """As `line`, `w` >= 1 pixels wide: across the longer axis a sample for each centre that the band of that width
+    covers."""
+    dx = x1 - x0
+    dy = y1 - y0
+    size = math.sqrt(dx * dx + dy * dy)
+    if abs(dx) >= abs(dy):
+        if x1 < x0:
+            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+        low = max(math.ceil(x0 - HALF), ZERO)
+        high = min(math.ceil(x1 - HALF), np.float32(width))
+        if low >= high:
+            return
+        per = ONE / (x1 - x0)
+        slope = (y1 - y0) * per
+        rise = (q1 - q0) * per
+        half = HALF * w * size * per
+        at = low + HALF - x0
+        y = y0 + slope * at
+        q = q0 + rise * at
+        for x in range(int(low), int(high)):
+            begin = max(math.ceil(y - half - HALF), np.float32(top))
+            end = min(math.ceil(y + half - HALF), np.float32(bottom))
+            for row in range(int(begin), int(end)):
+                deposit(q, identity, np.uint64(row * width + x), keys)
+            y += slope
+            q += rise
+    else:
+        if y1 < y0:
+            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+        low = max(math.ceil(y0 - HALF), np.float32(top))
+        high = min(math.ceil(y1 - HALF), np.float32(bottom))
+        if low >= high:
+            return
+        per = ONE / (y1 - y0)
+        slope = (x1 - x0) * per
+        rise = (q1 - q0) * per
+        half = HALF * w * size * per
+        at = low + HALF - y0
+        x = x0 + slope * at
+        q = q0 + rise * at
+        for y in range(int(low), int(high)):
+            begin = max(math.ceil(x - half - HALF), ZERO)
+            end = min(math.ceil(x + half - HALF), np.float32(width))
+            for column in range(int(begin), int(end)):
+                deposit(q, identity, np.uint64(y * width + column), keys)
+            x += slope
+            q += rise
+
+
+@function
+def deposit(q, identity, pixel, keys):  # type: ignore[no-untyped-def]
+    """Keep the nearer of a pixel's key and this one."""
+    key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
+    if key < keys[pixel]:
+        keys[pixel] = key

@@ -1,0 +1,147 @@
+"""The min/max shadow map (thesis §3): per texel the nearest and the farthest strand, seen from the light.
+
+The source stores the z of a normalised vector, a cosine, and its shadows fail when the light is far. Here it is the
+depth along the light's view in metres.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function, parallel, prange
+from .curves import into
+
+HALF = np.float32(0.5)
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+
+
+@parallel
+def fill(first, screen, members, begin, size, rows, workers, far, near, texels):  # type: ignore[no-untyped-def]
+    """Draw the strands' depths into a map that holds (inf, −inf) where nothing is drawn yet.
+
+    screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light,
+    or 0 for a perspective one, to turn that number back into metres; members, begin: bands as in `raster.visible`;
+    texels (size * size, 2) float32: nearest, farthest; (inf, −inf) where there is no strand.
+    """
+    for task in prange(workers):
+        for b in range(task, begin.shape[0] - 1, workers):
+            band(first, screen, members, begin, b, size, rows, far, near, texels)
+
+
+@function
+def band(first, screen, members, begin, b, size, rows, far, near, texels):  # type: ignore[no-untyped-def]
+    """All that `fill` does in band number `b`."""
+    top = b * rows
+    bottom = min(top + rows, size)
+    for m in range(begin[b], begin[b + 1]):
+        s = members[m]
+        a = first[s]
+        x1 = screen[a, 0]
+        y1 = screen[a, 1]
+        q1 = screen[a, 2]
+        for v in range(a + 1, first[s + 1]):
+            x0 = x1
+            y0 = y1
+            q0 = q1
+            x1 = screen[v, 0]
+            y1 = screen[v, 1]
+            q1 = screen[v, 2]
+            if max(y0, y1) < top or min(y0, y1) >= bottom or q0 <= ZERO or q1 <= ZERO:
+                continue
+            d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
+            d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+            line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels)
+
+
+@function
+def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):  # type: ignore[no-untyped-def]
+    """One piece: a sample for each texel along its longer axis, at least one, so that none is lost between texels."""
+    steps = max(math.ceil(max(abs(x1 - x0), abs(y1 - y0))), ONE)
+    per = ONE / steps
+    sx = (x1 - x0) * per
+    sy = (y1 - y0) * per
+    sd = (d1 - d0) * per
+    x = x0 + sx * HALF
+    y = y0 + sy * HALF
+    d = d0 + sd * HALF
+    if steps > np.float32(4 * size):  # far outside the map: only a clipped part can touch it
+        return
+    for _ in range(int(steps)):
+        row = int(math.floor(y))
+        column = int(math.floor(x))
+        if top <= row < bottom and 0 <= column < size:
+            t = row * size + column
+            texels[t, 0] = min(texels[t, 0], d)
+            texels[t, 1] = max(texels[t, 1], d)
+        x += sx
+        y += sy
+        d += sd
+
+
+@function
+def transmittance(x, y, z, light, maps, starts, sizes, views):  # type: ignore[no-untyped-def]
+    """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
+    light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
+
+    x, y, z metres; light (16,) as in `shade.strands`: [7], [8] its first map and their number, [9] bias in metres in
+    front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,) int64, views (M, 24).
+    A point that no map of the light holds is lit.
+    """
+    bias = light[9]
+    for one in range(int(light[7]), int(light[7] + light[8])):
+        view = views[one]
+        size = sizes[one]
+        sx, sy, d = into(x, y, z, view)
+        if d < view[14]:
+            continue
+        scale = view[13] / d if view[12] > ZERO else view[13]
+        u = view[15] + scale * sx - HALF
+        v = view[16] - scale * sy - HALF
+        edge = np.float32(size)
+        if not (u > -ONE and v > -ONE and u < edge and v < edge):
+            continue
+        low_u = math.floor(u)
+        low_v = math.floor(v)
+        column = int(low_u)
+        row = int(low_v)
+        u -= low_u
+        v -= low_v
+        share = ZERO
+        for j in range(2):
+            for i in range(2):
+                weight = (u if i == 1 else ONE - u) * (v if j == 1 else ONE - v)
+                yy = row + j
+                xx = column + i
+                t = ONE
+                if 0 <= yy < size and 0 <= xx < size:
+                    texel = starts[one] + yy * size + xx
+                    t = through(d, maps[texel, 0], maps[texel, 1], bias)
+                share += weight * t
+        return share
+    return ONE
+
+
+@function
+def through(d, r, a, bias):  # type: ignore[no-untyped-def]
+    """1 − (eˣ − 1) / (e − 1) at depth d between the nearest r and the farthest a.
+
+    e^x by its Taylor polynomial of degree 7 about 1/2: 3e-8 on [0, 1]. Guarded where a = r.
+    """
+    if d <= r + bias:
+        return ONE
+    if d >= a + bias:
+        return ZERO
+    x = min(max((d - bias - r) / max(a - r, np.float32(1e-20)), ZERO), ONE)
+    h = x - HALF
+    e = ONE + h * np.float32(1 / 7)
+    e = ONE + h * np.float32(1 / 6) * e
+    e = ONE + h * np.float32(1 / 5) * e
+    e = ONE + h * np.float32(1 / 4) * e
+    e = ONE + h * np.float32(1 / 3) * e
+    e = ONE + h * HALF * e
+    e = ONE + h * e
+    y = (e * np.float32(1.6487212707001282) - ONE) * np.float32(0.5819767068693265)
+    return min(max(ONE - y, ZERO), ONE)

@@ -1,0 +1,254 @@
+"""Rays against solids: for drawing them, and for the shadows that they cast.
+
+Solids come packed by `strandcli.solids.pack`, an array for each kind, (m, columns), of which any may be empty. They are
+numbered through: spheres first, then capsules, planes and boxes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function, parallel, prange
+from .raster import EMPTY, LOW, SHIFT
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-20)
+INF = np.float32(np.inf)
+FIRST = np.uint64(0xFFFFFF00)
+"""Identities from here on are solids', the others segments'."""
+
+
+@function
+def sphere(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Distance along the ray, in units of |d|, to a sphere's outside; inf where it is missed or begins inside."""
+    cx = ox - p[0]
+    cy = oy - p[1]
+    cz = oz - p[2]
+    a = dx * dx + dy * dy + dz * dz
+    b = cx * dx + cy * dy + cz * dz
+    # the distance of the centre from the ray, not b² − a c: that cancels for a far and small sphere (Haines 2019)
+    t = -b / a
+    ex = cx + t * dx
+    ey = cy + t * dy
+    ez = cz + t * dz
+    left = p[3] * p[3] - (ex * ex + ey * ey + ez * ez)
+    if left < ZERO or t < ZERO:
+        return INF
+    return t - math.sqrt(left / a)
+
+
+@function
+def capsule(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """As `sphere`, for a capsule: the open cylinder, then its two ends."""
+    cx = ox - p[0]
+    cy = oy - p[1]
+    cz = oz - p[2]
+    bx = p[3]
+    by = p[4]
+    bz = p[5]
+    r = p[6]
+    bb = bx * bx + by * by + bz * bz
+    best = INF
+    if bb > TINY:
+        bd = bx * dx + by * dy + bz * dz
+        bo = bx * cx + by * cy + bz * cz
+        a = bb * (dx * dx + dy * dy + dz * dz) - bd * bd
+        b = bb * (cx * dx + cy * dy + cz * dz) - bo * bd
+        c = bb * (cx * cx + cy * cy + cz * cz - r * r) - bo * bo
+        h = b * b - a * c
+        if h >= ZERO and a > TINY:
+            t = (-b - math.sqrt(h)) / a
+            y = bo + t * bd
+            if ZERO < y < bb:
+                best = t
+    for end in range(2):
+        ex = cx - end * bx
+        ey = cy - end * by
+        ez = cz - end * bz
+        a = dx * dx + dy * dy + dz * dz
+        b = ex * dx + ey * dy + ez * dz
+        c = ex * ex + ey * ey + ez * ez - r * r
+        h = b * b - a * c
+        if h >= ZERO:
+            best = min(best, np.float32((-b - math.sqrt(h)) / a))
+    return best
+
+
+@function
+def plane(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """As `sphere`, for the upper side of a plane."""
+    down = p[0] * dx + p[1] * dy + p[2] * dz
+    over = p[0] * ox + p[1] * oy + p[2] * oz - p[3]
+    if down >= ZERO or over < ZERO:
+        return INF
+    return -over / down
+
+
+@function
+def box(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
+    cx = ox - p[0]
+    cy = oy - p[1]
+    cz = oz - p[2]
+    enter = -INF
+    leave = INF
+    for k in range(3):
+        o = p[3 + k] * cx + p[6 + k] * cy + p[9 + k] * cz
+        d = p[3 + k] * dx + p[6 + k] * dy + p[9 + k] * dz
+        if abs(d) < TINY:
+            if abs(o) > p[12 + k]:
+                return INF
+            continue
+        near = (-p[12 + k] - o) / d
+        far = (p[12 + k] - o) / d
+        enter = max(enter, min(near, far))
+        leave = min(leave, max(near, far))
+    if enter > leave:
+        return INF
+    return enter
+
+
+@function
+def nearest(spheres, capsules, planes, boxes, ox, oy, oz, dx, dy, dz, least):  # type: ignore[no-untyped-def]
+    """(t, number) of the first solid that a ray meets beyond `least`; (inf, −1) for none."""
+    best = INF
+    which = -1
+    m = 0
+    for s in range(spheres.shape[0]):
+        t = sphere(spheres[s], ox, oy, oz, dx, dy, dz)
+        if least < t < best:
+            best = t
+            which = m
+        m += 1
+    for s in range(capsules.shape[0]):
+        t = capsule(capsules[s], ox, oy, oz, dx, dy, dz)
+        if least < t < best:
+            best = t
+            which = m
+        m += 1
+    for s in range(planes.shape[0]):
+        t = plane(planes[s], ox, oy, oz, dx, dy, dz)
+        if least < t < best:
+            best = t
+            which = m
+        m += 1
+    for s in range(boxes.shape[0]):
+        t = box(boxes[s], ox, oy, oz, dx, dy, dz)
+        if least < t < best:
+            best = t
+            which = m
+        m += 1
+    return best, which
+
+
+@function
+def normal(spheres, capsules, planes, boxes, which, x, y, z):  # type: ignore[no-untyped-def]
+    """Unit outward normal of solid number `which` at a point of its surface."""
+    m = which
+    if m < spheres.shape[0]:
+        p = spheres[m]
+        nx = x - p[0]
+        ny = y - p[1]
+        nz = z - p[2]
+    elif m < spheres.shape[0] + capsules.shape[0]:
+        p = capsules[m - spheres.shape[0]]
+        nx = x - p[0]
+        ny = y - p[1]
+        nz = z - p[2]
+        t = min(max((nx * p[3] + ny * p[4] + nz * p[5]) * p[7], ZERO), ONE)
+        nx -= t * p[3]
+        ny -= t * p[4]
+        nz -= t * p[5]
+    elif m < spheres.shape[0] + capsules.shape[0] + planes.shape[0]:
+        p = planes[m - spheres.shape[0] - capsules.shape[0]]
+        nx = p[0]
+        ny = p[1]
+        nz = p[2]
+    else:
+        p = boxes[m - spheres.shape[0] - capsules.shape[0] - planes.shape[0]]
+        cx = x - p[0]
+        cy = y - p[1]
+        cz = z - p[2]
+        face = 0
+        most = -INF
+        side = ONE
+        for k in range(3):
+            u = p[3 + k] * cx + p[6 + k] * cy + p[9 + k] * cz
+            over = abs(u) - p[12 + k]
+            if over > most:
+                most = over
+                face = k
+                side = ONE if u > ZERO else -ONE
+        nx = side * p[3 + face]
+        ny = side * p[6 + face]
+        nz = side * p[9 + face]
+    size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
+    return nx * size, ny * size, nz * size
+
+
+@function
+def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):  # type: ignore[no-untyped-def]
+    """1 where nothing solid stands between a point and a light at `reach` along the unit direction l, else 0.
+
+    Points within `skin` under a surface count as on it, so that a root is not shaded by the solid that it grows from:
+    only what a ray meets or is inside of after `skin` hides the light.
+    """
+    x += skin * lx
+    y += skin * ly
+    z += skin * lz
+    for s in range(spheres.shape[0]):
+        p = spheres[s]
+        cx = p[0] - x
+        cy = p[1] - y
+        cz = p[2] - z
+        t = cx * lx + cy * ly + cz * lz
+        if ZERO < t < reach + p[3]:
+            away = cx * cx + cy * cy + cz * cz - t * t
+            if away < (p[3] - skin) * (p[3] - skin) and p[3] > skin:
+                return ZERO
+    for s in range(capsules.shape[0]):
+        t = capsule(capsules[s], x, y, z, lx, ly, lz)
+        if skin < t < reach:
+            return ZERO
+    for s in range(planes.shape[0]):
+        t = plane(planes[s], x, y, z, lx, ly, lz)
+        if skin < t < reach:
+            return ZERO
+    for s in range(boxes.shape[0]):
+        t = box(boxes[s], x, y, z, lx, ly, lz)
+        if skin < t < reach:
+            return ZERO
+    return ONE
+
+
+@parallel
+def draw(spheres, capsules, planes, boxes, view, width, height, keys):  # type: ignore[no-untyped-def]
+    """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none. keys (height * width,) uint64."""
+    focal = view[13]
+    for y in prange(height):
+        up = (view[16] - np.float32(y) - np.float32(0.5)) / focal
+        for x in range(width):
+            right = (np.float32(x) + np.float32(0.5) - view[15]) / focal
+            ox, oy, oz, dx, dy, dz = ray(view, right, up)
+            t, which = nearest(spheres, capsules, planes, boxes, ox, oy, oz, dx, dy, dz, view[14])
+            key = EMPTY
+            if which >= 0:
+                q = ONE / t if view[12] > ZERO else ONE - (t - view[14]) / view[19]
+                bits = LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))
+                key = (bits << SHIFT) | (FIRST + np.uint64(which))
+            keys[y * width + x] = key
+
+
+@function
+def ray(view, right, up):  # type: ignore[no-untyped-def]
+    """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
+    direction's length is such that its parameter is the depth."""
+    ax = view[0] * right + view[4] * up
+    ay = view[1] * right + view[5] * up
+    az = view[2] * right + view[6] * up
+    if view[12] > ZERO:
+        return view[20], view[21], view[22], view[8] + ax, view[9] + ay, view[10] + az
+    return view[20] + ax, view[21] + ay, view[22] + az, view[8], view[9], view[10]

@@ -1,0 +1,65 @@
+"""Which strand is seen in each pixel: projection, sorting into bands of rows, and the z-buffer."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import View
+from .curves import Polylines
+from .kernels import project
+from .kernels import raster as kernel
+from .scratch import Scratch
+
+BANDS_PER_WORKER = 4
+
+
+class Bands(NamedTuple):
+    """Strands listed by the band of rows that they touch."""
+
+    begin: NDArray[np.int64]
+    members: NDArray[np.int32]
+    rows: int
+    workers: int
+
+
+def to_screen(lines: Polylines, view: View, scratch: Scratch, name: str = "screen") -> NDArray[np.float32]:
+    """(V, 3): x and y in pixels, and a number that grows toward the eye (see `kernels.project.points`)."""
+    screen = scratch.take(name, lines.world.shape, np.float32)
+    project.points(lines.first, lines.world, view.pack(), screen)
+    return screen
+
+
+def into_bands(
+    first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
+) -> Bands:
+    """Sort strands into bands, four a worker, each wide enough to keep lists short."""
+    rows = max(-(-height // (BANDS_PER_WORKER * workers)), 8)
+    ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
+    kernel.bands(first, screen, height, rows, np.float32(margin), ranges)
+    begin = np.zeros(-(-height // rows) + 1, np.int64)
+    kernel.count(ranges, begin)
+    members = scratch.take("members", int(begin[-1]), np.int32)
+    kernel.scatter(ranges, begin[:-1].copy(), members)
+    return Bands(begin, members, rows, workers)
+
+
+def draw(
+    lines: Polylines,
+    screen: NDArray[np.float32],
+    widths: NDArray[np.float32] | None,
+    base: int,
+    size: tuple[int, int],
+    workers: int,
+    scratch: Scratch,
+    keys: NDArray[np.uint64],
+) -> None:
+    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``."""
+    width, height = size
+    margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
+    bands = into_bands(lines.first, screen, height, margin, workers, scratch)
+    kernel.visible(
+        lines.first, screen, widths, bands.members, bands.begin, width, height, bands.rows, bands.workers, base, keys
+    )

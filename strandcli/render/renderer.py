@@ -1,0 +1,211 @@
+"""One frame, stage by stage: curves, shadow maps, z-buffer, light on what is seen, film.
+
+Strands go through in portions, so that memory stays bounded however many there are. What is not seen is never shaded:
+the z-buffer is filled first and holds, for each sample, the segment in front.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids as shapes
+from ..constants import PORTION, W
+from ..groom.emit import Groom
+from . import raster
+from .camera import View, camera_view
+from .curves import Polylines, flatten, greatest_pieces
+from .detail import drawn_fraction
+from .film import srgb_curve
+from .kernels import film, project, shade, solids
+from .scratch import Scratch
+from .shading import Palette, pack_lights
+from .shadow import ShadowMaps, plan_maps
+
+@dataclass
+class Drawing:
+    """One picture with what it took."""
+
+    image: NDArray[np.uint8]
+    """(height, width, 3) sRGB."""
+    seconds: dict[str, float] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    curve_px_max: float | None = None
+
+
+class Renderer:
+    """Draws frames of one scene; holds what stays the same from frame to frame."""
+
+    def __init__(self, scene: Any, groom: Groom) -> None:
+        self.scene = scene
+        self.tones = groom.tones
+        self.scratch = Scratch()
+        self.palette = Palette(scene.material)
+        self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
+        self.visible = [solid for solid in scene.solids if solid.visible]
+        self._clock = 0.0
+        self._drawing: Drawing
+
+    def draw(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int) -> Drawing:
+        """Draw strands (blocks, n + 1, 3 W) with segment rest lengths (blocks, W) at a time in seconds."""
+        scene, scratch = self.scene, self.scratch
+        self._drawing = Drawing(np.empty((scene.image.size[1], scene.image.size[0], 3), np.uint8))
+        self._clock = time.perf_counter()
+        bounds = self._bounds(positions)
+        view = camera_view(scene.camera, at, *self.size, bounds)
+        fraction, spread = drawn_fraction(scene, at)
+        strands = max(round(len(self.tones) * fraction), 1)
+        portions = self._portions(strands, positions.shape[1] - 1)
+
+        maps = plan_maps(scene.lights, bounds, scratch)
+        self._lap("shadow")
+        if maps is not None and len(portions) > 1:  # every strand has to be in the maps before the first is shaded
+            for begin, end in portions:
+                lines = self._flatten(positions, lengths, begin, end, view, True)
+                maps.add(lines, workers, scratch)
+                self._lap("shadow")
+
+        keys = scratch.take("keys", self.size[0] * self.size[1], np.uint64)
+        packed = self._solids(at)
+        self._clear(keys, view, packed)
+        self._lap("raster")
+        image = scratch.take("image", (self.size[1], self.size[0], 3), np.float32)
+        top = np.array(scene.image.background, np.float32)
+        bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
+        film.background(top, bottom, image)
+        self._lap("raster")
+
+        base = 0
+        segments = 0
+        lights = pack_lights(scene.lights, maps, bounds)
+        for begin, end in portions:
+            lines = self._flatten(positions, lengths, begin, end, view, maps is not None)
+            if maps is not None and len(portions) == 1:
+                maps.add(lines, workers, scratch)
+                self._lap("shadow")
+            screen = raster.to_screen(lines, view, scratch)
+            widths = self._widths(lines, screen, view, spread)
+            raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
+            self._lap("raster")
+            colours = self._shade(lines, keys, base, begin, end, view, lights, maps, packed)
+            self._lap("shade")
+            film.colours(keys, base, screen, colours, image)
+            self._lap("raster")
+            base += len(lines.world)
+            segments += lines.segments
+        if packed is not None:
+            self._surfaces(keys, view, lights, maps, packed, at, image)
+            self._lap("shade")
+        film.develop(
+            image, scene.image.supersample, np.float32(2.0**scene.image.exposure), srgb_curve(), self._drawing.image
+        )
+        self._lap("raster")
+        self._drawing.counts = {
+            "strands": strands,
+            "particles": strands * (positions.shape[1] - 1),
+            "segments": segments,
+            "fragments": int(np.count_nonzero((keys & np.uint64(0xFFFFFFFF)) < solids.FIRST)),
+        }
+        return self._drawing
+
+    def _lap(self, stage: str) -> None:
+        now = time.perf_counter()
+        self._drawing.seconds[stage] = self._drawing.seconds.get(stage, 0.0) + now - self._clock
+        self._clock = now
+
+    def _portions(self, strands: int, n: int) -> list[tuple[int, int]]:
+        """Ranges of strands, whole blocks each, that hold at most `PORTION` vertices."""
+        vertices = (n - 1) * greatest_pieces(self.scene.curves) + 1
+        step = max(PORTION // vertices // W, 1) * W
+        return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
+
+    def _bounds(self, positions: NDArray[np.float32]) -> NDArray[np.float64]:
+        boxes = self.scratch.take("boxes", (len(positions), 2, 3), np.float32)
+        project.bounds(positions, boxes)
+        return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)]).astype(np.float64)
+
+    def _flatten(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View, keep: bool
+    ) -> Polylines:
+        blocks = slice(begin // W, -(-end // W))
+        lines = flatten(positions[blocks], lengths[blocks], end - begin, self.scene.curves, view, keep, self.scratch)
+        if lines.error is not None:
+            self._drawing.curve_px_max = max(lines.error, self._drawing.curve_px_max or 0.0)
+        self._lap("curves")
+        return lines
+
+    def _solids(self, at: float) -> list[NDArray[np.float32]] | None:
+        if not self.visible:
+            return None
+        return [shapes.pack(kind, self.visible, self.scene.emitter, at) for kind in shapes.COLUMNS]
+
+    def _clear(self, keys: NDArray[np.uint64], view: View, packed: list[NDArray[np.float32]] | None) -> None:
+        if packed is None:
+            keys.fill(raster.kernel.EMPTY)
+        else:
+            solids.draw(*packed, view.pack(), *self.size, keys)
+
+    def _widths(
+        self, lines: Polylines, screen: NDArray[np.float32], view: View, spread: float
+    ) -> NDArray[np.float32] | None:
+        """Widths in pixels, or None where every line is one pixel wide."""
+        material = self.scene.material
+        thickness = material.width * spread
+        if thickness == 0 or not len(screen):
+            return None
+        nearest = float(screen[:, 2].max()) if view.perspective else 1.0
+        if thickness * view.focal * nearest <= 1.0:
+            return None
+        widths = self.scratch.take("widths", len(screen), np.float32)
+        project.widths(
+            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), np.float32(1), widths
+        )
+        return widths
+
+    def _shade(
+        self, lines: Polylines, keys: NDArray[np.uint64], base: int, begin: int, end: int, view: View,
+        lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
+    ) -> NDArray[np.float32]:  # fmt: skip
+        """(V, 3) radiance at the vertices that are seen; anything at the others."""
+        count = len(lines.world)
+        marks = self.scratch.take("marks", count, np.uint8)
+        marks.fill(0)
+        shade.mark(keys, base, count, marks)
+        colours = self.scratch.take("colours", (count, 3), np.float32)
+        p = self.palette
+        shade.strands(
+            lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
+            np.array(self.scene.ambient, np.float32), p.lobes, p.nodes, p.paths, lights, *self._maps(maps),
+            *(packed or [None] * 4), self._skin(), colours,
+        )  # fmt: skip
+        return colours
+
+    def _surfaces(
+        self, keys: NDArray[np.uint64], view: View, lights: NDArray[np.float32], maps: ShadowMaps | None,
+        packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
+    ) -> None:  # fmt: skip
+        shade.surfaces(
+            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
+            self._paint(at), self._skin(), image,
+        )  # fmt: skip
+
+    def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
+        return (None,) * 4 if maps is None else (maps.texels, maps.starts, maps.sizes, maps.packed)
+
+    def _skin(self) -> np.float32:
+        """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
+        return np.float32(0.01 * self.scene.emitter.length)
+
+    def _paint(self, at: float) -> NDArray[np.float32]:
+        """(m, 8) colour, fade and its centre of each solid, in the kernels' order of kinds."""
+        rows = []
+        for kind in shapes.COLUMNS:
+            for solid in self.visible:
+                if solid.kind == kind:
+                    centre = shapes.solid_pose(solid, self.scene.emitter, at)[1]
+                    rows.append([*solid.colour, getattr(solid, "fade", 0.0), *centre, 0.0])
+        return np.array(rows, np.float32)

@@ -1,0 +1,164 @@
+"""The machine that kernels run on: threads, Numba's cache folder, and the time that compiling takes.
+
+Modules that hold kernels take their decorators from `strandcli.jit`, which calls `start_once`; everything else stays
+away from numba, whose import alone takes a fifth of a second.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from . import __version__
+from .errors import UsageError
+
+_state: dict[str, Any] = {"folder": None, "compile_seconds": 0.0, "depth": 0, "began": 0.0, "notify": None}
+
+
+def start(threads: int | None = None, notify: Callable[[str], None] | None = None) -> None:
+    """Choose the cache folder and the number of threads; safe to call again with another number.
+
+    ``notify`` is handed a line of text each time that compiling begins. Raises `UsageError` for a number of threads
+    that this machine does not have.
+    """
+    _state["notify"] = notify
+    if _state["folder"] is None:
+        _state["folder"] = _writable_folder()
+        os.environ["NUMBA_CACHE_DIR"] = str(_state["folder"])
+        if "numba" in sys.modules:
+            sys.modules["numba"].config.CACHE_DIR = str(_state["folder"])
+        _watch()
+    import numba
+
+    most = int(numba.config.NUMBA_NUM_THREADS)
+    if threads is None:
+        threads = most
+    if not 1 <= threads <= most:
+        raise UsageError(f"--threads {threads}: this machine offers 1 to {most}")
+    numba.set_num_threads(threads)
+
+
+def start_once() -> None:
+    """`start` with the defaults, for callers of the Python side who never said anything."""
+    if _state["folder"] is None:
+        start()
+
+
+def cache_folder() -> Path:
+    """The private folder that holds compiled and generated kernels."""
+    start_once()
+    return Path(_state["folder"])
+
+
+def compile_seconds() -> float:
+    """Seconds that this process has spent compiling kernels so far (0 when all came from the cache)."""
+    return float(_state["compile_seconds"])
+
+
+def machine() -> dict[str, Any]:
+    """What the figures of this run were measured on; the `machine` mapping of report.json."""
+    import llvmlite
+    import numba
+
+    try:
+        layer: str | None = numba.threading_layer()
+    except ValueError:  # no parallel kernel has run yet
+        layer = None
+    return {
+        "cpu": _cpu_name(),
+        "cores": os.cpu_count(),
+        "threads": int(numba.get_num_threads()),
+        "threading_layer": layer,
+        "python": platform.python_version(),
+        "numba": numba.__version__,
+        "llvm": ".".join(str(part) for part in llvmlite.binding.llvm_version_info),
+        "llvmlite": llvmlite.__version__,
+    }
+
+
+def source_hash() -> str:
+    """A short hash over every source file of the package: kernels cached from other sources are never reused, because
+    Numba itself does not notice that a function in another file has changed."""
+    digest = hashlib.sha256()
+    root = Path(__file__).parent
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def _writable_folder() -> Path:
+    """A private folder for this user and these sources; a temporary one where the user's cache cannot be written."""
+    import platformdirs
+
+    chosen = os.environ.get("STRANDCLI_CACHE_DIR")
+    base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strandcli", appauthor=False))
+    folder = base / f"{__version__}-{source_hash()}"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        os.utime(folder)
+        _forget_old(base, keep=folder)
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
+        import atexit
+
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+def _forget_old(base: Path, keep: Path, days: float = 14.0) -> None:
+    """Remove kernels of other versions that nobody has used for a while."""
+    for other in base.iterdir():
+        if other != keep and other.is_dir() and other.stat().st_mtime < time.time() - 86_400 * days:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+def _watch() -> None:
+    """Time compilation through Numba's events, and survive a damaged cache (Numba #10434: a truncated file raises)."""
+    from numba.core import caching, event
+
+    class Clock(event.Listener):
+        def on_start(self, happening: Any) -> None:
+            if _state["depth"] == 0:
+                _state["began"] = time.perf_counter()
+                if _state["notify"] is not None:
+                    _state["notify"](f"compiling {happening.data['dispatcher'].py_func.__name__}")
+            _state["depth"] += 1
+
+        def on_end(self, happening: Any) -> None:
+            _state["depth"] -= 1
+            if _state["depth"] == 0:
+                _state["compile_seconds"] += time.perf_counter() - _state["began"]
+
+    event.register("numba:compile", Clock())
+    load = caching.Cache.load_overload
+
+    def load_or_forget(self: Any, signature: Any, context: Any) -> Any:
+        try:
+            return load(self, signature, context)
+        except Exception:
+            for path in cache_folder().rglob("*.nb[ic]"):
+                path.unlink(missing_ok=True)
+            return None
+
+    caching.Cache.load_overload = load_or_forget
+
+
+def _cpu_name() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            for line in lines:
+                if line.startswith("model name"):
+                    return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()

@@ -1,0 +1,92 @@
+"""The fused step of exactly the rules that a scene lists, in the order in which it lists them.
+
+The module's source is written out, one call a pass, into the cache folder and imported from there: Numba then compiles
+and caches it like any other file, rules that are absent are neither run nor compiled, and a rule from another package
+takes part as the shipped ones do. (Closures over jitted functions would be recompiled on every run, Numba #6264.)
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from .rules import Pass
+
+TEMPLATE = '''\
+"""One solver step, written by strandcli.simulate.compose for: {title}."""
+
+from strandcli.jit import function, parallel, prange
+
+{imports}
+
+@parallel
+def step(positions, lengths, rest{arguments}):
+    """Move every strand by one step, in place.
+
+    positions (blocks, n + 1, 3 W) float32, metres: row 0 is one segment before the root, row 1 the root;
+    lengths (blocks, W) segment rest lengths; rest (blocks, 2, 3 W): rows 0 and 1 in the emitter's own frame;
+    then one float32 array for each pass.
+    """
+    for b in prange(positions.shape[0]):
+        block = positions[b]
+        length = lengths[b]
+        n = block.shape[0] - 1
+        root = block[1]
+{roots}        for i in range(1, n):
+            x = block[i + 1]
+            parent = block[i]
+            grandparent = block[i - 1]
+{particles}'''
+
+
+def source(passes: Sequence[Pass]) -> str:
+    """Text of the module that runs these passes; equal scenes give equal text."""
+    imports, roots, particles = [], [], []
+    for j, one in enumerate(passes):
+        function = one.function
+        digest = hashlib.sha256(inspect.getsource(sys.modules[function.__module__]).encode()).hexdigest()[:12]
+        imports.append(
+            f"from {function.__module__} import {function.__qualname__} as function_{j}  # {digest}\n"
+            f'pass_{j} = function(function_{j})\n'
+        )
+        if one.stage == "root":
+            roots.append(f"        pass_{j}(block[0], root, rest[b, 0], rest[b, 1], p_{j})\n")
+        else:
+            particles.append(f"            pass_{j}(x, parent, grandparent, root, length, p_{j}, i, n)\n")
+    return TEMPLATE.format(
+        title=", ".join(f"{one.function.__module__.rpartition('.')[2]}.{one.function.__name__}" for one in passes),
+        imports="".join(imports),
+        arguments="".join(f", p_{j}" for j in range(len(passes))),
+        roots="".join(roots),
+        particles="".join(particles) or "            pass\n",
+    )
+
+
+def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
+    """The compiled step of these passes; its module is written to ``folder`` unless it is there already."""
+    return _load(source(passes), folder)
+
+
+@functools.lru_cache(maxsize=64)
+def _load(text: str, folder: Path) -> Callable[..., None]:
+    name = f"step_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    path = folder / f"{name}.py"
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".py.part")
+        with open(handle, "w", encoding="utf-8") as out:
+            out.write(text)
+        os.replace(temporary, path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module: Any = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.step  # type: ignore[no-any-return]

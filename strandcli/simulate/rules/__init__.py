@@ -1,0 +1,60 @@
+"""The rules that move particles, one file each (thesis §2), and the registry that presets look them up in.
+
+A rule is a module or object with
+
+* ``name`` — what a preset writes;
+* ``order`` — its place in the default order, used where a preset gives rules as a mapping;
+* ``Parameters`` — a frozen dataclass made of the helpers of `strandcli.scene.fields`;
+* ``passes(parameters, scene)`` — the list of `Pass` that a scene needs: what it does not need is neither run nor
+  compiled.
+
+A `Pass` names a plain Python function over the rows of one particle of a block of strands; the composer compiles it
+(see `strandcli.simulate.compose`). Rows hold x of every lane, then y, then z: `x[k], x[W + k], x[2 * W + k]`.
+
+A rule may also have ``idle(parameters, scene)``, which says in words why it has nothing to do (or returns ""), and
+``check(parameters, scene)``, which yields (path, message) for faults that only the whole scene shows.
+
+Rules from elsewhere are found by the entry-point group ``strandcli.rules``, or are added with `register`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from typing import Any
+
+from ...errors import UsageError
+from . import collision, elasticity, emitter_motion, gravity, stiffness, wind
+from .rule import Moment, Pass
+
+__all__ = ["Moment", "Pass", "idle", "register", "registry"]
+
+_registry: dict[str, Any] = {
+    rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, collision, elasticity)
+}
+_searched = False
+
+
+def register(rule: Any) -> None:
+    """Add a rule for this process. Raises `UsageError` where it lacks a part or where its name is taken."""
+    for part in ("name", "order", "Parameters", "passes"):
+        if not hasattr(rule, part):
+            raise UsageError(f"rule {getattr(rule, 'name', rule)!r}: has no `{part}` (see strandcli.simulate.rules)")
+    if _registry.get(rule.name, rule) is not rule:
+        raise UsageError(f"rule {rule.name!r}: another rule has this name")
+    _registry[rule.name] = rule
+
+
+def registry() -> Mapping[str, Any]:
+    """Every known rule by name, those of installed packages included."""
+    global _searched
+    if not _searched:
+        _searched = True
+        for found in entry_points(group="strandcli.rules"):
+            register(found.load())
+    return _registry
+
+
+def idle(use: Any, scene: Any) -> str:
+    """Why an entry of a scene's rules has nothing to do; "" where it has."""
+    return str(getattr(registry()[use.name], "idle", lambda parameters, scene: "")(use.parameters, scene))

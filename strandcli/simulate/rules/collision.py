@@ -1,0 +1,67 @@
+"""Collision: a particle inside a solid is put onto its surface (thesis §2).
+
+For a sphere p_i' = p_i + (r − |p_i − o|) n, n = (p_i − o) / |p_i − o|, when |p_i − o| < r; not the root. A particle at
+the very centre has no direction and leaves upward. Capsules, planes and boxes follow the same form: along the gradient
+of the distance to the surface. Point based as in the source, so a long segment can cut through a solid; with
+``segments: true`` the deepest point of the segment is found as well and its far end is moved until that point is out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from ...scene.fields import boolean, names
+from .rule import Moment, Pass
+
+name = "collision"
+order = 40.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Which solids stop the strands, and how closely they are looked at."""
+
+    with_: tuple[str, ...] = names(doc="names of the solids; none given: all of them")
+    segments: bool = boolean(False, doc="also catch a segment that passes through between two particles")
+
+
+def check(parameters: Parameters, scene: Any) -> Iterable[tuple[str, str]]:
+    """Faults that only the whole scene shows."""
+    known = [solid.name for solid in scene.solids]
+    for given in parameters.with_:
+        if given not in known:
+            have = ", ".join(sorted(filter(None, known))) or "no named solids"
+            yield "with", f"no solid is called {given!r}; this scene has {have}"
+
+
+def chosen(parameters: Parameters, scene: Any) -> list[Any]:
+    """The solids that a collision rule acts on."""
+    return [solid for solid in scene.solids if not parameters.with_ or solid.name in parameters.with_]
+
+
+def idle(parameters: Parameters, scene: Any) -> str:
+    """Why this rule has nothing to do, or nothing."""
+    return "" if chosen(parameters, scene) else "there is no solid to collide with"
+
+
+def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+    """One pass for each kind of solid that is there, and one more for its segments where asked.
+
+    A plane that no particle is below is cut by no segment: it needs no pass of its own.
+    """
+    from ...solids import pack
+    from . import collision_segments as segments
+    from . import collision_shapes as shapes
+
+    points = {"sphere": shapes.sphere, "capsule": shapes.capsule, "plane": shapes.plane, "box": shapes.box}
+    through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box} if parameters.segments else {}
+
+    def prepare(kind: str) -> Any:
+        return lambda moment: pack(kind, chosen(parameters, moment.scene), moment.scene.emitter, moment.pose_time)
+
+    kinds = [kind for kind in points if any(solid.kind == kind for solid in chosen(parameters, scene))]
+    return [Pass(through[kind], prepare(kind)) for kind in kinds if kind in through] + [
+        Pass(points[kind], prepare(kind)) for kind in kinds
+    ]

@@ -1,0 +1,47 @@
+"""Gravity: p_i' = p_i + g Δt² (thesis §2). There is no velocity in the source: speed is g Δt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ...scene.fields import Vector, vector
+from ...constants import W
+from .rule import Moment, Pass
+
+name = "gravity"
+order = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """The same pull on every particle but the root."""
+
+    acceleration: Vector = vector((0.0, -9.81, 0.0), unit="m/s²", doc="acceleration")
+
+
+def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """p[0:3]: g Δt² in metres."""
+    dx = p[0]
+    dy = p[1]
+    dz = p[2]
+    for k in range(W):
+        x[k] += dx
+        x[W + k] += dy
+        x[2 * W + k] += dz
+
+
+def idle(parameters: Parameters, scene: Any) -> str:
+    """Why this rule has nothing to do, or nothing."""
+    return "" if any(parameters.acceleration) else "its acceleration is zero"
+
+
+def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+    """One pass."""
+
+    def prepare(moment: Moment) -> Any:
+        import numpy as np
+
+        return np.array([a * moment.step**2 for a in parameters.acceleration], np.float32)
+
+    return [Pass(apply, prepare)]

@@ -1,0 +1,54 @@
+"""Stiffness: p_i' = p_i + k (d_1 − d_2), a segment is turned toward the one before it (thesis §2).
+
+k = (l − i) s Δt², d_1 = p_{i−1} − p_{i−2}, d_2 = p_i − p_{i−1}; for i = 1, d_1 = L d.
+
+Erratum: for k > 1 the source prints p_i' = p_i (d_1 − d_2), a product of lengths. Meant is k = min(k, 1): the segment
+takes over the whole direction of the one before it, and no more. Unclamped the rule diverges from k = 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ...scene.fields import boolean, number
+from ...constants import W
+from .rule import Moment, Pass
+
+name = "stiffness"
+order = 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Stiffest at the root, as (l - i)."""
+
+    strength: float = number(50.0, low=0, unit="1/s²", doc="s; k = (l - i) s Δt²")
+    clamp: bool = boolean(True, doc="keep k at most 1; without it the rule diverges from k = 2")
+
+
+def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """p (n,): k of each particle."""
+    s = p[i]
+    for k in range(W):
+        x[k] += s * (parent[k] - grandparent[k] - (x[k] - parent[k]))
+        x[W + k] += s * (parent[W + k] - grandparent[W + k] - (x[W + k] - parent[W + k]))
+        x[2 * W + k] += s * (parent[2 * W + k] - grandparent[2 * W + k] - (x[2 * W + k] - parent[2 * W + k]))
+
+
+def idle(parameters: Parameters, scene: Any) -> str:
+    """Why this rule has nothing to do, or nothing."""
+    return "" if parameters.strength > 0 else "its strength is zero"
+
+
+def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+    """One pass."""
+
+    def prepare(moment: Moment) -> Any:
+        import numpy as np
+
+        n = moment.scene.emitter.particles
+        k = (n - np.arange(n)) * parameters.strength * moment.step**2
+        return (np.minimum(k, 1.0) if parameters.clamp else k).astype(np.float32)
+
+    return [Pass(apply, prepare)]

@@ -1,0 +1,153 @@
+"""Wind: p_i' = p_i + w Δt² |w × d_i| / |w|, d_i = p_i − p_{i−1} (thesis §2): strands across the wind catch more of it.
+
+As printed the acceleration grows with the length of a segment; ``per_length: false`` divides that length out. The
+source has w "change a little over time"; here gusts are a sum of three smooth waves of unrelated periods, with seeded
+phases, and may travel over the strands with a wavelength, as over a field of grass. The waves are piecewise cubic, so
+that every machine computes the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ...scene.fields import Vector, boolean, number, vector
+from ...constants import W
+from .rule import Moment, Pass
+
+name = "wind"
+order = 20.0
+
+# Periods in units of the gust period, and amplitudes that add up to one.
+WAVES = ((1.0, 0.55), (0.4142, 0.3), (0.1716, 0.15))
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """A wind w of a direction, a strength and gusts."""
+
+    direction: Vector = vector((1.0, 0.0, 0.0), unit="1", nonzero=True, doc="where it blows to")
+    strength: float = number(10.0, low=0, unit="1/s²", doc="|w|; with per_length: false in m/s²")
+    per_length: bool = boolean(True, doc="as printed: the pull grows with the length of the segment")
+    gust: float = number(0.0, low=0, high=1, doc="share of the strength that comes and goes")
+    sway: float = number(0.0, low=0, high=90, unit="deg", doc="how far the direction swings to either side")
+    period: float = number(2.0, above=0, unit="s", doc="time of the longest gust")
+    wavelength: float = number(0.0, low=0, unit="m", doc="length of the longest gust downwind; 0: the same everywhere")
+
+
+def wave(u: float) -> float:
+    """A smooth wave of period 1 between -1 and 1, cubic in each half."""
+    t = abs(2.0 * (u - math.floor(u)) - 1.0)
+    return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
+
+
+def gusts(time: float, period: float, phases: Any) -> float:
+    """Gust factor between -1 and 1 at a time; ``phases`` holds one number in [0, 1) a wave."""
+    return sum(a * wave(time / (period * scale) + phase) for (scale, a), phase in zip(WAVES, phases, strict=True))
+
+
+def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """p[0:3]: w Δt²; p[3:6]: w / |w|."""
+    for k in range(W):
+        dx = x[k] - parent[k]
+        dy = x[W + k] - parent[W + k]
+        dz = x[2 * W + k] - parent[2 * W + k]
+        cx = p[4] * dz - p[5] * dy
+        cy = p[5] * dx - p[3] * dz
+        cz = p[3] * dy - p[4] * dx
+        m = math.sqrt(cx * cx + cy * cy + cz * cz)
+        x[k] += p[0] * m
+        x[W + k] += p[1] * m
+        x[2 * W + k] += p[2] * m
+
+
+def apply_by_angle(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """As `apply`, with the segment's rest length divided out: only its angle to the wind counts."""
+    for k in range(W):
+        dx = x[k] - parent[k]
+        dy = x[W + k] - parent[W + k]
+        dz = x[2 * W + k] - parent[2 * W + k]
+        cx = p[4] * dz - p[5] * dy
+        cy = p[5] * dx - p[3] * dz
+        cz = p[3] * dy - p[4] * dx
+        m = math.sqrt(cx * cx + cy * cy + cz * cz) / length[k]
+        x[k] += p[0] * m
+        x[W + k] += p[1] * m
+        x[2 * W + k] += p[2] * m
+
+
+def apply_travelling(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Gusts that travel downwind.
+
+    p[0:3]: w Δt² without gusts; p[3:6]: w / |w|; p[6]: the gust's share; p[7:10]: downwind unit vector over the
+    wavelength; then for each of three waves: p[10 + 3 j] 1 / scale, p[11 + 3 j] amplitude, p[12 + 3 j] phase at this
+    time; p[19], p[20]: factors a + b / length that make the pull per length or by angle; p[21:25]: 0.5, 1, 2, 3.
+    """
+    half = p[21]
+    one = p[22]
+    two = p[23]
+    three = p[24]
+    for k in range(W):
+        dx = x[k] - parent[k]
+        dy = x[W + k] - parent[W + k]
+        dz = x[2 * W + k] - parent[2 * W + k]
+        cx = p[4] * dz - p[5] * dy
+        cy = p[5] * dx - p[3] * dz
+        cz = p[3] * dy - p[4] * dx
+        along = p[7] * root[k] + p[8] * root[W + k] + p[9] * root[2 * W + k]
+        u = p[12] - along * p[10]
+        v = p[15] - along * p[13]
+        w = p[18] - along * p[16]
+        u = abs(two * (u - math.floor(u)) - one)
+        v = abs(two * (v - math.floor(v)) - one)
+        w = abs(two * (w - math.floor(w)) - one)
+        g = p[11] * (one - two * u * u * (three - two * u))
+        g += p[14] * (one - two * v * v * (three - two * v))
+        g += p[17] * (one - two * w * w * (three - two * w))
+        m = math.sqrt(cx * cx + cy * cy + cz * cz) * (p[19] + p[20] / length[k])
+        m *= one - p[6] * half * (one - g)
+        x[k] += p[0] * m
+        x[W + k] += p[1] * m
+        x[2 * W + k] += p[2] * m
+
+
+def _downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
+    """Unit direction of the wind, swung about +y by the sway of this moment."""
+    x, y, z = parameters.direction
+    size = math.sqrt(x * x + y * y + z * z)
+    angle = math.radians(parameters.sway) * gusts(time, 1.618 * parameters.period, phases) if parameters.sway else 0.0
+    c, s = math.cos(angle), math.sin(angle)
+    return (c * x + s * z) / size, y / size, (c * z - s * x) / size
+
+
+def idle(parameters: Parameters, scene: Any) -> str:
+    """Why this rule has nothing to do, or nothing."""
+    return "" if parameters.strength > 0 else "its strength is zero"
+
+
+def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+    """One pass, the simplest that the parameters allow."""
+    import numpy as np
+
+    phases = np.random.Generator(np.random.Philox(key=(scene.seed, 101))).random(6)
+    travelling = parameters.wavelength > 0 and parameters.gust > 0
+
+    def prepare(moment: Moment) -> Any:
+        d = np.array(_downwind(parameters, moment.time, phases[3:]))
+        strength = parameters.strength * moment.step**2
+        if not travelling:
+            strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, phases[:3]))
+            return np.array([*(strength * d), *d], np.float32)
+        waves = [
+            part
+            for (scale, a), phase in zip(WAVES, phases[:3], strict=True)
+            for part in (1 / scale, a, (moment.time / (parameters.period * scale) + phase) % 1.0)
+        ]
+        by = (1.0, 0.0) if parameters.per_length else (0.0, 1.0)
+        head = [*(strength * d), *d, parameters.gust, *(d / parameters.wavelength)]
+        return np.array([*head, *waves, *by, 0.5, 1.0, 2.0, 3.0], np.float32)
+
+    if travelling:
+        return [Pass(apply_travelling, prepare)]
+    return [Pass(apply if parameters.per_length else apply_by_angle, prepare)]
