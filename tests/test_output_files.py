@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,12 +19,12 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
 
-    def pieces() -> list[bytes]:
+    def pieces() -> Iterator[bytes]:
+        yield b"new, but only half of it"
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt), files.atomic(path) as file:
-        file.write(b"new, but only half of it")
-        pieces()
+    with pytest.raises(KeyboardInterrupt):
+        files.write_pieces(path, pieces())
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["a.bin"]
     files.write_pieces(path, [b"ne", b"w"])

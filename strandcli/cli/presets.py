@@ -15,23 +15,23 @@ from . import options
 def command(ctx: click.Context) -> None:
     """List, show or copy the presets that come with strandcli; lists them when nothing else is said."""
     if ctx.invoked_subcommand is None:
-        ctx.invoke(list_presets)
+        ctx.invoke(list_all)
 
 
 @command.command("list")
 @options.as_json
 @options.debug
-def list_presets(as_json: bool = False) -> None:
+def list_all(as_json: bool = False) -> None:
     """List the shipped presets with their titles."""
-    from ..scene import preset_names, preset_title
+    from ..scene import describe_preset, list_presets
 
-    names = preset_names()
+    found = [(name, describe_preset(path)) for name, path in list_presets()]
     if as_json:
-        options.print_json([{"name": name, "title": preset_title(name)} for name in names])
+        options.print_json([{"name": name, "title": title} for name, title in found])
         return
-    width = max(len(name) for name in names)
-    for name in names:
-        click.echo(f"{name:<{width}}  {preset_title(name)}".rstrip())
+    width = max((len(name) for name, _ in found), default=0)
+    for name, title in found:
+        click.echo(f"{name:<{width}}  {title}".rstrip())
 
 
 @command.command("show")
@@ -39,9 +39,9 @@ def list_presets(as_json: bool = False) -> None:
 @options.debug
 def show(name: str) -> None:
     """Print the file of a shipped preset."""
-    from ..scene import preset_path
+    from ..scene import find
 
-    click.echo(preset_path(name).read_text(encoding="utf-8"), nl=False)
+    click.echo(find(name).read_text(encoding="utf-8"), nl=False)
 
 
 @command.command("copy")
@@ -53,9 +53,9 @@ def show(name: str) -> None:
 def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
     """Copy a shipped preset to TARGET, a file or a folder (by default this one), to be changed there."""
     from ..output.files import write_pieces
-    from ..scene import preset_path
+    from ..scene import find
 
-    source = preset_path(name)
+    source = find(name)
     path = target if target is not None else Path()
     if path.is_dir():
         path = path / source.name

@@ -22,8 +22,9 @@ def command(output: Path | None, overwrite: bool) -> None:
     '# yaml-language-server: $schema=strandcli.schema.json'.
     """
     from ..scene import json_schema
+    from ..simulate.rules import registry
 
-    schema = json_schema()
+    schema = json_schema(registry())
     if output is None:
         options.print_json(schema)
         return

@@ -23,9 +23,9 @@ def command(
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once."""
     options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
-    from ..scene import shipped_presets
+    from ..scene import list_presets
 
-    names = list(presets or shipped_presets())
+    names = list(presets) or [name for name, _ in list_presets()]
     with Progress(len(names), "warmup", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         runtime.warmup(names, progress.note)

@@ -10,10 +10,10 @@ A folder holds ``golden.yaml``, a list of entries ::
 
 and, made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
 
-How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash was
-recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and there;
-there a picture may differ in at most ``MOST_OVER`` of its pixels by more than ``THRESHOLD``, and by ``MOST_RMSE`` over
-all. These three numbers are the whole tolerance; nothing else in strandcli has one for images.
+How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash
+was recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and
+there; there a picture may differ in at most ``MOST_OVER`` of its pixels by more than ``THRESHOLD``, and by
+``MOST_RMSE`` over all. These three numbers are the whole tolerance; nothing else in strandcli has one for images.
 """
 
 from __future__ import annotations
@@ -88,7 +88,8 @@ def machine_class() -> str:
     import llvmlite.binding as llvm
     import numba
 
-    simd = np.show_config(mode="dicts").get("SIMD Extensions", {})  # type: ignore[union-attr]
+    shown: Any = np.show_config(mode="dicts")
+    simd = shown.get("SIMD Extensions", {})
     widest = (simd.get("found") or simd.get("baseline") or ["plain"])[-1]
     libc, version = platform.libc_ver()
     parts = [

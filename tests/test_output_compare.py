@@ -1,0 +1,96 @@
+"""Comparison of images against the definitions, worked by hand."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from PIL import Image
+
+from strandcli.errors import MismatchError, UsageError
+from strandcli.output import compare as module
+from strandcli.output.compare import compare, compare_files, difference_image, side_by_side
+
+pairs = st.tuples(st.integers(1, 9), st.integers(1, 9)).flatmap(
+    lambda size: st.tuples(*[hnp.arrays(np.uint8, (*size, 3))] * 2)
+)
+
+
+@given(pairs, st.integers(0, 255))
+def test_the_numbers_are_those_of_the_definitions(pair: tuple[np.ndarray, np.ndarray], threshold: int) -> None:
+    a, b = (image.tolist() for image in pair)
+    differences = [
+        [[abs(x - y) for x, y in zip(p, q, strict=True)] for p, q in zip(r, s, strict=True)]
+        for r, s in zip(a, b, strict=True)
+    ]
+    worst = [max(pixel) for row in differences for pixel in row]
+    squares = [d * d for row in differences for pixel in row for d in pixel]
+    found = compare(*pair, threshold)
+    assert found.over == sum(d > threshold for d in worst)
+    assert found.over_fraction == pytest.approx(found.over / len(worst))
+    assert found.max_difference == max(worst)
+    mean = sum(squares) / len(squares)
+    assert found.rmse == pytest.approx(math.sqrt(mean))
+    assert found.equal == (not any(squares))
+    if mean:
+        assert found.psnr_db == pytest.approx(20 * math.log10(255 / math.sqrt(mean)))
+    else:
+        assert found.psnr_db is None
+
+
+def test_a_known_case() -> None:
+    a = np.full((2, 2, 3), 100, np.uint8)
+    b = a.copy()
+    b[0, 1, 2] = 112
+    found = compare(a, b, 11)
+    assert (found.over, found.max_difference, found.over_fraction) == (1, 12, 0.25)
+    assert found.rmse == pytest.approx(math.sqrt(144 / 12))
+    assert found.rmse_relative == pytest.approx(math.sqrt(144 / 12) / 100)
+    assert str(found) == "1 of 4 pixels (25 %) differ by more than 11/255, the most by 12/255; RMSE 3.46/255"
+    assert compare(a, b, 12).over == 0
+
+
+def test_black_against_something_has_no_relative_error() -> None:
+    assert compare(np.zeros((1, 1, 3), np.uint8), np.ones((1, 1, 3), np.uint8)).rmse_relative is None
+
+
+def test_sizes_that_differ_are_a_mismatch_with_both_named(tmp_path: Path) -> None:
+    for name, size in (("a.png", (3, 2)), ("b.png", (2, 3))):
+        Image.new("RGB", size).save(tmp_path / name)
+    with pytest.raises(MismatchError, match=r"a\.png and .*b\.png: sizes differ: 3x2 against 2x3"):
+        compare_files(tmp_path / "a.png", tmp_path / "b.png")
+    with pytest.raises(UsageError, match=r"c\.png: no such image"):
+        compare_files(tmp_path / "a.png", tmp_path / "c.png")
+
+
+def test_alpha_counts_where_there_is_some(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2), (9, 9, 9)).save(tmp_path / "a.png")
+    Image.new("RGBA", (2, 2), (9, 9, 9, 255)).save(tmp_path / "b.png")
+    Image.new("RGBA", (2, 2), (9, 9, 9, 254)).save(tmp_path / "c.png")
+    assert compare_files(tmp_path / "a.png", tmp_path / "b.png")[0].equal
+    assert compare_files(tmp_path / "a.png", tmp_path / "c.png")[0].max_difference == 1
+
+
+def test_a_single_pixel_is_seen_in_the_difference_image() -> None:
+    a = np.full((20, 30, 3), 80, np.uint8)
+    b = a.copy()
+    b[7, 11, 1] += 1
+    picture = difference_image(a, b)
+    assert picture.shape == a.shape
+    coloured = np.argwhere((picture != picture[0, 0]).any(axis=2))
+    assert {tuple(at) for at in coloured} == {(y, x) for y in (6, 7, 8) for x in (10, 11, 12)}
+    assert (picture[7, 11] == 255).all()
+    wide = side_by_side(a, b)
+    assert wide.shape == (20, 94, 3)
+    np.testing.assert_array_equal(wide[:, 32:62], b)
+
+
+def test_equal_images_give_a_plain_dark_difference() -> None:
+    a = np.full((4, 4, 3), 200, np.uint8)
+    assert set(np.unique(difference_image(a, a))) == {60}
+    assert module.compare(a, a).psnr_db is None

@@ -1,0 +1,145 @@
+"""The frame writer: whole files or none, on a thread, resumed without mixing two films."""
+
+from __future__ import annotations
+
+import errno
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from strandcli.errors import RefusedError, UsageError
+from strandcli.output import frames as module
+from strandcli.output import png
+from strandcli.output.frames import FrameWriter, frame_file
+
+SIZE = (12, 8)
+
+
+def picture(frame: int) -> np.ndarray:
+    return np.random.default_rng(frame).integers(0, 256, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+
+
+def write(directory: Path, numbers: list[int], **options: object) -> FrameWriter:
+    with FrameWriter(directory, numbers, SIZE, **options) as writer:  # type: ignore[arg-type]
+        for frame in writer.wanted:
+            writer.submit(frame, picture(frame))
+    return writer
+
+
+def test_every_frame_is_written_and_hashed(tmp_path: Path) -> None:
+    writer = write(tmp_path / "a" / "b", [1, 2, 10_000])
+    assert sorted(os.listdir(tmp_path / "a" / "b")) == ["frame_0001.png", "frame_0002.png", "frame_10000.png"]
+    for frame, done in writer.written.items():
+        image = png.read(tmp_path / "a" / "b" / done.file)
+        np.testing.assert_array_equal(image, picture(frame))
+        assert done.pixels_sha256 == png.pixels_sha256(picture(frame))
+        assert done.seconds is not None
+        assert done.seconds > 0
+
+
+def test_a_picture_may_be_reused_as_soon_as_it_is_handed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    go = threading.Event()
+    encode = png.encode
+
+    def wait(*arguments: object) -> list[bytes]:
+        go.wait(10)
+        return encode(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(png, "encode", wait)
+    image = picture(1)
+    with FrameWriter(tmp_path, [1], SIZE) as writer:
+        writer.submit(1, image)
+        image[:] = 0
+        go.set()
+    np.testing.assert_array_equal(png.read(tmp_path / frame_file(1)), picture(1))
+
+
+def test_existing_frames_are_named_and_kept_from_harm(tmp_path: Path) -> None:
+    write(tmp_path, [1, 2, 3, 4, 5])
+    before = (tmp_path / frame_file(2)).read_bytes()
+    with pytest.raises(UsageError, match=r"frame_0002.png, frame_0003.png.* and 1 more; add --overwrite .* --resume"):
+        FrameWriter(tmp_path, [2, 3, 4, 5, 6], SIZE)
+    assert (tmp_path / frame_file(2)).read_bytes() == before
+    assert FrameWriter(tmp_path, [6, 7], SIZE).wanted == (6, 7)
+    assert FrameWriter(tmp_path, [2, 6], SIZE, overwrite=True).wanted == (2, 6)
+    with pytest.raises(UsageError, match="exclude each other"):
+        FrameWriter(tmp_path, [2], SIZE, overwrite=True, resume=True)
+
+
+def test_other_files_of_the_run_are_protected_too(tmp_path: Path) -> None:
+    (tmp_path / "animation.gif").write_bytes(b"mine")
+    with pytest.raises(UsageError, match=r"animation\.gif"):
+        FrameWriter(tmp_path, [1], SIZE, also=["animation.gif"])
+    assert FrameWriter(tmp_path, [1], SIZE, also=["animation.gif"], overwrite=True).wanted == (1,)
+
+
+def test_resume_keeps_whole_frames_of_the_right_size_only(tmp_path: Path) -> None:
+    write(tmp_path, [1, 2, 3])
+    whole = (tmp_path / frame_file(2)).read_bytes()
+    (tmp_path / frame_file(2)).write_bytes(whole[:-40])
+    Image.new("RGB", (5, 5)).save(tmp_path / frame_file(3))
+    (tmp_path / frame_file(4)).write_bytes(b"")
+    writer = write(tmp_path, [1, 2, 3, 4, 5], resume=True)
+    assert writer.wanted == (2, 3, 4, 5)
+    assert writer.written[1].seconds is None
+    assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
+    for frame in range(1, 6):
+        np.testing.assert_array_equal(png.read(tmp_path / frame_file(frame)), picture(frame))
+
+
+def test_resume_does_not_mix_two_scenes(tmp_path: Path) -> None:
+    write(tmp_path, [1], scene="one")
+    assert FrameWriter(tmp_path, [1], SIZE, resume=True, scene="one").wanted == ()
+    with pytest.raises(UsageError, match=r"frame_0001.png: was made from another scene"):
+        FrameWriter(tmp_path, [1], SIZE, resume=True, scene="two")
+
+
+@pytest.mark.parametrize("blow", [KeyboardInterrupt, ValueError])
+def test_whatever_ends_the_run_finished_frames_are_whole(tmp_path: Path, blow: type[BaseException]) -> None:
+    def run() -> None:
+        with FrameWriter(tmp_path, range(1, 9), SIZE) as writer:
+            for frame in writer.wanted:
+                if frame == 4:
+                    raise blow
+                writer.submit(frame, picture(frame))
+
+    with pytest.raises(blow):
+        run()
+    assert sorted(os.listdir(tmp_path)) == [frame_file(frame) for frame in (1, 2, 3)]
+    np.testing.assert_array_equal(png.read(tmp_path / frame_file(3)), picture(3))
+
+
+def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_pieces = module.write_pieces
+
+    def fill(path: Path, pieces: list[bytes]) -> None:
+        def until_full() -> Iterator[bytes]:
+            yield pieces[0]
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        write_pieces(path, until_full() if path.name == frame_file(3) else pieces)
+
+    monkeypatch.setattr(module, "write_pieces", fill)
+    with pytest.raises(RefusedError, match=r"frame_0003.png: .*disk is full.*; 2 finished frames are whole"):
+        write(tmp_path, list(range(1, 20)))
+    assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
+
+
+def test_a_run_too_big_for_the_disk_is_refused_before_it_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usage = type("Usage", (), {"free": 4_000_000})
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage)
+    FrameWriter(tmp_path / "a", [1], (1000, 1000))
+    with pytest.raises(RefusedError, match="15 MB are needed and 4 MB are free"):
+        FrameWriter(tmp_path / "b", range(1, 11), (1000, 1000))
+
+
+def test_frames_of_another_size_are_a_fault_of_the_caller(tmp_path: Path) -> None:
+    with FrameWriter(tmp_path, [1], SIZE) as writer, pytest.raises(ValueError, match="is 4x2, not 12x8"):
+        writer.submit(1, np.zeros((2, 4, 3), np.uint8))

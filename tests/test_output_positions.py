@@ -1,0 +1,121 @@
+"""Positions on disk: what was written is read, and nothing else is."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strandcli.errors import UsageError
+from strandcli.output.positions import MANIFEST, PositionCache, PositionsWriter, positions_file
+
+SHAPE = (5, 4, 3)
+
+
+def positions(frame: int) -> np.ndarray:
+    return np.random.default_rng(frame).normal(size=SHAPE).astype(np.float32)
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> Path:
+    writer = PositionsWriter(tmp_path / "p", [1, 2, 4], 5, 4, overwrite=False, resume=False)
+    for frame in (1, 2, 4):
+        writer.write(frame, positions(frame))
+    writer.write_manifest("hair", "abc", 24.0, "complete")
+    return tmp_path / "p"
+
+
+def test_what_is_written_is_what_the_design_page_says(cache: Path) -> None:
+    assert sorted(os.listdir(cache)) == [MANIFEST, *(positions_file(f) for f in (1, 2, 4))]
+    with np.load(cache / "positions_0004.npz") as data:
+        assert data.files == ["positions"]
+        assert data["positions"].dtype == np.float32
+        np.testing.assert_array_equal(data["positions"], positions(4))
+    manifest = json.loads((cache / MANIFEST).read_text())
+    assert manifest["schema_version"] == 1
+    assert manifest["frames"] == [{"frame": f, "file": positions_file(f)} for f in (1, 2, 4)]
+    assert (manifest["strands"], manifest["particles"], manifest["fps"]) == (5, 4, 24.0)
+
+
+def test_it_reads_back_bit_for_bit(cache: Path) -> None:
+    found = PositionCache(cache, [1, 4], 5, 4)
+    np.testing.assert_array_equal(found(4), positions(4))
+    assert found(1).dtype == np.float32
+
+
+def test_missing_frames_are_named_before_anything_is_drawn(cache: Path) -> None:
+    with pytest.raises(UsageError, match="no positions for frames 3, 5"):
+        PositionCache(cache, [1, 3, 5], 5, 4)
+    (cache / positions_file(2)).unlink()
+    with pytest.raises(UsageError, match="no positions for frame 2"):
+        PositionCache(cache, [1, 2], 5, 4)
+
+
+@pytest.mark.parametrize(
+    ("array", "words"),
+    [
+        (np.zeros((5, 3, 3), np.float32), r"shape \(5, 3, 3\), but the scene needs \(5, 4, 3\)"),
+        (np.zeros(SHAPE, np.float64), "float64, not float32"),
+        (np.zeros(SHAPE, object), "object, not float32"),
+    ],
+)
+def test_wrong_shapes_and_types_are_refused_up_front(cache: Path, array: np.ndarray, words: str) -> None:
+    np.savez(cache / positions_file(2), positions=array)
+    with pytest.raises(UsageError, match=rf"positions_0002.npz: .*{words}"):
+        PositionCache(cache, [1, 2], 5, 4)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_numbers_that_are_none_are_refused_with_the_strand(cache: Path, value: float) -> None:
+    bad = positions(2)
+    bad[3, 1, 2] = value
+    np.savez(cache / positions_file(2), positions=bad)
+    found = PositionCache(cache, [1, 2], 5, 4)
+    np.testing.assert_array_equal(found(1), positions(1))
+    with pytest.raises(UsageError, match=r"positions_0002.npz: positions of strand 3 are not finite \(1 strands\)"):
+        found(2)
+
+
+@pytest.mark.parametrize("data", [b"", b"PK\x03\x04 cut", b"hello" * 99])
+def test_files_of_another_kind_are_refused(cache: Path, data: bytes) -> None:
+    (cache / positions_file(1)).write_bytes(data)
+    with pytest.raises(UsageError, match=r"positions_0001.npz: not a file of positions"):
+        PositionCache(cache, [1], 5, 4)
+
+
+def test_a_file_without_the_array_is_refused(cache: Path) -> None:
+    np.savez(cache / positions_file(1), other=positions(1))
+    with pytest.raises(UsageError, match="holds no array named 'positions'"):
+        PositionCache(cache, [1], 5, 4)
+
+
+def test_a_cut_file_is_refused(cache: Path) -> None:
+    path = cache / positions_file(1)
+    data = bytearray(path.read_bytes())
+    data[200] ^= 0xFF
+    path.write_bytes(bytes(data))
+    with pytest.raises(UsageError, match=r"positions_0001.npz: "):
+        PositionCache(cache, [1], 5, 4)(1)
+
+
+@pytest.mark.parametrize(
+    "manifest", [None, "", "[]", "{}", '{"frames": [1]}', '{"frames": [{"frame": 1, "file": "../x.npz"}]}']
+)
+def test_a_folder_that_is_none_of_ours_is_refused(cache: Path, manifest: str | None) -> None:
+    (cache / MANIFEST).unlink()
+    if manifest is not None:
+        (cache / MANIFEST).write_text(manifest)
+    with pytest.raises(UsageError, match=r"manifest\.json"):
+        PositionCache(cache, [1], 5, 4)
+
+
+def test_existing_files_are_kept_from_harm_and_resumed(cache: Path) -> None:
+    with pytest.raises(UsageError, match=r"positions_0001.npz.*--overwrite.*--resume"):
+        PositionsWriter(cache, [1, 3], 5, 4, overwrite=False, resume=False)
+    (cache / positions_file(2)).write_bytes(b"half")
+    resumed = PositionsWriter(cache, [1, 2, 3], 5, 4, overwrite=False, resume=True)
+    assert resumed.wanted == (2, 3)
+    assert PositionsWriter(cache, [1, 2, 3], 5, 4, overwrite=True, resume=False).wanted == (1, 2, 3)
