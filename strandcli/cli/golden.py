@@ -52,7 +52,7 @@ def check(
     results = []
     with Progress(len(entries), "golden check", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
-        drawer = functools.partial(golden.draw, notify=progress.note)
+        drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
             result = golden.check(directory, entry, output, drawer)
             results.append(result)
@@ -94,7 +94,7 @@ def update(
     changes: dict[str, str] = {}
     with Progress(len(entries), "golden update", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
-        drawer = functools.partial(golden.draw, notify=progress.note)
+        drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
             change = golden.update(directory, entry, drawer)
             progress.step()

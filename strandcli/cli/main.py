@@ -95,7 +95,11 @@ def cli(ctx: click.Context) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; prints every error as one line on stderr."""
-    signals.install()
+    with signals.handled():
+        return _main(arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     state = State(debug=bool(os.environ.get("STRANDCLI_DEBUG")))
     try:
         code = cli.main(

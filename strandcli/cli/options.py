@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 MOST_PIXELS = 32_768
+COUNT_STRANDS = click.IntRange(1, 100_000_000)
+COUNT_PARTICLES = click.IntRange(2, 100_000)
 
 
 class SizeType(click.ParamType):
@@ -82,8 +84,8 @@ def folder(default: str | None = None) -> Callable[[F], F]:
 preset = click.argument("preset")
 frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
 size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
-strands = click.option("--strands", type=click.IntRange(1, 100_000_000), metavar="N", help="Number of strands.")
-particles = click.option("--particles", type=click.IntRange(2, 100_000), metavar="N", help="Particles a strand.")
+strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
+particles = click.option("--particles", type=COUNT_PARTICLES, metavar="N", help="Particles a strand.")
 threads = click.option("--threads", type=ThreadsType(), help="Threads.  [default: all cores]")
 seed = click.option("--seed", type=click.IntRange(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
 overrides = click.option(
@@ -147,6 +149,19 @@ def frame_numbers(frames: FrameRange | None, scene: Scene) -> tuple[int, ...]:
     if frames is None:
         return tuple(range(1, scene.time.frames + 1))
     return frames.within(scene.time.frames)
+
+
+def picture_size(scene: Scene) -> tuple[int, int]:
+    """Width and height of what is drawn; panels, their gaps and their labels included."""
+    if not scene.panels:
+        return scene.image.size
+    import numpy as np
+
+    from ..panels import join
+
+    empty = [np.zeros((panel.image.size[1], panel.image.size[0], 3), np.uint8) for panel in scene.panels]
+    height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
+    return width, height
 
 
 def preset_name(preset: str) -> str:

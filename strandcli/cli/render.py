@@ -80,14 +80,14 @@ def command(
     writer = FrameWriter(
         output or options.default_folder(preset),
         numbers,
-        scene.image.size,
+        options.picture_size(scene),
         overwrite=overwrite,
         resume=resume,
         scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
         also=[f"animation.{kind}" for kind in animate or ()],
     )
-    report = RunReport(preset, scene.sha256, plan)
     label = options.preset_name(preset)
+    report = RunReport(label, scene.sha256, plan)
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
         data = _run(scene, writer, report, positions, threads, progress)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]

@@ -6,6 +6,8 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 from ..errors import INTERRUPTED, TERMINATED
@@ -20,13 +22,20 @@ _when = 0.0
 _IMPATIENT = 1.0
 
 
-def install() -> None:
-    """Take over SIGINT and SIGTERM, if this is the main thread (Python allows it nowhere else)."""
+@contextmanager
+def handled() -> Iterator[None]:
+    """Take over SIGINT and SIGTERM for a block, if this is the main thread (Python allows it nowhere else)."""
     global _received
     _received = None
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, _handle)
-        signal.signal(signal.SIGTERM, _handle)
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:

@@ -48,7 +48,7 @@ def command(
 
     from ..plan import make_plan, require_memory
 
-    require_memory(make_plan(scene, numbers))
+    require_memory(make_plan(scene, numbers, draw=False))
 
     from ..output.positions import PositionsWriter
 
@@ -75,7 +75,7 @@ def command(
             status = "interrupted"
             raise
         finally:
-            data = writer.write_manifest(preset, scene.sha256, scene.time.fps, status)
+            data = writer.write_manifest(label, scene.sha256, scene.time.fps, status)
     if as_json:
         options.print_json(data)
     if not quiet:

@@ -167,7 +167,7 @@ def _entry(data: Any, where: str) -> Entry:
     return Entry(name, preset, tuple(overrides), frame, (int(match[1]), int(match[2])) if match else None)
 
 
-def draw(entry: Entry, directory: Path, notify: Notify | None = None) -> png.Pixels:
+def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: int | None = None) -> png.Pixels:
     """The picture of an entry, drawn now: uint8, (height, width, 3)."""
     import strandcli
 
@@ -181,7 +181,7 @@ def draw(entry: Entry, directory: Path, notify: Notify | None = None) -> png.Pix
         raise UsageError(
             f"{directory / LIST}: {entry.name}: frame {entry.frame} is beyond the last, {scene.time.frames}"
         )
-    (frame,) = pipeline.render(scene, [entry.frame], notify=notify)
+    (frame,) = pipeline.render(scene, [entry.frame], threads=threads, notify=notify)
     image: png.Pixels = np.array(frame.image)
     return image
 

@@ -1,0 +1,93 @@
+"""`strandcli bench`: the time of every stage, with the errors that go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+from . import options
+from .progress import Progress
+
+
+@click.command()
+@click.option("--strands", type=options.COUNT_STRANDS, default=10_000, show_default=True, metavar="N", help="Strands.")
+@click.option(
+    "--particles", type=options.COUNT_PARTICLES, default=10, show_default=True, metavar="N", help="Particles a strand."
+)
+@click.option(
+    "--frames", type=click.IntRange(1, 100_000), default=20, show_default=True, metavar="N", help="Frames to time."
+)
+@click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
+@click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
+@click.option("--quality", metavar="NAME", help="A named set of settings.  [default: the thesis's headline scene]")
+@options.threads
+@options.talk_options
+def command(
+    strands: int,
+    particles: int,
+    frames: int,
+    size: tuple[int, int],
+    solver: str,
+    quality: str | None,
+    threads: int | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+) -> None:
+    """Time every stage on the thesis's headline scene: six rules, smoothing, Marschner, shadow map.
+
+    Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
+    """
+    options.exclusive(quiet=quiet, verbose=verbose)
+    from .. import runtime
+
+    with Progress(frames, "bench", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+        runtime.start(threads, progress.note)
+        from ..study import bench
+
+        data = bench.run(
+            strands=strands,
+            particles=particles,
+            frames=frames,
+            size=size,
+            threads=threads,
+            solver=solver,
+            quality=quality,
+            notify=progress.note,
+        )
+    if as_json:
+        options.print_json(data)
+    else:
+        click.echo(table(data))
+
+
+def table(data: Mapping[str, Any]) -> str:
+    """The figures for people: a row a stage, then what they add up to."""
+    wide, high = data["size"]
+    lines = [
+        f"{data['strands']:,} strands x {data['particles']} particles, {wide}x{high}, {data['frames']} frames, "
+        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
+        "",
+        f"{'stage':<12}{'median ms':>12}{'min ms':>12}{'max ms':>12}",
+    ]
+    for name, times in data["stages"].items():
+        lines.append(f"{name:<12}{_ms(times['median_ms']):>12}{_ms(times['min_ms']):>12}{_ms(times['max_ms']):>12}")
+    frame = data["frame"]
+    lines += [f"{'frame':<12}{_ms(frame['median_ms']):>12}   {frame['fps']:.1f} frames/s", ""]
+    for name, value in data["counts"].items():
+        lines.append(f"{name:<20}{value:>14,}")
+    for name in ("particle_step_ns", "segment_ns"):
+        if data.get(name) is not None:
+            lines.append(f"{name:<20}{data[name]:>14.3g}")
+    for name, value in data["error"].items():
+        if value is not None:
+            lines.append(f"{name:<20}{value:>14.3g}")
+    lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
+    return "\n".join(lines)
+
+
+def _ms(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
