@@ -76,7 +76,7 @@ def _run(
     solver = ThesisSolver(scene, groom)
     renderer = None
     if draw:
-        from .render.renderer import Renderer
+        from .draw.renderer import Renderer
 
         renderer = Renderer(scene, groom)
     if notify is not None and given is None and (scene.time.preroll > 0 or (frames and frames[0] > 1)):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from .constants import PORTION, W
 from .errors import RefusedError
-from .render.detail import drawn_fraction
+from .draw.detail import drawn_fraction
 from .scene.model import Scene
 from .simulate.rules import idle, registry
 

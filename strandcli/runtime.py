@@ -85,11 +85,12 @@ def machine() -> dict[str, Any]:
 
 
 def source_hash() -> str:
-    """A short hash over every source file of the package: kernels cached from other sources are never reused, because
-    Numba itself does not notice that a function in another file has changed."""
+    """A short hash over every source file that kernels are made of: kernels cached from other sources are never reused,
+    because Numba itself does not notice that a function in another file has changed."""
     digest = hashlib.sha256()
     root = Path(__file__).parent
-    for path in sorted(root.rglob("*.py")):
+    kernels = [*root.glob("*/kernels/*.py"), *root.glob("simulate/rules/*.py"), root / "jit.py", root / "constants.py"]
+    for path in sorted(kernels):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
 

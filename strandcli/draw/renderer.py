@@ -25,6 +25,7 @@ from .kernels import film, project, shade, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, plan_maps
+from .solids import frames_of, paint_of
 
 @dataclass
 class Drawing:
@@ -147,7 +148,7 @@ class Renderer:
         if packed is None:
             keys.fill(raster.kernel.EMPTY)
         else:
-            solids.draw(*packed, view.pack(), *self.size, keys)
+            solids.draw(*packed, frames_of(packed, view), view.pack(), *self.size, keys)
 
     def _widths(
         self, lines: Polylines, screen: NDArray[np.float32], view: View, spread: float
@@ -190,7 +191,7 @@ class Renderer:
     ) -> None:  # fmt: skip
         shade.surfaces(
             keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
-            self._paint(at), self._skin(), image,
+            paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
         )  # fmt: skip
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
@@ -199,13 +200,3 @@ class Renderer:
     def _skin(self) -> np.float32:
         """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
         return np.float32(0.01 * self.scene.emitter.length)
-
-    def _paint(self, at: float) -> NDArray[np.float32]:
-        """(m, 8) colour, fade and its centre of each solid, in the kernels' order of kinds."""
-        rows = []
-        for kind in shapes.COLUMNS:
-            for solid in self.visible:
-                if solid.kind == kind:
-                    centre = shapes.solid_pose(solid, self.scene.emitter, at)[1]
-                    rows.append([*solid.colour, getattr(solid, "fade", 0.0), *centre, 0.0])
-        return np.array(rows, np.float32)

@@ -26,7 +26,6 @@ import numpy as np
 from numba import njit
 
 ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PI = np.float32(math.pi)
 HALF_PI = np.float32(math.pi / 2)
@@ -49,7 +48,8 @@ E4 = np.float32(0.009671513)
 E5 = np.float32(0.0013264726)
 EXPONENT_LOW = np.float32(-126.0)
 EXPONENT_HIGH = np.float32(127.0)
-EXPONENT_BIAS = np.int32(127)
+EXPONENT_BIAS = np.float32(127.0)
+ROUNDING = np.float32(127.5)  # the bias and a half: what truncation then leaves is the nearest exponent, biased
 MANTISSA_BITS = np.int32(23)
 
 
@@ -84,10 +84,10 @@ def asin(x: float) -> float:
 def exp2(x: float) -> float:
     """2 to the power ``x``. The whole part of ``x`` goes straight into the exponent bits."""
     y = clamp(x, EXPONENT_LOW, EXPONENT_HIGH)
-    whole = np.int32(y + HALF) if y >= ZERO else np.int32(y - HALF)
-    f = y - np.float32(whole)
+    biased = np.int32(y + ROUNDING)
+    f = y - (np.float32(biased) - EXPONENT_BIAS)
     p = ((((E5 * f + E4) * f + E3) * f + E2) * f + E1) * f + ONE
-    scale = np.int32((whole + EXPONENT_BIAS) << MANTISSA_BITS).view(np.float32)
+    scale = np.int32(biased << MANTISSA_BITS).view(np.float32)
     return p * scale
 
 

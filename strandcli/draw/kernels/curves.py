@@ -7,8 +7,6 @@ zero.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...constants import W
@@ -18,41 +16,33 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 THREE = np.float32(3.0)
-SIX = np.float32(6.0)
 THIRD = np.float32(1 / 3)
 TINY = np.float32(1e-30)
 WANG = np.float32(0.75)
-BIG = np.float32(1e9)
+STRAIGHT = np.float32(0.1)
 
 
 @function
-def difference(block, lane, i, n, out):  # type: ignore[no-untyped-def]
+def difference(block, lane, i, n):  # type: ignore[no-untyped-def]
     """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
-    the direction that the source constructs and has no singular case. out (3,) float32."""
+    the direction that the source constructs and has no singular case. block (n + 1, 3 W), row i + 1 holds particle i."""
     if i == n - 1:
-        out[0] = ZERO
-        out[1] = ZERO
-        out[2] = ZERO
-        return
-    low = i
-    high = i + 2 if i > 0 else i + 1  # the root: from the row before it, the strand's direction
-    x = block[high, lane] - block[low, lane]
-    y = block[high, W + lane] - block[low, W + lane]
-    z = block[high, 2 * W + lane] - block[low, 2 * W + lane]
-    size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
-    out[0] = x * size
-    out[1] = y * size
-    out[2] = z * size
+        return ZERO, ZERO, ZERO
+    high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
+    x = block[high, lane] - block[i, lane]
+    y = block[high, W + lane] - block[i, W + lane]
+    z = block[high, 2 * W + lane] - block[i, 2 * W + lane]
+    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
 
 
 @function
-def printed(block, lane, i, n, out):  # type: ignore[no-untyped-def]
+def printed(block, lane, i, n):  # type: ignore[no-untyped-def]
     """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
     t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
     scale."""
     if i == 0 or i == n - 1:
-        difference(block, lane, i, n, out)
-        return
+        return difference(block, lane, i, n)
     vx = block[i + 1, lane] - block[i, lane]
     vy = block[i + 1, W + lane] - block[i, W + lane]
     vz = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
@@ -65,15 +55,13 @@ def printed(block, lane, i, n, out):  # type: ignore[no-untyped-def]
     sx = vx + wx
     sy = vy + wy
     sz = vz + wz
-    tx = uz * sy - uy * sz
-    ty = ux * sz - uz * sx
-    tz = uy * sx - ux * sy
-    short = ONE / (SIX + THREE + ONE)  # 0.1
-    bent = ux * ux + uy * uy + uz * uz >= short * short and sx * sx + sy * sy + sz * sz >= short * short
-    size = ONE / math.sqrt(max(tx * tx + ty * ty + tz * tz, TINY)) if bent else ZERO
-    out[0] = tx * size
-    out[1] = ty * size
-    out[2] = tz * size
+    # (v + w) × u, the opposite of the source's sign
+    tx = sy * uz - sz * uy
+    ty = sz * ux - sx * uz
+    tz = sx * uy - sy * ux
+    bent = ux * ux + uy * uy + uz * uz >= STRAIGHT * STRAIGHT and sx * sx + sy * sy + sz * sz >= STRAIGHT * STRAIGHT
+    size = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, TINY)) if bent else ZERO
+    return tx * size, ty * size, tz * size
 
 
 @parallel
@@ -83,78 +71,95 @@ def count(positions, lengths, strands, view, most, tolerance, fade, out, sizes, 
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
     difference of its control points (Wang 1984); D is taken in pixels at the nearer end.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W); view (20,) as in `project.points`; most: greatest number of
+    positions (blocks, n + 1, 3 W), lengths (blocks, W); view (24,) as in `project.points`; most: greatest number of
     pieces; tolerance in pixels; fade: pieces of segments that are off the screen (0 leaves their strands out);
     out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left out;
     error (strands,) float32: bound in pixels that is left.
     """
     n = positions.shape[1] - 1
+    per = ONE / tolerance
+    limit = np.float32(most)
     for s in prange(strands):
         block = positions[s // W]
         lane = s % W
         third = lengths[s // W, lane] * THIRD
-        t0 = np.empty(3, np.float32)
-        t1 = np.empty(3, np.float32)
-        difference(block, lane, 0, n, t0)
+        tx, ty, tz = difference(block, lane, 0, n)
+        ax = block[1, lane]
+        ay = block[1, W + lane]
+        az = block[1, 2 * W + lane]
+        u0, v0, z0 = into(ax, ay, az, view)
         bound = ZERO
         seen = False
+        total = 1
         for i in range(1, n):
-            difference(block, lane, i, n, t1)
-            square = ZERO
-            other = ZERO
-            for c in range(3):
-                a = block[i, c * W + lane]
-                b = block[i + 1, c * W + lane]
-                p = a + t0[c] * third
-                q = b - t1[c] * third
-                square += (a - TWO * p + q) * (a - TWO * p + q)
-                other += (p - TWO * q + b) * (p - TWO * q + b)
-            scale, inside = reach(block, lane, i, third, view)
-            d = WANG * math.sqrt(max(square, other)) * scale
-            if inside:
+            sx, sy, sz = difference(block, lane, i, n)
+            bx = block[i + 1, lane]
+            by = block[i + 1, W + lane]
+            bz = block[i + 1, 2 * W + lane]
+            u1, v1, z1 = into(bx, by, bz, view)
+            pieces = np.int64(fade)
+            scale = reach(u0, v0, z0, u1, v1, z1, third, view)
+            if scale > ZERO:
                 seen = True
-                pieces = min(max(math.ceil(math.sqrt(d / tolerance)), ONE), np.float32(most))
-                out[s, i - 1] = np.uint16(pieces)
-                bound = max(bound, d / (pieces * pieces))
-            else:
-                out[s, i - 1] = fade
-            t0[0] = t1[0]
-            t0[1] = t1[1]
-            t0[2] = t1[2]
+                # second differences of a, a + t L/3, b − s L/3, b
+                ex = bx - ax
+                ey = by - ay
+                ez = bz - az
+                px = ex - (TWO * tx + sx) * third
+                py = ey - (TWO * ty + sy) * third
+                pz = ez - (TWO * tz + sz) * third
+                qx = (tx + TWO * sx) * third - ex
+                qy = (ty + TWO * sy) * third - ey
+                qz = (tz + TWO * sz) * third - ez
+                d = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
+                d = WANG * scale * np.sqrt(d)
+                wanted = min(max(np.ceil(np.sqrt(d * per)), ONE), limit)
+                bound = max(bound, d / (wanted * wanted))
+                pieces = np.int64(wanted)
+            out[s, i - 1] = pieces
+            total += pieces
+            tx = sx
+            ty = sy
+            tz = sz
+            ax = bx
+            ay = by
+            az = bz
+            u0 = u1
+            v0 = v1
+            z0 = z1
+        if fade == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
+            for i in range(n - 1):
+                if out[s, i] == 0:
+                    out[s, i] = 1
+                    total += 1
+        sizes[s] = total if seen or fade > 0 else 0
         error[s] = bound
-        total = 0
-        if seen or fade > 0:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
-            total = 1
-            for i in range(1, n):
-                out[s, i - 1] = max(out[s, i - 1], np.uint16(1))
-                total += np.int64(out[s, i - 1])
-        sizes[s] = total
 
 
 @function
-def reach(block, lane, i, margin, view):  # type: ignore[no-untyped-def]
-    """Pixels a metre at the nearer end of segment i, and whether the segment can touch the picture."""
-    x0, y0, z0 = into(block[i, lane], block[i, W + lane], block[i, 2 * W + lane], view)
-    x1, y1, z1 = into(block[i + 1, lane], block[i + 1, W + lane], block[i + 1, 2 * W + lane], view)
+def reach(u0, v0, z0, u1, v1, z1, margin, view):  # type: ignore[no-untyped-def]
+    """Pixels a metre at the nearer end of a segment, given in view coordinates; 0 where it cannot touch the picture,
+    with a margin in metres."""
     near = view[14]
-    perspective = view[12] > ZERO
-    focal = view[13]
     if max(z0, z1) + margin < near:
-        return ZERO, False
-    # half extents of the view in the plane z = 1 (perspective) or anywhere (orthographic), margins added
-    nearest = max(min(z0, z1), near)
-    scale = focal / nearest if perspective else focal
-    wx = view[15] / focal
-    wy = view[16] / focal
-    f0 = max(z0, near) if perspective else ONE
-    f1 = max(z1, near) if perspective else ONE
+        return ZERO
+    # the half widths of the view at the depth of each end
+    wx = view[15] / view[13]
+    wy = view[16] / view[13]
+    f0 = ONE
+    f1 = ONE
+    scale = view[13]
+    if view[12] > ZERO:
+        f0 = max(z0, near)
+        f1 = max(z1, near)
+        scale /= min(f0, f1)
     wide = margin * view[17]
     tall = margin * view[18]
-    if min(x0 - wx * f0, x1 - wx * f1) > wide or min(-x0 - wx * f0, -x1 - wx * f1) > wide:
-        return scale, False
-    if min(y0 - wy * f0, y1 - wy * f1) > tall or min(-y0 - wy * f0, -y1 - wy * f1) > tall:
-        return scale, False
-    return scale, True
+    if min(u0 - wx * f0, u1 - wx * f1) > wide or min(-u0 - wx * f0, -u1 - wx * f1) > wide:
+        return ZERO
+    if min(v0 - wy * f0, v1 - wy * f1) > tall or min(-v0 - wy * f0, -v1 - wy * f1) > tall:
+        return ZERO
+    return scale
 
 
 @function
@@ -182,39 +187,65 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             continue
         block = positions[s // W]
         lane = s % W
-        world[v, 0] = block[1, lane]
-        world[v, 1] = block[1, W + lane]
-        world[v, 2] = block[1, 2 * W + lane]
-        v += 1
+        ax = block[1, lane]
+        ay = block[1, W + lane]
+        az = block[1, 2 * W + lane]
+        world[v, 0] = ax
+        world[v, 1] = ay
+        world[v, 2] = az
         third = lengths[s // W, lane] * THIRD
-        t0 = np.zeros(3, np.float32)
-        t1 = np.zeros(3, np.float32)
-        if straight is None:
-            difference(block, lane, 0, n, t0)
+        tx, ty, tz = difference(block, lane, 0, n)
         for i in range(1, n):
             m = fixed if pieces is None else np.int64(pieces[s, i - 1])
+            bx = block[i + 1, lane]
+            by = block[i + 1, W + lane]
+            bz = block[i + 1, 2 * W + lane]
+            ex = bx - ax
+            ey = by - ay
+            ez = bz - az
+            per = ONE / np.float32(m)
             if straight is None:
                 if as_printed is None:
-                    difference(block, lane, i, n, t1)
+                    sx, sy, sz = difference(block, lane, i, n)
                 else:
-                    printed(block, lane, i, n, t1)
-            per = ONE / np.float32(m)
-            for c in range(3):
-                a = block[i, c * W + lane]
-                b = block[i + 1, c * W + lane]
-                if straight is None:
-                    # a + t (c1 + t (c2 + t c3)), from the Bernstein form
-                    p = a + t0[c] * third
-                    q = b - t1[c] * third
-                    c1 = THREE * (p - a)
-                    c2 = THREE * (a - TWO * p + q)
-                    c3 = b - a + THREE * (p - q)
-                    for j in range(1, m):
-                        t = np.float32(j) * per
-                        world[v + j - 1, c] = a + t * (c1 + t * (c2 + t * c3))
-                else:
-                    for j in range(1, m):
-                        world[v + j - 1, c] = a + np.float32(j) * per * (b - a)
-                world[v + m - 1, c] = b
-                t0[c] = t1[c]
+                    sx, sy, sz = printed(block, lane, i, n)
+                # a + t (c1 + t (c2 + t c3)) from the Bernstein form with a, a + t0 L/3, b − t1 L/3, b
+                gx = tx * third
+                gy = ty * third
+                gz = tz * third
+                hx = sx * third
+                hy = sy * third
+                hz = sz * third
+                for j in range(1, m):
+                    t = np.float32(j) * per
+                    world[v + j, 0] = ax + t * (THREE * gx + t * (cubic(ex, gx, hx) + t * slack(ex, gx, hx)))
+                    world[v + j, 1] = ay + t * (THREE * gy + t * (cubic(ey, gy, hy) + t * slack(ey, gy, hy)))
+                    world[v + j, 2] = az + t * (THREE * gz + t * (cubic(ez, gz, hz) + t * slack(ez, gz, hz)))
+                tx = sx
+                ty = sy
+                tz = sz
+            else:
+                for j in range(1, m):
+                    t = np.float32(j) * per
+                    world[v + j, 0] = ax + t * ex
+                    world[v + j, 1] = ay + t * ey
+                    world[v + j, 2] = az + t * ez
             v += m
+            world[v, 0] = bx
+            world[v, 1] = by
+            world[v, 2] = bz
+            ax = bx
+            ay = by
+            az = bz
+
+
+@function
+def cubic(e, g, h):  # type: ignore[no-untyped-def]
+    """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
+    return THREE * (e - TWO * g - h)
+
+
+@function
+def slack(e, g, h):  # type: ignore[no-untyped-def]
+    """Coefficient of t³."""
+    return THREE * (g + h) - TWO * e

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import parallel, prange
+from ...jit import function, parallel, prange
 from .raster import EMPTY, LOW
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+LAST = np.float32(65535.0)
 
 
 @parallel
@@ -60,14 +61,24 @@ def develop(image, samples, exposure, curve, out):  # type: ignore[no-untyped-de
     of [0, 1]; out (height, width, 3) uint8. What is not a number is drawn as black, never cast.
     """
     height, width, _ = out.shape
-    share = exposure / np.float32(samples * samples) * np.float32(65535.0)
+    share = exposure / np.float32(samples * samples) * LAST
     for y in prange(height):
+        if samples == 1:
+            for x in range(width):
+                for c in range(3):
+                    out[y, x, c] = encode(image[y, x, c] * share, curve)
+            continue
         for x in range(width):
             for c in range(3):
                 total = ZERO
                 for j in range(samples):
                     for i in range(samples):
                         total += image[y * samples + j, x * samples + i, c]
-                value = total * share
-                value = value if value > ZERO else ZERO
-                out[y, x, c] = curve[int(min(value, np.float32(65535.0)) + HALF)]
+                out[y, x, c] = encode(total * share, curve)
+
+
+@function
+def encode(value, curve):  # type: ignore[no-untyped-def]
+    """The curve at a value of 0 to 65535; beyond that range, at its end."""
+    value = value if value > ZERO else ZERO
+    return curve[np.uint64(min(value, LAST) + HALF)]

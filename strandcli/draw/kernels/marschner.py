@@ -21,7 +21,7 @@ import math
 import numpy as np
 from numba import njit
 
-from .approximations import asin, acos, clamp, exp2
+from .approximations import acos, asin, clamp, exp2
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import parallel, prange
+from ...jit import function, parallel, prange
 from .curves import into
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+MOST = np.float32(1e8)
 
 
 @parallel
@@ -81,14 +82,19 @@ def points(first, world, view, screen):  # type: ignore[no-untyped-def]
                     y += t * (y1 - y)
                     z = near
                 q = ONE / z
-                screen[v, 0] = cx + focal * x * q
-                screen[v, 1] = cy - focal * y * q
-                screen[v, 2] = q
+                place(screen, v, cx + focal * x * q, cy - focal * y * q, q)
     else:
         far = ONE / view[19]
         for s in prange(first.shape[0] - 1):
             for v in range(first[s], first[s + 1]):
                 x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
-                screen[v, 0] = cx + focal * x
-                screen[v, 1] = cy - focal * y
-                screen[v, 2] = max(ONE - (z - near) * far, ZERO)
+                place(screen, v, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
+
+
+@function
+def place(screen, v, x, y, q):  # type: ignore[no-untyped-def]
+    """Set a vertex; one so far off that pixels can no longer be told apart is left out, as is what is not a number."""
+    seen = abs(x) < MOST and abs(y) < MOST
+    screen[v, 0] = x if seen else ZERO
+    screen[v, 1] = y if seen else ZERO
+    screen[v, 2] = q if seen else ZERO

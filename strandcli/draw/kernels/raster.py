@@ -13,8 +13,6 @@ A line takes one sample a pixel along its longer axis, where that axis crosses t
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...jit import function, parallel, prange
@@ -25,6 +23,8 @@ SHIFT = np.uint64(32)
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+POINT = 24
+FIXED = np.float32(2.0**POINT)
 
 
 @parallel
@@ -91,6 +91,8 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
     """All that `visible` does in band number `b`."""
     top = b * rows
     bottom = min(top + rows, height)
+    above = np.float32(top)
+    below = np.float32(bottom)
     for m in range(begin[b], begin[b + 1]):
         s = members[m]
         a = first[s]
@@ -107,58 +109,63 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
             if q0 <= ZERO or q1 <= ZERO:
                 continue
             if widths is None:
-                if max(y0, y1) < top or min(y0, y1) >= bottom:
+                if max(y0, y1) < above or min(y0, y1) >= below:
                     continue
                 line(x0, y0, q0, x1, y1, q1, top, bottom, width, np.uint64(base + v - 1), keys)
             else:
                 w = max(HALF * (widths[v - 1] + widths[v]), ONE)
-                if max(y0, y1) + w < top or min(y0, y1) - w >= bottom:
+                if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
                 ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, np.uint64(base + v - 1), keys)
 
 
 @function
 def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):  # type: ignore[no-untyped-def]
-    """One segment into the rows top <= y < bottom."""
-    dx = x1 - x0
-    dy = y1 - y0
-    if abs(dx) >= abs(dy):
+    """One segment into the rows top <= y < bottom. Positions across the longer axis step in fixed point, 24 bits behind
+    the point: a shift finds the pixel."""
+    if abs(x1 - x0) >= abs(y1 - y0):
         if x1 < x0:
             x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        low = max(math.ceil(x0 - HALF), ZERO)
-        high = min(math.ceil(x1 - HALF), np.float32(width))
+        begin = max(np.ceil(x0 - HALF), ZERO)
+        low = np.int64(begin)
+        high = np.int64(min(np.ceil(x1 - HALF), np.float32(width)))
         if low >= high:
             return
         per = ONE / (x1 - x0)
         slope = (y1 - y0) * per
         rise = (q1 - q0) * per
-        at = low + HALF - x0
-        y = y0 + slope * at
+        at = begin + HALF - x0
+        y = np.int64((y0 + slope * at) * FIXED)
+        step = np.int64(slope * FIXED)
         q = q0 + rise * at
-        for x in range(int(low), int(high)):
-            row = int(math.floor(y))
-            if top <= row < bottom:
+        for x in range(low, high):
+            row = y >> POINT
+            if row >= top and row < bottom:
                 deposit(q, identity, np.uint64(row * width + x), keys)
-            y += slope
+            y += step
             q += rise
     else:
         if y1 < y0:
             x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        low = max(math.ceil(y0 - HALF), np.float32(top))
-        high = min(math.ceil(y1 - HALF), np.float32(bottom))
+        begin = max(np.ceil(y0 - HALF), np.float32(top))
+        low = np.int64(begin)
+        high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
         if low >= high:
             return
         per = ONE / (y1 - y0)
         slope = (x1 - x0) * per
         rise = (q1 - q0) * per
-        at = low + HALF - y0
-        x = x0 + slope * at
+        at = begin + HALF - y0
+        x = np.int64((x0 + slope * at) * FIXED)
+        step = np.int64(slope * FIXED)
         q = q0 + rise * at
-        for y in range(int(low), int(high)):
-            column = int(math.floor(x))
-            if 0 <= column < width:
-                deposit(q, identity, np.uint64(y * width + column), keys)
-            x += slope
+        row = low * width
+        for _ in range(low, high):
+            column = x >> POINT
+            if column >= 0 and column < width:
+                deposit(q, identity, np.uint64(row + column), keys)
+            row += width
+            x += step
             q += rise
 
 
@@ -168,46 +175,48 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):  # ty
     covers."""
     dx = x1 - x0
     dy = y1 - y0
-    size = math.sqrt(dx * dx + dy * dy)
+    half = HALF * w * np.sqrt(dx * dx + dy * dy)
     if abs(dx) >= abs(dy):
         if x1 < x0:
             x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        low = max(math.ceil(x0 - HALF), ZERO)
-        high = min(math.ceil(x1 - HALF), np.float32(width))
+        first = max(np.ceil(x0 - HALF), ZERO)
+        low = np.int64(first)
+        high = np.int64(min(np.ceil(x1 - HALF), np.float32(width)))
         if low >= high:
             return
         per = ONE / (x1 - x0)
         slope = (y1 - y0) * per
         rise = (q1 - q0) * per
-        half = HALF * w * size * per
-        at = low + HALF - x0
+        half *= per
+        at = first + HALF - x0
         y = y0 + slope * at
         q = q0 + rise * at
-        for x in range(int(low), int(high)):
-            begin = max(math.ceil(y - half - HALF), np.float32(top))
-            end = min(math.ceil(y + half - HALF), np.float32(bottom))
-            for row in range(int(begin), int(end)):
+        for x in range(low, high):
+            begin = np.int64(max(np.ceil(y - half - HALF), np.float32(top)))
+            end = np.int64(min(np.ceil(y + half - HALF), np.float32(bottom)))
+            for row in range(begin, end):
                 deposit(q, identity, np.uint64(row * width + x), keys)
             y += slope
             q += rise
     else:
         if y1 < y0:
             x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        low = max(math.ceil(y0 - HALF), np.float32(top))
-        high = min(math.ceil(y1 - HALF), np.float32(bottom))
+        first = max(np.ceil(y0 - HALF), np.float32(top))
+        low = np.int64(first)
+        high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
         if low >= high:
             return
         per = ONE / (y1 - y0)
         slope = (x1 - x0) * per
         rise = (q1 - q0) * per
-        half = HALF * w * size * per
-        at = low + HALF - y0
+        half *= per
+        at = first + HALF - y0
         x = x0 + slope * at
         q = q0 + rise * at
-        for y in range(int(low), int(high)):
-            begin = max(math.ceil(x - half - HALF), ZERO)
-            end = min(math.ceil(x + half - HALF), np.float32(width))
-            for column in range(int(begin), int(end)):
+        for y in range(low, high):
+            begin = np.int64(max(np.ceil(x - half - HALF), ZERO))
+            end = np.int64(min(np.ceil(x + half - HALF), np.float32(width)))
+            for column in range(begin, end):
                 deposit(q, identity, np.uint64(y * width + column), keys)
             x += slope
             q += rise

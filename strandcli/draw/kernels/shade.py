@@ -185,7 +185,7 @@ def surfaces(
             which = np.int64((key & LOW) - solids.FIRST)
             right = (np.float32(column) + HALF - view[15]) / focal
             ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
-            t, again = solids.nearest(spheres, capsules, planes, boxes, ox, oy, oz, dx, dy, dz, view[14])
+            t = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
             x = ox + t * dx
             y = oy + t * dy
             z = oz + t * dz

@@ -6,12 +6,11 @@ depth along the light's view in metres.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...jit import function, parallel, prange
 from .curves import into
+from .raster import FIXED, POINT
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
@@ -49,7 +48,7 @@ def band(first, screen, members, begin, b, size, rows, far, near, texels):  # ty
             x1 = screen[v, 0]
             y1 = screen[v, 1]
             q1 = screen[v, 2]
-            if max(y0, y1) < top or min(y0, y1) >= bottom or q0 <= ZERO or q1 <= ZERO:
+            if max(y0, y1) < np.float32(top) or min(y0, y1) >= np.float32(bottom) or q0 <= ZERO or q1 <= ZERO:
                 continue
             d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
             d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
@@ -59,26 +58,29 @@ def band(first, screen, members, begin, b, size, rows, far, near, texels):  # ty
 @function
 def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):  # type: ignore[no-untyped-def]
     """One piece: a sample for each texel along its longer axis, at least one, so that none is lost between texels."""
-    steps = max(math.ceil(max(abs(x1 - x0), abs(y1 - y0))), ONE)
-    per = ONE / steps
-    sx = (x1 - x0) * per
-    sy = (y1 - y0) * per
-    sd = (d1 - d0) * per
-    x = x0 + sx * HALF
-    y = y0 + sy * HALF
-    d = d0 + sd * HALF
-    if steps > np.float32(4 * size):  # far outside the map: only a clipped part can touch it
+    length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
+    if length > np.float32(4 * size):  # a light so near that a piece is wider than its map
         return
-    for _ in range(int(steps)):
-        row = int(math.floor(y))
-        column = int(math.floor(x))
-        if top <= row < bottom and 0 <= column < size:
-            t = row * size + column
-            texels[t, 0] = min(texels[t, 0], d)
-            texels[t, 1] = max(texels[t, 1], d)
-        x += sx
-        y += sy
-        d += sd
+    steps = max(length, ONE)
+    per = ONE / steps
+    rise = (d1 - d0) * per
+    d = d0 + rise * HALF
+    x = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED)
+    y = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED)
+    step_x = np.int64((x1 - x0) * per * FIXED)
+    step_y = np.int64((y1 - y0) * per * FIXED)
+    for _ in range(np.int64(steps)):
+        row = y >> POINT
+        column = x >> POINT
+        if row >= top and row < bottom and column >= 0 and column < size:
+            t = np.uint64(row * size + column)
+            if d < texels[t, 0]:
+                texels[t, 0] = d
+            if d > texels[t, 1]:
+                texels[t, 1] = d
+        x += step_x
+        y += step_y
+        d += rise
 
 
 @function
@@ -103,10 +105,10 @@ def transmittance(x, y, z, light, maps, starts, sizes, views):  # type: ignore[n
         edge = np.float32(size)
         if not (u > -ONE and v > -ONE and u < edge and v < edge):
             continue
-        low_u = math.floor(u)
-        low_v = math.floor(v)
-        column = int(low_u)
-        row = int(low_v)
+        low_u = np.floor(u)
+        low_v = np.floor(v)
+        column = np.int64(low_u)
+        row = np.int64(low_v)
         u -= low_u
         v -= low_v
         share = ZERO

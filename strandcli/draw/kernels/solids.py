@@ -14,6 +14,7 @@ from ...jit import function, parallel, prange
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
@@ -112,39 +113,6 @@ def box(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
 
 
 @function
-def nearest(spheres, capsules, planes, boxes, ox, oy, oz, dx, dy, dz, least):  # type: ignore[no-untyped-def]
-    """(t, number) of the first solid that a ray meets beyond `least`; (inf, −1) for none."""
-    best = INF
-    which = -1
-    m = 0
-    for s in range(spheres.shape[0]):
-        t = sphere(spheres[s], ox, oy, oz, dx, dy, dz)
-        if least < t < best:
-            best = t
-            which = m
-        m += 1
-    for s in range(capsules.shape[0]):
-        t = capsule(capsules[s], ox, oy, oz, dx, dy, dz)
-        if least < t < best:
-            best = t
-            which = m
-        m += 1
-    for s in range(planes.shape[0]):
-        t = plane(planes[s], ox, oy, oz, dx, dy, dz)
-        if least < t < best:
-            best = t
-            which = m
-        m += 1
-    for s in range(boxes.shape[0]):
-        t = box(boxes[s], ox, oy, oz, dx, dy, dz)
-        if least < t < best:
-            best = t
-            which = m
-        m += 1
-    return best, which
-
-
-@function
 def normal(spheres, capsules, planes, boxes, which, x, y, z):  # type: ignore[no-untyped-def]
     """Unit outward normal of solid number `which` at a point of its surface."""
     m = which
@@ -225,21 +193,46 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):  # 
 
 
 @parallel
-def draw(spheres, capsules, planes, boxes, view, width, height, keys):  # type: ignore[no-untyped-def]
-    """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none. keys (height * width,) uint64."""
+def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):  # type: ignore[no-untyped-def]
+    """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none.
+
+    frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
+    included); keys (height * width,) uint64.
+    """
     focal = view[13]
     for y in prange(height):
-        up = (view[16] - np.float32(y) - np.float32(0.5)) / focal
+        line = y * width
         for x in range(width):
-            right = (np.float32(x) + np.float32(0.5) - view[15]) / focal
-            ox, oy, oz, dx, dy, dz = ray(view, right, up)
-            t, which = nearest(spheres, capsules, planes, boxes, ox, oy, oz, dx, dy, dz, view[14])
-            key = EMPTY
-            if which >= 0:
-                q = ONE / t if view[12] > ZERO else ONE - (t - view[14]) / view[19]
-                bits = LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))
-                key = (bits << SHIFT) | (FIRST + np.uint64(which))
-            keys[y * width + x] = key
+            keys[np.uint64(line + x)] = EMPTY
+        up = (view[16] - np.float32(y) - HALF) / focal
+        for m in range(frames.shape[0]):
+            if y < frames[m, 2] or y >= frames[m, 3]:
+                continue
+            for x in range(frames[m, 0], frames[m, 1]):
+                right = (np.float32(x) + HALF - view[15]) / focal
+                ox, oy, oz, dx, dy, dz = ray(view, right, up)
+                t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
+                if t > view[14] and t < INF:
+                    q = ONE / t if view[12] > ZERO else ONE - (t - view[14]) / view[19]
+                    bits = LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))
+                    key = (bits << SHIFT) | (FIRST + np.uint64(m))
+                    if key < keys[np.uint64(line + x)]:
+                        keys[np.uint64(line + x)] = key
+
+
+@function
+def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Where a ray meets solid number `which`: its parameter, inf where it does not."""
+    m = which
+    if m < spheres.shape[0]:
+        return sphere(spheres[m], ox, oy, oz, dx, dy, dz)
+    m -= spheres.shape[0]
+    if m < capsules.shape[0]:
+        return capsule(capsules[m], ox, oy, oz, dx, dy, dz)
+    m -= capsules.shape[0]
+    if m < planes.shape[0]:
+        return plane(planes[m], ox, oy, oz, dx, dy, dz)
+    return box(boxes[m - planes.shape[0]], ox, oy, oz, dx, dy, dz)
 
 
 @function

@@ -1,0 +1,65 @@
+"""Solids as the drawing kernels need them beside their packed form: where on the screen, and in which colour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.motion import solid_pose
+from ..solids import COLUMNS
+from .camera import View
+
+
+def frames_of(packed: Sequence[NDArray[np.float32]], view: View) -> NDArray[np.int64]:
+    """(m, 4) left, right, top, bottom in pixels of every solid, right and bottom not included; in the order of
+    `COLUMNS`. The whole picture for a plane, and for a solid that reaches behind the eye."""
+    width, height = int(view.width), int(view.height)
+    rows = []
+    for kind, solids in zip(COLUMNS, packed, strict=True):
+        for solid in solids.astype(np.float64):
+            whole = (0, width, 0, height)
+            rows.append(whole if kind == "plane" else _frame(*_ball(kind, solid), view) or whole)
+    return np.array(rows, np.int64).reshape(-1, 4)
+
+
+def _ball(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Centre and radius of a ball about a solid."""
+    if kind == "sphere":
+        return solid[:3], float(solid[3])
+    if kind == "capsule":
+        return solid[:3] + solid[3:6] / 2, float(np.linalg.norm(solid[3:6]) / 2 + solid[6])
+    return solid[:3], float(np.linalg.norm(solid[12:15]))
+
+
+def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int, int, int, int] | None:
+    """Pixels that a ball covers, or None where it reaches behind the eye."""
+    x, y, z = (float(axis @ (centre - view.eye)) for axis in (view.right, view.up, view.forward))
+    out: list[int] = []
+    for along, half in ((x, view.width / 2), (-y, view.height / 2)):
+        if view.perspective:
+            flat = along * along + z * z
+            if z <= radius or flat <= radius * radius:
+                return None
+            # tangents from the eye to the circle in this plane
+            middle, reach = np.arctan2(along, z), np.arcsin(radius / np.sqrt(flat))
+            if abs(middle) + reach >= np.pi / 2 - 1e-6:
+                return None
+            low, high = view.focal * np.tan([middle - reach, middle + reach])
+        else:
+            low, high = view.focal * (along - radius), view.focal * (along + radius)
+        out += [int(np.clip(np.floor(half + low), 0, 2 * half)), int(np.clip(np.ceil(half + high), 0, 2 * half))]
+    return out[0], out[1], out[2], out[3]
+
+
+def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.float32]:
+    """(m, 8) colour, fade distance and the centre of the fading, in the order of `COLUMNS`."""
+    rows = [
+        [*solid.colour, getattr(solid, "fade", 0.0), *solid_pose(solid, emitter, time).translation, 0.0]
+        for kind in COLUMNS
+        for solid in solids
+        if solid.kind == kind
+    ]
+    return np.array(rows, np.float32)
