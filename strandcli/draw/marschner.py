@@ -7,10 +7,10 @@ The half turns dθ_v = 2 dθ_h into ∫ M_p dθ_v = 1, so that at small β a str
 leans R toward the root. M is evaluated in the kernel: three short polynomials are exact for every β, where a table of
 equal error would take 6,000 nodes at β = .1°.
 
-Azimuthal: N_p(θ_d, φ) = ½ ∫_{-1}^{1} A_p(h) D(φ − Φ_p(h)) dh with Φ_p = 2pγ_t − 2γ_i + pπ, h = sin γ_i = η' sin γ_t, the
-indices η' and η'' of the cross section (Bravais), A_0 = F, A_p = (1 − F)² F^{p−1} T^p. D is the wrapped Gaussian whose
-standard deviation is the material's azimuthal roughness, the same for every lobe; it takes the place of the paper's
-caustic removal. As D's Fourier coefficients are exp(−k² s² / 2), the integral over h is done for each coefficient.
+Azimuthal: N_p(θ_d, φ) = ½ ∫_{-1}^{1} A_p(h) D(φ − Φ_p(h)) dh with Φ_p = 2pγ_t − 2γ_i + pπ, h = sin γ_i = η' sin γ_t,
+the indices η' and η'' of the cross section (Bravais), A_0 = F, A_p = (1 − F)² F^{p−1} T^p. D is the wrapped Gaussian
+whose standard deviation is the material's azimuthal roughness, the same for every lobe; it takes the place of the
+paper's caustic removal. As D's Fourier coefficients are exp(−k² s² / 2), the integral over h is done for each of them.
 
 Absorption: T = exp(−2 σ_a cos γ_t / cos θ_t), 2 cos γ_t being the chord of the unit circle. The paper prints
 exp(−2 σ_a (1 + cos 2γ_t)), whose length 4 cos² γ_t is twice the diameter for h = 0; the chord is what Chiang et al.'s
@@ -88,8 +88,8 @@ def absorption(colour: ArrayLike, roughness: float) -> NDArray[np.float64]:
 def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None) -> MarschnerTables | None:
     """Tables for ``material``, or None where ``material.specular`` is 0 and nothing would read them.
 
-    By default n_φ gives four nodes to a standard deviation of the azimuthal roughness, between 48 and 192 in all (so the
-    roughness is resolved down to 3.75°), and `nodes` stays under 300 kB.
+    By default n_φ gives four nodes to a standard deviation of the azimuthal roughness, between 48 and 192 in all: so the
+    roughness is resolved down to 3.75°, and `nodes` stays under 300 kB.
     """
     if material.specular == 0.0:
         return None
@@ -171,6 +171,8 @@ def _azimuthal(
         coefficients[row] = product.reshape(3, 4, -1)
     k = np.arange(block * block)
     damping = np.exp(-0.5 * (k * deviation) ** 2) * np.where(k == 0, 1.0, 2.0) / (2.0 * np.pi)
+    # A chord lies below a hump by d²/12 of its curvature on average: nodes raised by that make the interpolant right in
+    # the mean, and its RMS error 2.4 times smaller.
     damping *= 1.0 + (k * np.pi / (n_phi - 1)) ** 2 / 12.0
     series = np.cos(np.linspace(0.0, np.pi, n_phi)[:, None] * k) * damping
     n = np.maximum(np.moveaxis(coefficients @ series.T, (1, 2), (0, 3)), 0.0)

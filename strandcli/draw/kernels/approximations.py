@@ -23,7 +23,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from ...jit import function
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -53,14 +54,14 @@ ROUNDING = np.float32(127.5)  # the bias and a half: what truncation then leaves
 MANTISSA_BITS = np.int32(23)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def clamp(x: float, low: float, high: float) -> float:
     """``x`` limited to [low, high]; NaN becomes ``high``, so that an index made from the result is always in range."""
     y = x if x < high else high
     return y if y > low else low
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def acos(x: float) -> float:
     """Angle in [0, π], in radians, whose cosine is ``x``."""
     a = abs(x)
@@ -70,7 +71,7 @@ def acos(x: float) -> float:
     return r if x >= ZERO else PI - r
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def asin(x: float) -> float:
     """Angle in [-π/2, π/2], in radians, whose sine is ``x``."""
     a = abs(x)
@@ -80,7 +81,7 @@ def asin(x: float) -> float:
     return r if x >= ZERO else -r
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def exp2(x: float) -> float:
     """2 to the power ``x``. The whole part of ``x`` goes straight into the exponent bits."""
     y = clamp(x, EXPONENT_LOW, EXPONENT_HIGH)
@@ -91,7 +92,7 @@ def exp2(x: float) -> float:
     return p * scale
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def exp(x: float) -> float:
     """e to the power ``x``."""
     return exp2(x * LOG2_E)

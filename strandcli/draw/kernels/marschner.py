@@ -11,7 +11,7 @@ projected onto that plane: 0 is light coming back, π light passing through. Wit
 The cosine at the light is in the result: radiance averaged over the strand's width = E · result, where E is the
 irradiance on a surface that faces the light. Add no other cosine.
 
-Tables come from `strandcli.render.marschner.build_tables`, which documents their contents and accuracy.
+Tables come from `strandcli.draw.marschner.build_tables`, which documents their contents and accuracy.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ...jit import function
 from .approximations import acos, asin, clamp, exp2
 
 ZERO = np.float32(0.0)
@@ -41,7 +41,7 @@ R, TT, TRT = 0, 1, 4
 NODE_SIZE = 8
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def marschner(
     tx: float, ty: float, tz: float,
     lx: float, ly: float, lz: float,
@@ -101,8 +101,12 @@ def marschner(
     trt_g = m_trt * (w00 * a[TRT + 1] + w01 * b[TRT + 1] + w10 * c[TRT + 1] + w11 * d[TRT + 1])
     trt_b = m_trt * (w00 * a[TRT + 2] + w01 * b[TRT + 2] + w10 * c[TRT + 2] + w11 * d[TRT + 2])
     if paths is not None:
-        l_tt = w00 * paths[i, j, 0] + w01 * paths[i, j + 1, 0] + w10 * paths[i + 1, j, 0] + w11 * paths[i + 1, j + 1, 0]
-        l_trt = w00 * paths[i, j, 1] + w01 * paths[i, j + 1, 1] + w10 * paths[i + 1, j, 1] + w11 * paths[i + 1, j + 1, 1]
+        a = paths[i, j]
+        b = paths[i, j + 1]
+        c = paths[i + 1, j]
+        d = paths[i + 1, j + 1]
+        l_tt = w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
+        l_trt = w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
         tt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_tt))
         tt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_tt))
         tt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_tt))
@@ -112,7 +116,7 @@ def marschner(
     return r + tt_r + trt_r, r + tt_g + trt_g, r + tt_b + trt_b
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@function
 def kajiya_diffuse(tx: float, ty: float, tz: float, lx: float, ly: float, lz: float) -> float:
     """cos θ_l / π, in 1/sr: Kajiya and Kay's (1989) diffuse term, sin(t, l), scaled to bound the light of a mass.
 
