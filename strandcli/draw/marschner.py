@@ -88,7 +88,7 @@ def absorption(colour: ArrayLike, roughness: float) -> NDArray[np.float64]:
 def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None) -> MarschnerTables | None:
     """Tables for ``material``, or None where ``material.specular`` is 0 and nothing would read them.
 
-    By default n_φ gives four nodes to a standard deviation of the azimuthal roughness, between 48 and 192 in all: so the
+    By default n_φ gives four nodes to a standard deviation of the azimuthal roughness, between 48 and 192 in all: the
     roughness is resolved down to 3.75°, and `nodes` stays under 300 kB.
     """
     if material.specular == 0.0:

@@ -55,14 +55,14 @@ MANTISSA_BITS = np.int32(23)
 
 
 @function
-def clamp(x: float, low: float, high: float) -> float:
+def clamp(x: np.float32, low: np.float32, high: np.float32) -> np.float32:
     """``x`` limited to [low, high]; NaN becomes ``high``, so that an index made from the result is always in range."""
     y = x if x < high else high
     return y if y > low else low
 
 
 @function
-def acos(x: float) -> float:
+def acos(x: np.float32) -> np.float32:
     """Angle in [0, π], in radians, whose cosine is ``x``."""
     a = abs(x)
     a = a if a < ONE else ONE  # in this order NaN becomes 1
@@ -72,7 +72,7 @@ def acos(x: float) -> float:
 
 
 @function
-def asin(x: float) -> float:
+def asin(x: np.float32) -> np.float32:
     """Angle in [-π/2, π/2], in radians, whose sine is ``x``."""
     a = abs(x)
     a = a if a < ONE else ONE  # in this order NaN becomes 1
@@ -82,7 +82,7 @@ def asin(x: float) -> float:
 
 
 @function
-def exp2(x: float) -> float:
+def exp2(x: np.float32) -> np.float32:
     """2 to the power ``x``. The whole part of ``x`` goes straight into the exponent bits."""
     y = clamp(x, EXPONENT_LOW, EXPONENT_HIGH)
     biased = np.int32(y + ROUNDING)
@@ -93,6 +93,6 @@ def exp2(x: float) -> float:
 
 
 @function
-def exp(x: float) -> float:
+def exp(x: np.float32) -> np.float32:
     """e to the power ``x``."""
     return exp2(x * LOG2_E)

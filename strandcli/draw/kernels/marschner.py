@@ -43,12 +43,12 @@ NODE_SIZE = 8
 
 @function
 def marschner(
-    tx: float, ty: float, tz: float,
-    lx: float, ly: float, lz: float,
-    vx: float, vy: float, vz: float,
+    tx: np.float32, ty: np.float32, tz: np.float32,
+    lx: np.float32, ly: np.float32, lz: np.float32,
+    vx: np.float32, vy: np.float32, vz: np.float32,
     lobes: np.ndarray, nodes: np.ndarray,
-    paths: np.ndarray | None, extra_r: float, extra_g: float, extra_b: float,
-) -> tuple[float, float, float]:  # fmt: skip
+    paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
+) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
     """S cos θ_l in red, green and blue, in 1/sr: finite and not negative whatever the arguments.
 
     ``lobes`` (11,), ``nodes`` (n_θ, n_φ, 8) and ``paths`` (n_θ, n_φ, 2) are float32, C order; every scalar is float32.
@@ -117,7 +117,9 @@ def marschner(
 
 
 @function
-def kajiya_diffuse(tx: float, ty: float, tz: float, lx: float, ly: float, lz: float) -> float:
+def kajiya_diffuse(
+    tx: np.float32, ty: np.float32, tz: np.float32, lx: np.float32, ly: np.float32, lz: np.float32
+) -> np.float32:
     """cos θ_l / π, in 1/sr: Kajiya and Kay's (1989) diffuse term, sin(t, l), scaled to bound the light of a mass.
 
     Radiance = E · material.diffuse · colour · result, the same from everywhere. It stands for light scattered from
