@@ -19,9 +19,13 @@ _PARALLEL = 1e-6
 
 
 class Finding(NamedTuple):
-    """Something wrong: the path to report it at, the message, and the paths that it follows from."""
+    """Something wrong between settings.
 
-    path: str
+    ``places`` are the paths to report it at: the first of them that was written, or around the first where none was.
+    ``involves`` are all the paths that it follows from; where one of them is faulty, it may not be so.
+    """
+
+    places: tuple[str, ...]
     message: str
     involves: tuple[str, ...]
 
@@ -41,7 +45,7 @@ def _spacing(emitter: Emitter) -> Iterator[Finding]:
     apart = emitter.length / (emitter.particles - 1)
     if apart < CLOSEST_PARTICLES:
         yield Finding(
-            "emitter.length",
+            ("emitter.length", "emitter.particles"),
             f"{emitter.particles} particles on {emitter.length:g} m stand {apart:.2g} m apart, too close for single "
             f"precision (at least {CLOSEST_PARTICLES:g} m); take fewer particles or longer strands",
             ("emitter.length", "emitter.particles"),
@@ -52,7 +56,7 @@ def _times(keys: Sequence[PoseKey | CameraKey], path: str) -> Iterator[Finding]:
     for index in range(1, len(keys)):
         if keys[index].time <= keys[index - 1].time:
             yield Finding(
-                f"{path}.{index}.time",
+                (f"{path}.{index}.time",),
                 f"keys must go forward in time: {keys[index].time:g} s comes after {keys[index - 1].time:g} s",
                 (f"{path}.{index}.time", f"{path}.{index - 1}.time"),
             )
@@ -64,7 +68,7 @@ def _solid_names(solids: Iterable[Solid]) -> Iterator[Finding]:
         path = f"solids.{index}.name"
         if solid.name and solid.name in first:
             message = f"solids.{first[solid.name]} has the name {shown(solid.name)} too; names must differ"
-            yield Finding(path, message, (path, f"solids.{first[solid.name]}.name"))
+            yield Finding((path,), message, (path, f"solids.{first[solid.name]}.name"))
         first.setdefault(solid.name, index)
 
 
@@ -73,30 +77,30 @@ def _camera(camera: Camera) -> Iterator[Finding]:
     own = ("camera.position", "camera.target", "camera.up")
     problem = _blind(_minus(camera.target, camera.position), camera)
     if problem:
-        yield Finding("camera.target", f"at {list(camera.target)} {problem}", own)
+        yield Finding(("camera.target", "camera.position", "camera.up"), problem, own)
     views = [camera_key(camera, key) for key in camera.keys]
     looks = [_minus(view.target, view.position) for view in views]
-    for index, (key, look) in enumerate(zip(camera.keys, looks, strict=True)):
+    for index, look in enumerate(looks):
         path = f"camera.keys.{index}"
-        place = f"{path}.target" if key.target is not None else f"{path}.position"
-        involves = (*own, f"{path}.position", f"{path}.target")
+        places = (f"{path}.target", f"{path}.position")
+        involves = (*own, *places)
         problem = _blind(look, camera)
         if problem:
-            yield Finding(place, f"at {list(views[index].target)} {problem}", involves)
+            yield Finding(places, problem, involves)
         elif index and camera.keys[index - 1].ease != "step" and not _blind(looks[index - 1], camera):
             problem = _blind_between(looks[index - 1], look, camera)
             if problem:
                 before = (f"camera.keys.{index - 1}.position", f"camera.keys.{index - 1}.target")
-                yield Finding(place, problem, (*involves, *before))
+                yield Finding(places, problem, (*involves, *before))
 
 
 def _blind(look: Vector, camera: Camera) -> str:
     """Why a camera that looks along ``look`` sees nothing, or nothing at all."""
     reach = math.hypot(*look)
     if reach < 1e-6:
-        return "is where the camera stands; it has to look somewhere else"
+        return "the camera stands at its own target; it has to look somewhere else"
     if math.hypot(*_cross(camera.up, look)) < _PARALLEL * reach * math.hypot(*camera.up):
-        return "lies along `up` from the camera; turn `up` aside"
+        return "the camera looks along `up`; turn `up` aside"
     return ""
 
 

@@ -24,16 +24,16 @@ def wanted(spec: Spec) -> str:
     """What ``spec`` takes, as in "a number above 0 (m)"."""
     match spec:
         case NumberSpec():
-            return _joined("a number", spec.range, spec.unit)
+            return _joined("a number", spec.limits, spec.unit)
         case IntegerSpec():
-            return _joined("a whole number", spec.range, spec.unit)
+            return _joined("a whole number", spec.limits, spec.unit)
         case VectorSpec():
-            each = f" each {spec.range}" if str(spec.range) else ""
+            each = f" each {spec.limits}" if str(spec.limits) else ""
             return f"three numbers [x, y, z]{each}{_unit(spec.unit)}"
         case ColourSpec():
             return 'three linear numbers [r, g, b] or "#rrggbb" in quotes'
         case SizeSpec():
-            return f'a size [w, h] or "800x600" of at least 1 and at most {spec.high}{_unit(spec.unit)}'
+            return f'a size [w, h] or "800x600" of at least 1 and at most {spec.limits.high}{_unit(spec.unit)}'
         case ChoiceSpec():
             return spec.options[0] if len(spec.options) == 1 else f"one of {', '.join(spec.options)}"
         case BooleanSpec():

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..errors import UsageError
 
 LONGEST_SHOWN = 60
+_ALIKE = 0.55  # of 1; difflib's own 0.6 does not take "boks" for "box"
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Mark:
+class Mark(NamedTuple):
     """A place in a file, counted from 1. Line 0 means that ``file`` names a place that has no lines (``--set a=b``)."""
 
     file: str
@@ -80,7 +81,7 @@ def near(word: str, known: Iterable[str]) -> str | None:
     from difflib import get_close_matches
 
     names = list(known)
-    found = get_close_matches(word, names, n=1) or get_close_matches(word.lower(), names, n=1)
+    found = get_close_matches(word, names, 1, _ALIKE) or get_close_matches(word.lower(), names, 1, _ALIKE)
     return found[0] if found else None
 
 

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float]
@@ -25,14 +24,23 @@ SMALLEST = 1e-9
 """Least positive number where zero is excluded; its square is still a normal number in single precision."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Range:
     """What a number may be; None is no limit."""
 
-    low: float | None = None
-    above: float | None = None
-    below: float | None = None
-    high: float | None = None
+    __slots__ = ("above", "below", "high", "low")
+
+    def __init__(
+        self,
+        *,
+        low: float | None = None,
+        above: float | None = None,
+        below: float | None = None,
+        high: float | None = None,
+    ) -> None:
+        self.low = low
+        self.above = above
+        self.below = below
+        self.high = high
 
     def holds(self, value: float) -> bool:
         """Whether ``value`` (finite) is allowed."""
@@ -47,95 +55,94 @@ class Range:
 
     def __str__(self) -> str:
         parts = (("of at least", self.low), ("above", self.above), ("below", self.below), ("of at most", self.high))
-        words = [f"{word} {limit:g}" if abs(limit) < 1e6 else f"{word} {limit}" for word, limit in parts
-                 if limit is not None]
-        return " and ".join(words)
+        return " and ".join(f"{word} {limit}" for word, limit in parts if limit is not None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+ANY = Range()
+"""No limits but those of single precision."""
+
+
 class Spec:
-    """What every setting has: its value where none is written, what it means, and in which unit."""
+    """What every setting has: its value where none is written, what it means, and in which unit.
 
-    default: Any = None
-    doc: str = ""
-    unit: str = ""
+    Specs are plain classes: made at every start, dataclasses of them would take 20 ms.
+    """
+
+    def __init__(self, default: Any = None, *, doc: str = "", unit: str = "", limits: Range = ANY) -> None:
+        self.default = default
+        self.doc = doc
+        self.unit = unit
+        self.limits = limits
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NumberSpec(Spec):
-    """A finite number. A default of None makes it one that may be absent."""
-
-    range: Range = Range()
+    """A finite number within ``limits``."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class IntegerSpec(Spec):
-    """A whole number."""
-
-    range: Range = Range()
+    """A whole number within ``limits``."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class VectorSpec(Spec):
-    """Three finite numbers, ``range`` holding for each. ``nonzero`` refuses (0, 0, 0)."""
+    """Three finite numbers, ``limits`` holding for each. ``nonzero`` refuses (0, 0, 0)."""
 
-    range: Range = Range()
-    nonzero: bool = False
+    def __init__(
+        self, default: Any = None, *, doc: str = "", unit: str = "", limits: Range = ANY, nonzero: bool = False
+    ) -> None:
+        super().__init__(default, doc=doc, unit=unit, limits=limits)
+        self.nonzero = nonzero
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ColourSpec(Spec):
     """Three linear numbers that are not negative, or "#rrggbb" in sRGB."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SizeSpec(Spec):
-    """Two whole numbers of at least 1 and at most ``high``, as [w, h] or "800x600"."""
-
-    high: int
+    """Two whole numbers within ``limits``, as [w, h] or "800x600"."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ChoiceSpec(Spec):
     """One of a few words."""
 
-    options: tuple[str, ...]
+    def __init__(self, default: str, options: tuple[str, ...], *, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+        self.options = options
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BooleanSpec(Spec):
     """true or false."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TextSpec(Spec):
     """Any text."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NamesSpec(Spec):
     """A list of names; one name may stand without the list."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ModelSpec(Spec):
     """A mapping with the settings of one class. A default of None makes it one that may be absent."""
 
-    model: type
+    def __init__(self, model: type, default: Any = None, *, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+        self.model = model
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnionSpec(Spec):
     """A mapping with the settings of one of several classes, told by its ``kind``; without one, the default's."""
 
-    kinds: Mapping[str, type]
+    def __init__(self, default: Any, kinds: Mapping[str, type], *, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+        self.kinds = kinds
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ItemsSpec(Spec):
     """A list of mappings, of one class (under the key "" of ``kinds``) or each of the class that its ``kind`` names."""
 
-    kinds: Mapping[str, type]
+    def __init__(self, default: tuple[Any, ...], kinds: Mapping[str, type], *, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+        self.kinds = kinds
 
     @property
     def tagged(self) -> bool:
@@ -143,12 +150,10 @@ class ItemsSpec(Spec):
         return "" not in self.kinds
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RulesSpec(Spec):
     """The rules: a list in the order of application, or a mapping in the default order."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PanelsSpec(Spec):
     """A list of variants of the scene."""
 
@@ -169,14 +174,14 @@ def number(
 ) -> Any:
     """A field that is a finite float."""
     limits = Range(low=low, above=above, below=below, high=high)
-    return _field(NumberSpec(default=default, range=limits, unit=unit, doc=doc))
+    return _field(NumberSpec(default, limits=limits, unit=unit, doc=doc))
 
 
 def integer(
     default: int | None, *, low: int | None = None, high: int | None = None, unit: str = "", doc: str = ""
 ) -> Any:
     """A field that is an int."""
-    return _field(IntegerSpec(default=default, range=Range(low=low, high=high), unit=unit, doc=doc))
+    return _field(IntegerSpec(default, limits=Range(low=low, high=high), unit=unit, doc=doc))
 
 
 def vector(
@@ -192,72 +197,71 @@ def vector(
 ) -> Any:
     """A field that is three finite floats; the range holds for each of them."""
     limits = Range(low=low, above=above, below=below, high=high)
-    return _field(VectorSpec(default=default, range=limits, nonzero=nonzero, unit=unit, doc=doc))
+    return _field(VectorSpec(default, limits=limits, nonzero=nonzero, unit=unit, doc=doc))
 
 
 def colour(default: Colour | None, *, doc: str = "") -> Any:
     """A field that is a linear Rec. 709 colour."""
-    return _field(ColourSpec(default=default, doc=doc))
+    return _field(ColourSpec(default, doc=doc))
 
 
 def size(default: tuple[int, int], *, high: int, unit: str = "px", doc: str = "") -> Any:
     """A field that is a width and a height."""
-    return _field(SizeSpec(default=default, high=high, unit=unit, doc=doc))
+    return _field(SizeSpec(default, limits=Range(low=1, high=high), unit=unit, doc=doc))
 
 
 def choice(default: str, options: tuple[str, ...], *, doc: str = "") -> Any:
     """A field that is one of a few words."""
-    return _field(ChoiceSpec(default=default, options=options, doc=doc))
+    return _field(ChoiceSpec(default, options, doc=doc))
 
 
 def boolean(default: bool, *, doc: str = "") -> Any:
     """A field that is true or false."""
-    return _field(BooleanSpec(default=default, doc=doc))
+    return _field(BooleanSpec(default, doc=doc))
 
 
 def text(default: str, *, doc: str = "") -> Any:
     """A field that is text."""
-    return _field(TextSpec(default=default, doc=doc))
+    return _field(TextSpec(default, doc=doc))
 
 
 def names(default: tuple[str, ...] = (), *, doc: str = "") -> Any:
     """A field that is a tuple of names."""
-    return _field(NamesSpec(default=default, doc=doc))
+    return _field(NamesSpec(default, doc=doc))
 
 
 def model(cls: type, *, doc: str = "") -> Any:
     """A field that is an instance of ``cls``, by default with all its defaults."""
-    return _field(ModelSpec(default=cls(), model=cls, doc=doc))
+    return _field(ModelSpec(cls, cls(), doc=doc))
 
 
 def optional(cls: type, *, doc: str = "") -> Any:
     """A field that is an instance of ``cls`` or None, which is its default."""
-    return _field(ModelSpec(default=None, model=cls, doc=doc))
+    return _field(ModelSpec(cls, doc=doc))
 
 
 def union(default: Any, kinds: Mapping[str, type], *, doc: str = "") -> Any:
     """A field that is an instance of one of several classes, each with its own ``kind``."""
-    return _field(UnionSpec(default=default, kinds=MappingProxyType(dict(kinds)), doc=doc))
+    return _field(UnionSpec(default, MappingProxyType(dict(kinds)), doc=doc))
 
 
 def items(of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), doc: str = "") -> Any:
     """A field that is a tuple of instances of a class, or of classes told apart by ``kind``."""
     kinds = {"": of} if isinstance(of, type) else dict(of)
-    return _field(ItemsSpec(default=default, kinds=MappingProxyType(kinds), doc=doc))
+    return _field(ItemsSpec(default, MappingProxyType(kinds), doc=doc))
 
 
 def rules(*, doc: str = "") -> Any:
     """The field that holds a scene's rules."""
-    return _field(RulesSpec(default=(), doc=doc))
+    return _field(RulesSpec((), doc=doc))
 
 
 def panels(*, doc: str = "") -> Any:
     """The field that holds a scene's variants."""
-    return _field(PanelsSpec(default=(), doc=doc))
+    return _field(PanelsSpec((), doc=doc))
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(NamedTuple):
     """One setting of a class: the key in YAML, the attribute in Python, and what it may be."""
 
     key: str

@@ -47,15 +47,16 @@ def load(
     source = _locate(os.fspath(name_or_path))
     digest = hashlib.sha256()
     faults: list[Fault] = []
-    root = _chain(source, rules, faults, digest)
+    files: list[str] = []
+    root = _chain(source, rules, files, faults, digest)
     root = _override(root, overrides, settings or {}, rules, faults)
-    for override in overrides:
-        _feed(digest, override.encode("utf-8", "surrogatepass"))
-    for path, value in sorted((settings or {}).items()):
-        _feed(digest, f"{path}={value!r}".encode("utf-8", "surrogatepass"))
     scene = _whole(root, rules, faults)
     if faults:
-        raise SceneError(_in_order(faults))
+        raise SceneError(_in_order(faults, files))
+    for override in overrides:
+        _feed(digest, override.encode("utf-8", "surrogatepass"))
+    for path, value in (settings or {}).items():
+        _feed(digest, f"{path}={value!r}".encode("utf-8", "surrogatepass"))
     name, sha256 = str(source), digest.hexdigest()
     panels = tuple(dataclasses.replace(panel, source=name, sha256=sha256) for panel in scene.panels)
     return dataclasses.replace(scene, panels=panels, source=name, sha256=sha256)
@@ -66,7 +67,7 @@ def loads(text: str, *, rules: Rules, name: str = "preset.yaml") -> Scene:
     root, faults = read(text.encode("utf-8", "surrogatepass"), name)
     scene = _whole(root, rules, faults)
     if faults:
-        raise SceneError(_in_order(faults))
+        raise SceneError(_in_order(faults, [name]))
     return scene
 
 
@@ -104,13 +105,14 @@ class _Link(NamedTuple):
     root: MapNode
 
 
-def _chain(source: Path, rules: Rules, faults: list[Fault], digest: hashlib._Hash) -> MapNode:
-    """The preset at ``source`` laid over all that it extends."""
+def _chain(source: Path, rules: Rules, files: list[str], faults: list[Fault], digest: hashlib._Hash) -> MapNode:
+    """The preset at ``source`` laid over all that it extends; ``files`` and ``faults`` are added to."""
     links: list[_Link] = []
     path: Path | None = source
     while path is not None:
         data = _bytes_of(path)
         _feed(digest, data)
+        files.append(str(path))
         try:
             root, found = read(data, str(path))
         except SceneError as error:
@@ -257,8 +259,7 @@ def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
     reported = [fault.path for fault in reader.faults]
     for finding in findings(scene):
         if not any(_touches(path, about) for path in reported for about in finding.involves):
-            written = (path for path in (finding.path, *finding.involves) if path in reader.marks)
-            path = next(written, finding.path)
+            path = next((place for place in finding.places if place in reader.marks), finding.places[0])
             reader.refuse(reader.mark_near(path) or root.mark, path, finding.message)
     if any(_shakes_solids(path) for path in reported):
         return scene, reader.faults
@@ -283,12 +284,10 @@ def _shakes_solids(path: str) -> bool:
     return parts[0] == "solids" and (len(parts) < 3 or parts[2] in ("kind", "name"))
 
 
-def _in_order(faults: Iterable[Fault]) -> list[Fault]:
-    """Faults by place, files in the order in which they came up, each fault once."""
-    unique = list(dict.fromkeys(faults))
-    files = {file: place for place, file in enumerate(dict.fromkeys(fault.file for fault in unique))}
-    # what has no lines (--set, Python) comes last
-    return sorted(unique, key=lambda f: (not f.line, files[f.file], f.line, f.column))
+def _in_order(faults: Iterable[Fault], files: Sequence[str]) -> list[Fault]:
+    """Each fault once, by file, line and column; what stands in no file (--set, Python) comes last."""
+    places = {file: place for place, file in enumerate(files)}
+    return sorted(dict.fromkeys(faults), key=lambda f: (places.get(f.file, len(files)), f.line, f.column))
 
 
 def _feed(digest: hashlib._Hash, data: bytes) -> None:

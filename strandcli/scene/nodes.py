@@ -10,21 +10,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from .faults import Mark
 
 NULLS = ("null", "Null", "NULL", "~")
 
 
-@dataclass(frozen=True, slots=True)
 class Scalar:
     """A single value. ``plain`` tells that it was written without quotes."""
 
-    text: str
-    plain: bool
-    mark: Mark
+    __slots__ = ("mark", "plain", "text")
+
+    def __init__(self, text: str, plain: bool, mark: Mark) -> None:
+        self.text = text
+        self.plain = plain
+        self.mark = mark
 
     @property
     def empty(self) -> bool:
@@ -37,12 +38,14 @@ class Scalar:
         return self.plain and self.text in NULLS
 
 
-@dataclass(frozen=True, slots=True)
 class ListNode:
     """A list."""
 
-    items: tuple[Node, ...]
-    mark: Mark
+    __slots__ = ("items", "mark")
+
+    def __init__(self, items: tuple[Node, ...], mark: Mark) -> None:
+        self.items = items
+        self.mark = mark
 
     def with_item(self, index: int, node: Node) -> ListNode:
         """This list with one item replaced."""
@@ -53,20 +56,21 @@ class ListNode:
         return ListNode((*self.items[:index], *self.items[index + 1 :]), self.mark)
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """One line of a mapping: where its key stands, and its value."""
 
     mark: Mark
     node: Node
 
 
-@dataclass(frozen=True, slots=True)
 class MapNode:
     """A mapping, in the order in which it was written."""
 
-    entries: Mapping[str, Entry] = field(hash=False)
-    mark: Mark
+    __slots__ = ("entries", "mark")
+
+    def __init__(self, entries: Mapping[str, Entry], mark: Mark) -> None:
+        self.entries = entries
+        self.mark = mark
 
     def get(self, key: str) -> Node | None:
         """The value of ``key``, or None where it is not written."""

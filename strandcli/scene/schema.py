@@ -102,17 +102,17 @@ class _Writer:
         """The schema of the values of one setting."""
         match spec:
             case NumberSpec():
-                return {"type": "number", **_limits(spec.range)}
+                return {"type": "number", **_limits(spec.limits)}
             case IntegerSpec():
-                return {"type": "integer", **_limits(spec.range)}
+                return {"type": "integer", **_limits(spec.limits)}
             case VectorSpec():
-                vector = _numbers(3, {"type": "number", **_limits(spec.range)})
+                vector = _numbers(3, {"type": "number", **_limits(spec.limits)})
                 return {**vector, "not": {"const": [0, 0, 0]}} if spec.nonzero else vector
             case ColourSpec():
                 hexadecimal = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}
                 return {"anyOf": [_numbers(3, {"type": "number", "minimum": 0}), hexadecimal]}
             case SizeSpec():
-                sides = _numbers(2, {"type": "integer", "minimum": 1, "maximum": spec.high})
+                sides = _numbers(2, {"type": "integer", **_limits(spec.limits)})
                 return {"anyOf": [sides, {"type": "string", "pattern": "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}$"}]}
             case ChoiceSpec():
                 return {"enum": list(spec.options)}

@@ -29,7 +29,7 @@ from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
 from .rule_type import RuleType
 
-SCENE = ModelSpec(default=None, model=Scene)
+SCENE = ModelSpec(Scene)
 
 
 class Unreachable(ValueError):
@@ -62,10 +62,10 @@ def merge(base: Node | None, over: Node, spec: Spec | None, rules: Mapping[str, 
     specs = _specs(spec, over if isinstance(spec, UnionSpec) and over.get("kind") else base, rules)
     if specs is None:
         return over
-    merged = base
+    merged = dict(base.entries)
     for key, entry in over.entries.items():
-        merged = merged.with_entry(key, Entry(entry.mark, merge(base.get(key), entry.node, specs.get(key), rules)))
-    return merged
+        merged[key] = Entry(entry.mark, merge(base.get(key), entry.node, specs.get(key), rules))
+    return MapNode(merged, base.mark)
 
 
 def merge_scenes(base: MapNode, over: MapNode, rules: Mapping[str, RuleType]) -> MapNode:
@@ -130,7 +130,7 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
     if isinstance(spec, ItemsSpec):
         kinds = spec.kinds
         stand_in = next(iter(kinds.values()))
-        inner = UnionSpec(default=stand_in(), kinds=kinds) if spec.tagged else ModelSpec(model=stand_in)
+        inner = UnionSpec(stand_in(), kinds) if spec.tagged else ModelSpec(stand_in)
     elif len(parts) > 1:
         raise Unreachable("there is nothing inside a number")
     return node.with_item(index, value if inner is None else _place(inner, item, parts[1:], value, rules))
@@ -158,7 +158,7 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
             return node.without_item(found.place)
         assert isinstance(node, MapNode)
         return node.without(found.name)
-    parameters = ModelSpec(model=rules[found.name].Parameters)
+    parameters = ModelSpec(rules[found.name].Parameters)
     inner = _place(parameters, found.parameters, parts[1:], value, rules)
     if isinstance(node, ListNode):
         entry = Entry(node.items[found.place].mark, inner)
@@ -224,7 +224,7 @@ def _kind(node: MapNode, otherwise: str) -> str:
 def _specs(spec: Spec, node: MapNode, rules: Mapping[str, RuleType]) -> dict[str, Spec] | None:
     """The specs of the keys that a mapping may have, or None where its kind is not known."""
     if isinstance(spec, RulesSpec):
-        return {name: ModelSpec(model=rule.Parameters) for name, rule in rules.items()}
+        return {name: ModelSpec(rule.Parameters) for name, rule in rules.items()}
     if isinstance(spec, UnionSpec):
         cls = spec.kinds.get(_kind(node, ""), None if node.get("kind") else type(spec.default))
     elif isinstance(spec, ModelSpec):

@@ -36,6 +36,9 @@ from .nodes import ListNode, MapNode, Node, Scalar, kind_of
 from .rule_type import RuleType
 from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size
 
+MOST_HINTS = 200
+"""Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
+
 
 class Reader:
     """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written."""
@@ -80,6 +83,8 @@ class Reader:
         """The message for a key that is none of ``settings``."""
         if top and key in self.rules:
             return f"unknown key; {shown(key)} is a rule and belongs under `rules`"
+        if len(self.faults) > MOST_HINTS:
+            return "unknown key"
         if not settings:
             return "unknown key; there are no settings here"
         return f"unknown key; {hint(key, settings, 'the keys are')}"
@@ -109,9 +114,9 @@ class Reader:
                 raise Refusal(f"not {_given(node)}")
             match spec:
                 case NumberSpec():
-                    return _in_range(float(as_number(node)), spec.range, node)
+                    return _in_range(float(as_number(node)), spec.limits, node)
                 case IntegerSpec():
-                    return _whole(node, spec.range)
+                    return _whole(node, spec.limits)
                 case BooleanSpec():
                     return as_boolean(node)
                 case ChoiceSpec():
@@ -132,7 +137,7 @@ class Reader:
                     raise Refusal(f"not {_given(item)}")
                 found.append(_in_range(float(as_number(item)), limits, item))
             except Refusal as refusal:
-                one = NumberSpec(range=limits, unit=spec.unit)
+                one = NumberSpec(limits=limits, unit=spec.unit)
                 self.refuse(item.mark, f"{path}.{index}", f"must be {wanted(one)}, {refusal}")
         return tuple(found) if len(found) == len(node.items) else None
 
@@ -140,7 +145,7 @@ class Reader:
         """Three numbers."""
         if not isinstance(node, ListNode) or len(node.items) != 3:
             raise Refusal(f"not {_given(node)}")
-        found = self.numbers(spec, spec.range, node, path)
+        found = self.numbers(spec, spec.limits, node, path)
         if found is not None and spec.nonzero and math.hypot(*found) < SMALLEST:
             self.refuse(node.mark, path, "must have a direction, not be zero")
             return spec.default
@@ -159,14 +164,13 @@ class Reader:
 
     def size(self, spec: SizeSpec, node: Node, path: str) -> Any:
         """Width and height."""
-        limits = Range(low=1, high=spec.high)
         if isinstance(node, Scalar) and not node.empty:
             found: tuple[int, ...] = as_size(node)
         elif isinstance(node, ListNode) and len(node.items) == 2 and all(isinstance(i, Scalar) for i in node.items):
-            found = tuple(_whole(item, limits) for item in node.items if isinstance(item, Scalar))
+            found = tuple(_whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
         else:
             raise Refusal(f"not {_given(node)}")
-        if not all(limits.holds(side) for side in found):
+        if not all(spec.limits.holds(side) for side in found):
             raise Refusal(f"not {_given(node)}")
         return found
 
@@ -174,9 +178,10 @@ class Reader:
         """One name, or a list of names."""
         items = node.items if isinstance(node, ListNode) else (node,)
         found = []
-        for item in items:
+        for index, item in enumerate(items):
             if not isinstance(item, Scalar) or item.empty or item.null:
                 raise Refusal(f"not {_given(item)}")
+            self.marks[f"{path}.{index}"] = item.mark
             found.append(item.text)
         return tuple(found)
 

@@ -7,7 +7,6 @@ duplicate keys (YAML lets the last one win in silence), more than one document, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .faults import Fault, Mark, SceneError, fault_at, one_line, shown
@@ -62,26 +61,26 @@ def read_value(text: str, file: str) -> Node:
     return node
 
 
-@dataclass(slots=True)
 class _OpenList:
     """A list whose end has not been read yet."""
 
-    mark: Mark
-    items: list[Node] = field(default_factory=list)
+    def __init__(self, mark: Mark) -> None:
+        self.mark = mark
+        self.items: list[Node] = []
 
     def close(self) -> Node:
         return ListNode(tuple(self.items), self.mark)
 
 
-@dataclass(slots=True)
 class _OpenMap:
-    """A mapping whose end has not been read yet. ``key`` is a key that waits for its value; None drops that value."""
+    """A mapping whose end has not been read yet. ``key`` waits for its value; None drops that value."""
 
-    mark: Mark
-    entries: dict[str, Entry] = field(default_factory=dict)
-    waiting: bool = False
-    key: str | None = None
-    key_mark: Mark = field(default_factory=lambda: Mark(""))
+    def __init__(self, mark: Mark) -> None:
+        self.mark = mark
+        self.entries: dict[str, Entry] = {}
+        self.waiting = False
+        self.key: str | None = None
+        self.key_mark = mark
 
     def close(self) -> Node:
         return MapNode(self.entries, self.mark)

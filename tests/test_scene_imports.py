@@ -1,0 +1,34 @@
+"""The scene knows nobody: nothing heavy is imported with it, and YAML only when a preset is read."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ["numpy", "numba", "pydantic", "PIL", "platformdirs", "click"]
+
+
+def imported_by(code: str) -> set[str]:
+    """The top-level modules that a fresh interpreter has imported after ``code``."""
+    script = f"import sys\n{code}\nprint(' '.join({{name.split('.')[0] for name in sys.modules}}))"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(run.stdout.split())
+
+
+def test_the_package_imports_nothing_heavy() -> None:
+    modules = imported_by("import strandcli.scene")
+    assert modules.isdisjoint({*HEAVY, "yaml", "difflib", "hashlib"})
+    assert "strandcli" in modules
+
+
+@pytest.mark.parametrize("room", ["motion", "schema", "validate", "loading"])
+def test_nor_do_its_rooms(room: str) -> None:
+    assert imported_by(f"import strandcli.scene.{room}").isdisjoint(HEAVY)
+
+
+def test_reading_a_preset_imports_yaml_alone() -> None:
+    modules = imported_by("from strandcli.scene import loads, dump\ndump(loads('seed: 1', rules={}))")
+    assert "yaml" in modules
+    assert modules.isdisjoint(HEAVY)

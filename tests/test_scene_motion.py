@@ -1,0 +1,187 @@
+"""Poses and keys against closed forms and an independent composition of rotations."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strandcli.scene.model import BoxSolid, Camera, CameraKey, Emitter, PoseKey, SphereSolid
+from strandcli.scene.motion import (
+    IDENTITY,
+    Pose,
+    apply,
+    camera_at,
+    compose,
+    emitter_pose,
+    multiply,
+    rotate,
+    rotation_matrix,
+    sine_cosine,
+    solid_pose,
+)
+
+angles = st.floats(-3600, 3600)
+lengths = st.floats(-100, 100)
+triples = st.tuples(lengths, lengths, lengths)
+turns = st.tuples(angles, angles, angles)
+
+
+def close(left, right, tolerance: float = 1e-12) -> bool:  # type: ignore[no-untyped-def]
+    flat = [tuple(itertools.chain.from_iterable(m)) if isinstance(m[0], tuple) else m for m in (left, right)]
+    return all(abs(a - b) <= tolerance for a, b in zip(*flat, strict=True))
+
+
+def about(axis: int, degrees: float):  # type: ignore[no-untyped-def]
+    """A rotation about one axis from the C library's sine and cosine."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return (
+        ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c)),
+        ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)),
+        ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)),
+    )[axis]
+
+
+@pytest.mark.parametrize(
+    ("turn", "of", "becomes"),
+    [
+        ((90.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        ((0.0, 90.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+        ((0.0, 0.0, 90.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        ((90.0, 90.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)),  # to +z about x, then to +x about y
+        ((90.0, 0.0, 90.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        ((0.0, 90.0, 90.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),  # to +x about y, then to +y about z
+        ((180.0, 0.0, 0.0), (1.0, 2.0, 3.0), (1.0, -2.0, -3.0)),
+        ((720.0, -360.0, 1080.0), (1.0, 2.0, 3.0), (1.0, 2.0, 3.0)),
+    ],
+)
+def test_quarter_turns_are_exact(turn, of, becomes) -> None:  # type: ignore[no-untyped-def]
+    assert rotate(rotation_matrix(turn), of) == becomes
+
+
+@given(turns)
+def test_a_rotation_is_rz_ry_rx(turn: tuple[float, float, float]) -> None:
+    x, y, z = (about(axis, degrees) for axis, degrees in enumerate(turn))
+    assert close(rotation_matrix(turn), multiply(z, multiply(y, x)), 1e-11)
+
+
+@given(turns)
+def test_a_rotation_is_orthonormal_and_keeps_handedness(turn: tuple[float, float, float]) -> None:
+    matrix = rotation_matrix(turn)
+    transposed = tuple(zip(*matrix, strict=True))
+    assert close(multiply(matrix, transposed), IDENTITY, 1e-14)  # type: ignore[arg-type]
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    assert a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) == pytest.approx(1.0, abs=1e-14)
+
+
+@given(st.floats(-1e6, 1e6))
+def test_sine_and_cosine(degrees: float) -> None:
+    within = math.remainder(degrees, 360.0)
+    sine, cosine = sine_cosine(degrees)
+    assert sine == pytest.approx(math.sin(math.radians(within)), abs=2e-15)
+    assert cosine == pytest.approx(math.cos(math.radians(within)), abs=2e-15)
+
+
+@given(turns, triples, turns, triples, triples)
+def test_composition_is_one_pose_after_the_other(turn, move, turn2, move2, point) -> None:  # type: ignore[no-untyped-def]
+    outer, inner = Pose(rotation_matrix(turn), move), Pose(rotation_matrix(turn2), move2)
+    assert close(apply(compose(outer, inner), point), apply(outer, apply(inner, point)), 1e-11)
+
+
+def test_without_keys_things_stand_where_they_are_put() -> None:
+    emitter = Emitter(position=(1.0, 2.0, 3.0), rotation=(0.0, 90.0, 0.0))
+    pose = emitter_pose(emitter, 7.0)
+    assert pose.translation == (1.0, 2.0, 3.0)
+    assert apply(pose, (0.0, 0.0, 1.0)) == (2.0, 2.0, 3.0)
+
+
+KEYS = (
+    PoseKey(time=1.0, position=(0.0, 0.0, 0.0), ease="linear"),
+    PoseKey(time=3.0, position=(4.0, 0.0, -2.0), rotation=(0.0, 0.0, 720.0), ease="smooth"),
+    PoseKey(time=4.0, position=(4.0, 8.0, -2.0), ease="step"),
+    PoseKey(time=5.0, position=(0.0, 0.0, 0.0)),
+)
+
+
+@pytest.mark.parametrize(
+    ("time", "position"),
+    [
+        (-10.0, (0.0, 0.0, 0.0)),
+        (1.0, (0.0, 0.0, 0.0)),
+        (1.5, (1.0, 0.0, -0.5)),
+        (2.0, (2.0, 0.0, -1.0)),
+        (3.0, (4.0, 0.0, -2.0)),
+        (3.25, (4.0, 8 * (3 / 16 - 2 / 64), -2.0)),  # smoothstep: 3 s² - 2 s³ at 1/4
+        (3.5, (4.0, 4.0, -2.0)),
+        (4.0, (4.0, 8.0, -2.0)),
+        (4.999, (4.0, 8.0, -2.0)),
+        (5.0, (0.0, 0.0, 0.0)),
+        (1e9, (0.0, 0.0, 0.0)),
+    ],
+)
+def test_keys_are_eased_by_the_one_that_is_left(time: float, position: tuple[float, float, float]) -> None:
+    assert emitter_pose(Emitter(position=(9.0, 9.0, 9.0), keys=KEYS), time).translation == position
+
+
+def test_720_degrees_are_two_turns_and_not_none() -> None:
+    # a quarter of the way to 720 degrees is half a turn
+    assert emitter_pose(Emitter(keys=KEYS), 1.5).rotation == rotation_matrix((0.0, 0.0, 180.0))
+    assert rotate(emitter_pose(Emitter(keys=KEYS), 1.25).rotation, (1.0, 0.0, 0.0)) == (0.0, 1.0, 0.0)
+
+
+def test_one_key_is_held_for_ever() -> None:
+    emitter = Emitter(keys=(PoseKey(time=2.0, position=(1.0, 0.0, 0.0)),))
+    assert {emitter_pose(emitter, time).translation for time in (0.0, 2.0, 9.0)} == {(1.0, 0.0, 0.0)}
+
+
+def test_smooth_keys_start_and_end_at_rest() -> None:
+    emitter = Emitter(keys=(PoseKey(time=0.0), PoseKey(time=1.0, position=(1.0, 0.0, 0.0))))
+    at = [emitter_pose(emitter, time).translation[0] for time in (1e-4, 0.5, 1 - 1e-4)]
+    assert at[0] < 1e-7
+    assert at[1] == 0.5
+    assert 1 - at[2] < 1e-7
+
+
+def test_a_solid_stands_in_the_world_or_follows_the_emitter() -> None:
+    emitter = Emitter(position=(0.0, 0.0, 5.0), rotation=(0.0, 90.0, 0.0))
+    alone = SphereSolid(position=(1.0, 0.0, 0.0), rotation=(0.0, 0.0, 90.0))
+    assert solid_pose(alone, emitter, 0.0) == Pose(rotation_matrix((0.0, 0.0, 90.0)), (1.0, 0.0, 0.0))
+    follower = BoxSolid(position=(1.0, 0.0, 0.0), rotation=(0.0, 0.0, 90.0), follow="emitter")
+    pose = solid_pose(follower, emitter, 0.0)
+    # the emitter turns +x to -z, and the box's own +x is +y before
+    assert pose.translation == (0.0, 0.0, 4.0)
+    assert rotate(pose.rotation, (0.0, 1.0, 0.0)) == (0.0, 0.0, 1.0)
+    assert rotate(pose.rotation, (1.0, 0.0, 0.0)) == (0.0, 1.0, 0.0)
+
+
+def test_a_following_solid_moves_by_its_own_keys_within_the_moving_emitter() -> None:
+    emitter = Emitter(keys=(PoseKey(time=0.0, ease="linear"), PoseKey(time=1.0, position=(0.0, 2.0, 0.0))))
+    keys = (PoseKey(time=0.0, ease="linear"), PoseKey(time=2.0, position=(4.0, 0.0, 0.0)))
+    solid = SphereSolid(follow="emitter", keys=keys)
+    assert solid_pose(solid, emitter, 0.5).translation == (1.0, 1.0, 0.0)
+
+
+def test_a_camera_without_keys_stands_still() -> None:
+    camera = Camera(position=(1.0, 2.0, 3.0), target=(0.0, 1.0, 0.0), fov=30.0, height=2.0)
+    assert camera_at(camera, 5.0) == ((1.0, 2.0, 3.0), (0.0, 1.0, 0.0), 30.0, 2.0)
+
+
+def test_camera_keys_take_what_they_leave_out_from_the_camera() -> None:
+    camera = Camera(
+        position=(0.0, 0.0, 5.0),
+        target=(0.0, 1.0, 0.0),
+        fov=40.0,
+        height=3.0,
+        keys=(
+            CameraKey(time=0.0, fov=20.0, ease="linear"),
+            CameraKey(time=2.0, position=(4.0, 0.0, 5.0), height=5.0, ease="linear"),
+            CameraKey(time=4.0, target=(0.0, 3.0, 0.0)),
+        ),
+    )
+    assert camera_at(camera, 0.0) == ((0.0, 0.0, 5.0), (0.0, 1.0, 0.0), 20.0, 3.0)
+    assert camera_at(camera, 1.0) == ((2.0, 0.0, 5.0), (0.0, 1.0, 0.0), 30.0, 4.0)
+    assert camera_at(camera, 3.0) == ((2.0, 0.0, 5.0), (0.0, 2.0, 0.0), 40.0, 4.0)
+    assert camera_at(camera, 9.0) == ((0.0, 0.0, 5.0), (0.0, 3.0, 0.0), 40.0, 3.0)
