@@ -21,7 +21,11 @@ from .progress import Progress
 )
 @click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
 @click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
-@click.option("--quality", metavar="NAME", help="A named set of settings.  [default: the thesis's headline scene]")
+@click.option(
+    "--quality", type=click.Choice(("draft", "default", "best")), default="default", show_default=True,
+    help="How finely the scene is drawn.",
+)
+@click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @options.threads
 @options.talk_options
 def command(
@@ -30,7 +34,8 @@ def command(
     frames: int,
     size: tuple[int, int],
     solver: str,
-    quality: str | None,
+    quality: str,
+    level: int | None,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -56,6 +61,7 @@ def command(
             threads=threads,
             solver=solver,
             quality=quality,
+            level=level,
             notify=progress.note,
         )
     if as_json:

@@ -78,7 +78,7 @@ class Renderer:
         top = np.array(scene.image.background, np.float32)
         bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
         film.background(top, bottom, image)
-        self._lap("raster")
+        self._lap("film")
 
         base = 0
         segments = 0
@@ -90,12 +90,13 @@ class Renderer:
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
             widths = self._widths(lines, screen, view, spread)
+            self._lap("curves")
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
             self._lap("raster")
             colours = self._shade(lines, keys, base, begin, end, view, lights, maps, packed)
             self._lap("shade")
             film.colours(keys, base, screen, colours, image)
-            self._lap("raster")
+            self._lap("film")
             base += len(lines.world)
             segments += lines.segments
         if packed is not None:
@@ -104,13 +105,13 @@ class Renderer:
         film.develop(
             image, scene.image.supersample, np.float32(2.0**scene.image.exposure), srgb_curve(), self._drawing.image
         )
-        self._lap("raster")
         self._drawing.counts = {
             "strands": strands,
             "particles": strands * (positions.shape[1] - 1),
             "segments": segments,
             "fragments": int(np.count_nonzero((keys & np.uint64(0xFFFFFFFF)) < solids.FIRST)),
         }
+        self._lap("film")
         return self._drawing
 
     def _lap(self, stage: str) -> None:

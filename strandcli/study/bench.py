@@ -1,0 +1,202 @@
+"""`strandcli bench`: where a frame's time goes, with the errors that it buys.
+
+The scene is the preset `headline`. Times are medians over frames after a first one that is not counted, because it
+compiles, touches fresh memory and fills caches. Two more figures stand on their own, so that they can be compared with
+bounds for one loop alone: `rules` (six rules and two spheres) and `lines` (one-pixel lines with colours into a
+z-buffer).
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import load, runtime
+from ..scene.model import Scene
+
+Notify = Callable[[str], None]
+
+QUALITY: dict[str, dict[str, Any]] = {
+    "draft": {"curves.level": 1},
+    "default": {"curves.level": 2},
+    "best": {"curves.level": 4, "image.supersample": 2},
+}
+"""Settings of the headline scene by name."""
+
+
+def run(
+    strands: int = 10_000,
+    particles: int = 10,
+    frames: int = 20,
+    size: tuple[int, int] = (800, 600),
+    threads: int | None = None,
+    solver: str = "thesis",
+    quality: str = "default",
+    level: int | None = None,
+    notify: Notify | None = None,
+) -> dict[str, Any]:
+    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says."""
+    settings = {
+        "emitter.strands": strands,
+        "emitter.particles": particles,
+        "image.size": list(size),
+        "time.frames": max(frames + 1, 2),
+        "solver": solver,
+        **QUALITY[quality],
+    }
+    if level is not None:
+        settings["curves.level"] = level
+    scene = load("headline", settings=settings)
+    runtime.start(threads, notify)
+    timed = time_frames(scene, frames, threads, notify)
+    if notify is not None:
+        notify("one loop alone: rules, lines")
+    stages = {name: spread(values) for name, values in timed["seconds"].items()}
+    counts = timed["counts"]
+    drawn = stages["raster"]["median_ms"]
+    return {
+        "strands": strands,
+        "particles": particles,
+        "size": list(size),
+        "frames": frames,
+        "threads": runtime.machine()["threads"],
+        "quality": quality,
+        "level": scene.curves.level,
+        "compile_seconds": runtime.compile_seconds(),
+        "stages": stages,
+        "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
+        "counts": {"segments": counts["segments"], "fragments": counts["fragments"]},
+        "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles),
+        "segment_ns": 1e6 * drawn / counts["segments"],
+        "error": timed["error"],
+        "rules": time_rules(strands, particles),
+        "lines": time_lines(strands, 37, *size),
+        "peak_rss_bytes": _peak(),
+        "machine": runtime.machine(),
+    }
+
+
+def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify | None) -> dict[str, Any]:
+    """Seconds a stage and the time from frame to frame, PNG files included, which are written meanwhile."""
+    from .. import pipeline
+    from ..output.frames import FrameWriter
+
+    numbers = range(1, frames + 2)
+    seconds: dict[str, list[float]] = {}
+    ends = []
+    error: dict[str, Any] = {}
+    counts: dict[str, int] = {}
+    with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
+        with FrameWriter(Path(folder), numbers, scene.image.size) as writer:
+            for frame in pipeline.render(scene, numbers, threads=threads, notify=notify):
+                assert frame.image is not None
+                writer.submit(frame.number, frame.image)
+                ends.append(time.perf_counter())
+                counts = frame.report["counts"]
+                _worst(error, frame.report["error"])
+                if frame.number > 1:
+                    for name, value in frame.report["seconds"].items():
+                        seconds.setdefault(name, []).append(value)
+        ends[-1] = time.perf_counter()  # the last files were still being written
+        seconds["write"] = [one.seconds for one in writer.written.values() if one.frame > 1 and one.seconds is not None]
+    gaps = np.diff(ends)
+    return {"seconds": seconds, "counts": counts, "error": error, "frame_ms": 1e3 * float(np.median(gaps))}
+
+
+def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, float]:
+    """The six rules with two spheres, nothing else: nanoseconds a particle and step."""
+    from ..groom.emit import emit
+    from ..simulate.thesis import ThesisSolver
+
+    scene = load("headline", settings={"emitter.strands": strands, "emitter.particles": particles})
+    solver = ThesisSolver(scene, emit(scene.emitter, scene.seed))
+    took = median_seconds(lambda j: solver.step(j / 60, 1 / 60), repeats)
+    return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
+
+
+def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:
+    """A ball of drooping polylines into a z-buffer with a colour at every vertex: milliseconds a frame."""
+    import numba
+
+    from ..draw import raster
+    from ..draw.curves import Polylines
+    from ..draw.kernels import film
+    from ..draw.scratch import Scratch
+
+    screen, colours = drooping(strands, points, width, height)
+    first = np.arange(strands + 1, dtype=np.int64) * points
+    lines = Polylines(first, screen, None)
+    keys = np.empty(width * height, np.uint64)
+    image = np.zeros((height, width, 3), np.float32)
+    scratch = Scratch()
+    workers = numba.get_num_threads()
+
+    def draw(_: int) -> None:
+        keys.fill(raster.kernel.EMPTY)
+        raster.draw(lines, screen, None, 0, (width, height), workers, scratch, keys)
+        film.colours(keys, 0, screen, colours, image)
+
+    took = median_seconds(draw, repeats)
+    segments = strands * (points - 1)
+    fragments = count_fragments(screen, points)
+    return {
+        "segments": segments,
+        "fragments": fragments,
+        "ms": 1e3 * took,
+        "segment_ns": 1e9 * took / segments,
+        "fragment_ns": 1e9 * took / fragments,
+    }
+
+
+def drooping(strands: int, points: int, width: int, height: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Polylines on the screen (strands * points, 3), x and y in pixels and inverse depth, and colours of that shape."""
+    rng = np.random.default_rng(0)
+    angle = rng.uniform(0, 2 * np.pi, strands)[:, None]
+    radius = np.sqrt(rng.uniform(0, 1, strands))[:, None] * height * 0.2
+    t = np.linspace(0, 1, points)
+    sway = rng.normal(size=(strands, 1)) * 5 * np.sin(6 * t)
+    screen = np.empty((strands, points, 3), np.float32)
+    screen[..., 0] = width / 2 + radius * np.cos(angle) + np.cos(angle) * t * height * 0.15 + sway
+    screen[..., 1] = height * 0.4 + radius * np.sin(angle) + np.sin(angle) * t * height * 0.1 + t**2 * height * 0.25
+    screen[..., 2] = 1 / (rng.uniform(1, 2, strands)[:, None] + 0.1 * t)
+    return screen.reshape(-1, 3), rng.uniform(0, 1, (strands * points, 3)).astype(np.float32)
+
+
+def count_fragments(screen: NDArray[np.float32], points: int) -> int:
+    """Pixels that lines touch before any is hidden: one for each started pixel of a segment's longer axis."""
+    xy = screen.reshape(-1, points, 3)[..., :2]
+    return int((np.abs(np.diff(xy, axis=1)).max(-1).astype(np.int64) + 1).sum())
+
+
+def median_seconds(call: Callable[[int], None], repeats: int) -> float:
+    """Median time of a call, whose number it is handed, after one that does not count."""
+    times = []
+    for j in range(repeats + 1):
+        began = time.perf_counter()
+        call(j)
+        times.append(time.perf_counter() - began)
+    return float(np.median(times[1:]))
+
+
+def spread(seconds: Iterable[float]) -> dict[str, float]:
+    """Median, least and greatest, in milliseconds."""
+    values = 1e3 * np.array(list(seconds))
+    return {"median_ms": float(np.median(values)), "min_ms": float(values.min()), "max_ms": float(values.max())}
+
+
+def _worst(into: dict[str, Any], error: Mapping[str, Any]) -> None:
+    for name, value in error.items():
+        into[name] = value if into.get(name) is None else max(into[name], value or 0)
+
+
+def _peak() -> int:
+    from ..output.report import peak_rss_bytes
+
+    return peak_rss_bytes()
+
