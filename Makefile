@@ -1,0 +1,67 @@
+# `make demo` and `make test` set up everything they need in .venv first.
+# Another interpreter: make PYTHON=python3.12 test
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+RUN := $(BIN)/strandcli
+
+.PHONY: demo test lint types check figures gallery claims bench golden golden-update clean help
+
+help:
+	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
+	@echo "make test       run the tests"
+	@echo "make check      lint, types and tests, as CI does"
+	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
+	@echo "make claims     what the thesis claims, measured on this machine"
+	@echo "make bench      time every stage of a frame"
+	@echo "make golden     compare small pictures of all presets with tests/golden"
+
+demo: $(READY)
+	$(RUN) render hair -o out/demo --frames 1-48 --animate gif --overwrite
+	@echo "See out/demo/frame_0001.png and out/demo/animation.gif"
+
+test: $(READY)
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: $(READY)
+	$(BIN)/ruff check .
+
+types: $(READY)
+	$(BIN)/mypy
+
+check: lint types test
+
+FIGURES = $(patsubst presets/%.yaml,%,$(sort $(wildcard presets/figures/*.yaml)))
+
+figures: $(READY)
+	@for name in $(FIGURES); do \
+	  $(RUN) render $$name -o out/$$name --overwrite --quiet || exit $$?; echo "$$name"; \
+	done
+	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 3 --overwrite
+
+claims: $(READY)
+	$(RUN) claims
+
+bench: $(READY)
+	$(RUN) bench --strands 10000
+
+golden: $(READY)
+	$(RUN) golden check tests/golden
+
+golden-update: $(READY)
+	$(RUN) golden update tests/golden
+
+$(READY): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "strandcli needs Python 3.11 or newer: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
+	  { echo "Python's venv module is missing: sudo apt-get install python3-venv"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --group dev --editable .
+	@touch $@
+
+clean:
+	rm -rf $(VENV) out build dist
