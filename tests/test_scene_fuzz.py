@@ -32,6 +32,7 @@ trees = st.recursive(
 )
 scene_like = st.dictionaries(st.sampled_from(KEYS), trees, max_size=6)
 paths = st.lists(st.sampled_from([*KEYS, "0", "1", "wind[2]", "-1", "", "kind"]), min_size=1, max_size=4).map(".".join)
+overridden = st.lists(st.tuples(paths, st.text(max_size=8) | words), max_size=3)
 
 LINE_ENDS = "\n\r\x85\u2028\u2029"
 
@@ -86,9 +87,7 @@ def test_any_tree_with_the_words_of_a_preset(tree: dict[str, Any]) -> None:
 
 
 @thorough
-@given(
-    scene_like, st.lists(st.tuples(paths, st.text(max_size=8) | words), max_size=3), st.dictionaries(paths, trees, max_size=2)
-)
+@given(scene_like, overridden, st.dictionaries(paths, trees, max_size=2))
 def test_any_overrides_and_settings(
     tree: dict[str, Any], overrides: list[tuple[str, str]], extra: dict[str, Any]
 ) -> None:

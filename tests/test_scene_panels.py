@@ -74,7 +74,7 @@ def test_faults_of_panels_stand_at_the_panel(panels: str, says: str) -> None:
 
 
 def test_what_only_the_panel_makes_wrong_stands_at_the_panel() -> None:
-    text = "solids: [{kind: box, name: a}]\nrules: [collision: {with: a}]\npanels:\n- label: none\n  set: {solids: []}\n"
+    text = "solids: [{kind: box, name: a}]\nrules: [collision: {with: a}]\npanels:\n- label: no\n  set: {solids: []}\n"
     assert complaint(text) == "p.yaml:4:3: panels.0.set.collision.with.0: no solid has the name 'a'"
 
 

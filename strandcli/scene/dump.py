@@ -43,5 +43,10 @@ def dump(scene: Scene) -> str:
         def ignore_aliases(self, data: Any) -> bool:
             return True
 
+        def represent_str(self, data: str) -> Any:
+            # in other styles PyYAML writes some line ends, such as U+0085, as what is read back as a space
+            return self.represent_scalar("tag:yaml.org,2002:str", data, style=None if data.isprintable() else '"')
+
+    Dumper.add_representer(str, Dumper.represent_str)
     # short lists such as vectors stay on one line
     return yaml.dump(to_dict(scene), Dumper=Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None)
