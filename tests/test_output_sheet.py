@@ -49,6 +49,8 @@ def test_a_folder_of_folders_gives_the_last_frame_of_each(tmp_path: Path) -> Non
         for number in (1, 2):
             Image.new("RGB", (4, 4)).save(tmp_path / name / f"frame_000{number}.png")
         Image.new("RGB", (4, 4)).save(tmp_path / name / "animation.gif")
+    assert [cell.path.parent.name for cell in gather([tmp_path / "fig03", tmp_path / "fig02"])] == ["fig03", "fig02"]
+    assert [cell.label for cell in gather([tmp_path / "fig03"])] == ["frame_0001", "frame_0002"]
     cells = gather([tmp_path, tmp_path / "fig02" / "frame_0001.png"])
     assert [(cell.path.parent.name, cell.path.name, cell.label) for cell in cells] == [
         ("fig02", "frame_0002.png", "fig02"),

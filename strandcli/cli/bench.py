@@ -22,7 +22,10 @@ from .progress import Progress
 @click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
 @click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
 @click.option(
-    "--quality", type=click.Choice(("draft", "default", "best")), default="default", show_default=True,
+    "--quality",
+    type=click.Choice(("draft", "default", "best")),
+    default="default",
+    show_default=True,
     help="How finely the scene is drawn.",
 )
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")

@@ -119,7 +119,8 @@ def _run(
                     scene, writer.wanted, threads=threads, positions=positions, notify=progress.note
                 )
                 for frame in found:
-                    writer.submit(frame.number, frame.image)
+                    if frame.image is not None:  # it is, where draw is not turned off
+                        writer.submit(frame.number, frame.image)
                     report.add(frame.number, frame.report)
                     progress.step(_line(frame.number, frame.report))
                     signals.check()

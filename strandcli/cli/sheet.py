@@ -25,7 +25,8 @@ from . import options
 def command(sources: tuple[Path, ...], output: Path, columns: int, width: int, overwrite: bool, quiet: bool) -> None:
     """Put images on one labelled contact sheet.
 
-    A folder gives its images by name; a folder of folders, such as out/figures, the last frame of each.
+    A single folder gives its images by name, several folders of frames the last frame of each, and a folder of such
+    folders, like out/figures, the same.
     """
     from ..output.files import prepare_folder
     from ..output.sheet import gather, write_sheet

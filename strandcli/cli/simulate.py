@@ -67,7 +67,8 @@ def command(
                 for frame in pipeline.render(
                     scene, writer.wanted, threads=threads, draw=False, keep_positions=True, notify=progress.note
                 ):
-                    writer.write(frame.number, frame.positions)
+                    if frame.positions is not None:  # they are, where they are asked for
+                        writer.write(frame.number, frame.positions)
                     progress.step(f"frame {frame.number}")
                     signals.check()
             status = "complete"

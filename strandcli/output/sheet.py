@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,17 +29,19 @@ class Cell:
     label: str
 
 
-def gather(sources: Iterable[Path], leave_out: Path | None = None) -> list[Cell]:
+def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]:
     """The cells for files and folders, in the order given.
 
-    A folder stands for its images in the order of their names; one that holds folders of frames instead, such as
-    out/figures, for the last image of each of these. ``leave_out`` is the sheet itself. Raises ``UsageError`` for a
-    source without images.
+    A single folder stands for its images in the order of their names; among several sources a folder of frames stands
+    for its last one; and one that holds folders instead, such as out/figures, for the last image of each of these.
+    ``leave_out`` is the sheet itself. Raises ``UsageError`` for a source without images.
     """
     cells: list[Cell] = []
     for source in sources:
         if source.is_dir():
             found = [Cell(path, path.stem) for path in _images(source, leave_out)]
+            if found and (len(sources) > 1 or len(found) == 1) and _is_frame(found[-1].path):
+                found = [Cell(found[-1].path, source.name)]
             if not found:
                 inner = [(folder, _images(folder, leave_out)) for folder in sorted(source.iterdir()) if folder.is_dir()]
                 found = [Cell(paths[-1], folder.name) for folder, paths in inner if paths]
@@ -47,10 +49,14 @@ def gather(sources: Iterable[Path], leave_out: Path | None = None) -> list[Cell]
                 raise UsageError(f"{source}: holds no images ({', '.join(KINDS)}), and neither do its folders")
             cells += found
         elif source.is_file():
-            cells.append(Cell(source, source.parent.name if source.stem.startswith("frame_") else source.stem))
+            cells.append(Cell(source, source.parent.name if _is_frame(source) else source.stem))
         else:
             raise UsageError(f"{source}: no such file or folder")
     return cells
+
+
+def _is_frame(path: Path) -> bool:
+    return path.stem.startswith("frame_")
 
 
 def _images(folder: Path, leave_out: Path | None) -> list[Path]:

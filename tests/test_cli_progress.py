@@ -1,0 +1,102 @@
+"""The progress line: what it says, and that it is silent where nobody looks."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from strandcli.cli.progress import Progress, duration
+
+
+class Terminal(io.StringIO):
+    """A stderr that is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    now = [100.0]
+    monkeypatch.setattr("strandcli.cli.progress.time.monotonic", lambda: now[0])
+    return now
+
+
+def test_time_left_is_that_of_the_frames_so_far(clock: list[float]) -> None:
+    progress = Progress(10, "hair")
+    progress.__enter__()
+    assert progress.text(clock[0]) == "hair: [........................] 0/10"
+    for _ in range(5):
+        clock[0] += 2.0
+        progress.step()
+    assert progress.text(clock[0]) == "hair: [############............] 5/10 2.0 s a frame, 10 s left"
+    progress.__exit__(None, None, None)
+
+
+def test_compiling_is_told_while_it_runs_and_not_counted_as_drawing(clock: list[float]) -> None:
+    progress = Progress(4, "hair")
+    progress.__enter__()
+    progress.note("compiling step")
+    clock[0] += 3.0
+    progress.note("compiling raster")
+    clock[0] += 0.25
+    assert progress.text(clock[0]) == "hair: compiling kernels ... 3.2 s (only on first use) raster"
+    progress.step()
+    clock[0] += 0.5
+    progress.step()
+    assert progress.text(clock[0]).endswith("2/4 4.0 frames/s, 0 s left")
+    progress.__exit__(None, None, None)
+
+
+def test_other_notes_are_shown_with_their_time(clock: list[float]) -> None:
+    progress = Progress(4, "hair")
+    progress.note("simulating up to frame 90")
+    clock[0] += 7.0
+    assert progress.text(clock[0]) == "hair: simulating up to frame 90 ... 7.0 s"
+    progress.note("")
+    assert progress.text(clock[0]).startswith("hair: [")
+
+
+def test_a_terminal_gets_one_line_redrawn_and_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with Progress(2, "hair") as progress:
+        progress.note("compiling step")
+        while "compiling kernels" not in terminal.getvalue():
+            pass
+        progress.step()
+    assert "\n" not in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r\x1b[K")
+
+
+@pytest.mark.parametrize(
+    ("terminal", "term", "hidden"), [(False, "xterm", False), (True, "dumb", False), (True, "xterm", True)]
+)
+def test_nothing_is_drawn_where_nobody_looks(
+    monkeypatch: pytest.MonkeyPatch, terminal: bool, term: str, hidden: bool
+) -> None:
+    stream = Terminal() if terminal else io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setenv("TERM", term)
+    with Progress(2, "hair", hidden=hidden) as progress:
+        progress.note("compiling step")
+        progress.step("frame 1")
+    assert stream.getvalue() == ""
+
+
+def test_verbose_writes_lines_instead(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    with Progress(1, "hair", verbose=True) as progress:
+        progress.note("compiling step")
+        progress.step("frame 1: 3 ms")
+    assert stream.getvalue() == "compiling step\nframe 1: 3 ms\n"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1:00"), (185, "3:05"), (7385, "2:03:05")]
+)
+def test_durations(seconds: float, words: str) -> None:
+    assert duration(seconds) == words
