@@ -5,18 +5,20 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from cli_runs import TINY, Runner
 from PIL import Image
 
-import strandcli
-from strandcli import runtime, study
+from strandcli import pipeline, runtime, study
 from strandcli.output import png
 from strandcli.output.compare import write_image
+from strandcli.scene import Scene, list_presets
 
 
 @pytest.fixture
@@ -221,12 +223,29 @@ def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch
     assert len(lines) > 2
 
 
-def test_warmup_compiles_the_presets_named(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    named: list[list[str]] = []
-    monkeypatch.setattr(runtime, "warmup", lambda names, notify: named.append(list(names)), raising=False)
+def test_after_warmup_a_run_compiles_nothing(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[tuple[str, tuple[int, ...], tuple[int, int]]] = []
+    render = pipeline.render
+
+    def spy(scene: Scene, frames: range, **options: Any) -> Iterator[pipeline.Frame]:
+        drawn.append((Path(scene.source).name, tuple(frames), scene.image.size))
+        return render(scene, frames, **options)
+
+    monkeypatch.setattr(pipeline, "render", spy)
     result = run("warmup", "tiny.yaml", "--json")
     assert result.code == 0
-    assert json.loads(result.out)["presets"] == ["tiny.yaml"]
+    data = json.loads(result.out)
+    assert data["presets"] == ["tiny.yaml"]
+    assert Path(data["cache"]).is_dir()
+    assert drawn == [("tiny.yaml", (1, 2), (64, 48))]
+    before = runtime.compile_seconds()
+    assert run("render", "tiny.yaml", "-f", "5").code == 0
+    assert runtime.compile_seconds() == before
+    assert run("warmup", "nonesuch").code == 2
+
+
+def test_warmup_takes_all_shipped_presets_when_none_is_named(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[str] = []
+    monkeypatch.setattr(pipeline, "render", lambda scene, frames, **options: drawn.append(scene.source) or [])
     assert run("warmup", "-q").err == ""
-    shipped = [name for name, _ in strandcli.scene.list_presets()]
-    assert named == [["tiny.yaml"], shipped]
+    assert drawn == [str(path) for _, path in list_presets()]
