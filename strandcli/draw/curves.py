@@ -21,13 +21,20 @@ class Polylines:
     """(strands + 1,)"""
     world: NDArray[np.float32]
     """(V, 3) metres."""
-    error: float | None
+    error: float | None = None
     """Greatest distance of a piece from its curve in pixels; None where it was not asked for."""
+    per: int = 0
+    """Vertices a strand where all have the same number, else 0."""
+    stride: int = 1
+    """Light is computed at every so-manieth vertex: fine curves are lit at `LIT_PIECES` places a segment."""
 
     @property
     def segments(self) -> int:
         """Line pieces in all."""
         return int(len(self.world) - np.count_nonzero(np.diff(self.first)))
+
+
+LIT_PIECES = 4
 
 
 def greatest_pieces(curves: Curves) -> int:
@@ -73,4 +80,6 @@ def flatten(
         positions, lengths, strands, pieces, most,
         switch if curves.tangents == "printed" else None, switch if curves.mode == "off" else None, first, world,
     )  # fmt: skip
-    return Polylines(first, world, error)
+    if pieces is not None:
+        return Polylines(first, world, error)
+    return Polylines(first, world, None, (n - 1) * most + 1, max(most // LIT_PIECES, 1))

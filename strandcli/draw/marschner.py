@@ -10,7 +10,7 @@ equal error would take 6,000 nodes at β = .1°.
 Azimuthal: N_p(θ_d, φ) = ½ ∫_{-1}^{1} A_p(h) D(φ − Φ_p(h)) dh with Φ_p = 2pγ_t − 2γ_i + pπ, h = sin γ_i = η' sin γ_t,
 the indices η' and η'' of the cross section (Bravais), A_0 = F, A_p = (1 − F)² F^{p−1} T^p. D is the wrapped Gaussian
 whose standard deviation is the material's azimuthal roughness, the same for every lobe; it takes the place of the
-paper's caustic removal. As D's Fourier coefficients are exp(−k² s² / 2), the integral over h is done for each of them.
+paper's caustic removal.
 
 Absorption: T = exp(−2 σ_a cos γ_t / cos θ_t), 2 cos γ_t being the chord of the unit circle. The paper prints
 exp(−2 σ_a (1 + cos 2γ_t)), whose length 4 cos² γ_t is twice the diameter for h = 0; the chord is what Chiang et al.'s
@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
 DARKEST, PALEST = 1e-4, 1.0
 COS2_FLOOR = 1e-3
-COEFFICIENT_FLOOR = 1e-9
+COEFFICIENT_FLOOR = 1e-7
+RAYS = 8.0  # rays over half of the strand, times the roughness: no two leave farther apart than .62 of it
+BINS = 200.0  # bins over the circle, times the roughness: what sharing leaves aliased is under 3e-5
 PATH_FLOOR = 1e-6
 
 
@@ -102,9 +104,7 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     lobes, peaks = _longitudinal(material, n_theta, n_phi)
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
-    nodes[..., kernel.R] = n[0, ..., 0] * peaks[0]
-    nodes[..., kernel.TT : kernel.TT + 3] = n[1] * peaks[1]
-    nodes[..., kernel.TRT : kernel.TRT + 3] = n[2] * peaks[2]
+    nodes[..., :7] = n * np.repeat(peaks, (1, 3, 3))
     varied = material.tip_colour is not None or material.colour_variation > 0.0
     return MarschnerTables(lobes, nodes, paths if varied else None, sigma, roughness)
 
@@ -126,21 +126,16 @@ def _longitudinal(material: Material, n_theta: int, n_phi: int) -> tuple[NDArray
 def _azimuthal(
     theta: NDArray[np.float64], n_phi: int, eta: float, sigma: NDArray[np.float64], deviation: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
-    """N_p, (3, n_θ, n_φ, 3), and the mean paths, (n_θ, n_φ, 2), by a Fourier series in φ whose coefficients are
-    integrals over h.
+    """N, (n_θ, n_φ, 7) for R, TT rgb and TRT rgb, and the mean paths, (n_θ, n_φ, 2).
 
-    Both signs of h give the same cosine coefficients, so half of the range is enough. With γ_i = π/2 sin u the midpoint
-    rule in u converges with the fourth power of the number of nodes, the integrand and its slope being 0 at h = 1.
+    Rays spread over h are dropped by their Φ into bins round the circle, each shared by its two nearest bins; the bins'
+    Fourier coefficients, cleared of that sharing and damped by the detector's, give N at the nodes. Only cosines are
+    needed, for which both signs of h count alike: half of the rays is enough.
     """
-    order = math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation)
-    count = max(128, 2 * order)
-    u = (np.arange(count) + 0.5) * (0.5 * np.pi / count)
-    gamma_i = 0.5 * np.pi * np.sin(u)
-    weight = np.cos(gamma_i) * np.cos(u) * (0.5 * np.pi) ** 2 / count
-
     cos_d, sin_d = np.cos(theta)[:, None], np.sin(theta)[:, None]
     root = np.sqrt(eta**2 - sin_d**2)
     index_s, index_p = root / cos_d, eta**2 * cos_d / root
+    gamma_i, weight = _rays(max(128, math.ceil(RAYS / deviation)))
     gamma_t = np.arcsin(np.sin(gamma_i) / index_s)
     cos_i, cos_t = np.cos(gamma_i), np.cos(gamma_t)
     s = (cos_i - index_s * cos_t) / (cos_i + index_s * cos_t)
@@ -149,37 +144,52 @@ def _azimuthal(
     length = 2.0 * cos_t * eta / root
     through = np.exp(-length[:, None, :] * sigma[:, None])
 
-    # Four columns a lobe: rgb, and the path length weighted with the mean of rgb.
-    columns = np.zeros((len(theta), 3, 4, count))
-    columns[:, 0, :3] = fresnel[:, None]
-    columns[:, 1, :3] = ((1.0 - fresnel) ** 2)[:, None] * through
-    columns[:, 2, :3] = ((1.0 - fresnel) ** 2 * fresnel)[:, None] * through**2
-    columns[:, 1, 3] = columns[:, 1, :3].mean(axis=1) * length
-    columns[:, 2, 3] = columns[:, 2, :3].mean(axis=1) * length * 2.0
-    columns *= weight
+    # Channels: R, TT rgb, TRT rgb, then TT and TRT (the mean of rgb) weighted with their paths' lengths.
+    rays = np.empty((len(theta), 9, len(gamma_i)))
+    rays[:, 0] = fresnel
+    rays[:, 1:4] = ((1.0 - fresnel) ** 2)[:, None] * through
+    rays[:, 4:7] = ((1.0 - fresnel) ** 2 * fresnel)[:, None] * through**2
+    rays[:, 7] = rays[:, 1:4].mean(axis=1) * length
+    rays[:, 8] = rays[:, 4:7].mean(axis=1) * length * 2.0
+    out = np.stack(
+        [-2.0 * gamma_i + 0.0 * gamma_t, 2.0 * (gamma_t - gamma_i) + np.pi, 4.0 * gamma_t - 2.0 * gamma_i], 1
+    )
+    n = _seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, deviation)
 
-    # cos((ab + c)Φ) = cos abΦ cos cΦ − sin abΦ sin cΦ: two small matrix products in place of every cosine.
-    block = math.isqrt(order) + 1
-    coarse, fine = block * np.arange(block)[:, None], np.arange(block)
-    coefficients = np.empty((len(theta), 3, 4, block * block))
-    for row in range(len(theta)):
-        angle = np.stack([-2.0 * gamma_i, 2.0 * (gamma_t[row] - gamma_i) + np.pi, 4.0 * gamma_t[row] - 2.0 * gamma_i])
-        large, small = angle[:, None, None] * coarse, angle[:, :, None] * fine
-        weighted = columns[row][:, :, None]
-        product = (np.cos(large) * weighted).reshape(3, -1, count) @ np.cos(small)
-        product -= (np.sin(large) * weighted).reshape(3, -1, count) @ np.sin(small)
-        coefficients[row] = product.reshape(3, 4, -1)
-    k = np.arange(block * block)
-    damping = np.exp(-0.5 * (k * deviation) ** 2) * np.where(k == 0, 1.0, 2.0) / (2.0 * np.pi)
+    mean = np.stack([n[..., 1:4].mean(axis=-1), n[..., 4:7].mean(axis=-1)], axis=-1)
+    plain = np.array([1.0, 2.0]) * (2.0 * eta / root)[..., None]
+    known = mean > PATH_FLOOR * mean.max(axis=(0, 1))
+    paths = np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain)
+    return n[..., :7], (np.clip(paths, 0.0, plain) / math.log(2.0)).astype(np.float32)
+
+
+def _rays(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """γ_i in (0, π/2) and the weights of ∫_0^1 dh. With γ_i = π/2 sin u the midpoint rule in u converges with the fourth
+    power of ``count``: the integrand and its slope are 0 at h = 1."""
+    u = (np.arange(count) + 0.5) * (0.5 * np.pi / count)
+    gamma_i = 0.5 * np.pi * np.sin(u)
+    return gamma_i, np.cos(gamma_i) * np.cos(u) * (0.5 * np.pi) ** 2 / count
+
+
+def _seen(rays: NDArray[np.float64], out: NDArray[np.float64], n_phi: int, deviation: float) -> NDArray[np.float64]:
+    """What the detector sees at ``n_phi`` angles over [0, π], (n_θ, n_φ, channels), of rays (n_θ, channels, count) that
+    leave at the angles ``out``."""
+    rows, channels, _ = rays.shape
+    bins = 2 ** math.ceil(math.log2(BINS / deviation))
+    place = out * (bins / (2.0 * np.pi))
+    below = np.floor(place)
+    part = place - below
+    row = bins * np.arange(rows * channels).reshape(rows, channels, 1)
+    below = below.astype(np.int64)
+    index = np.concatenate([row + below % bins, row + (below + 1) % bins], axis=-1)
+    share = np.concatenate([rays * (1.0 - part), rays * part], axis=-1)
+    counts = np.bincount(index.ravel(), share.ravel(), rows * channels * bins).reshape(rows * channels, bins)
+
+    k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
+    scale = np.exp(-0.5 * (k * deviation) ** 2) / np.sinc(k / bins) ** 2 * np.where(k == 0, 0.5, 1.0) / np.pi
     # A chord lies below a hump by d²/12 of its curvature on average: nodes raised by that make the interpolant right in
     # the mean, and its RMS error 2.4 times smaller.
-    damping *= 1.0 + (k * np.pi / (n_phi - 1)) ** 2 / 12.0
-    series = np.cos(np.linspace(0.0, np.pi, n_phi)[:, None] * k) * damping
-    n = np.maximum(np.moveaxis(coefficients @ series.T, (1, 2), (0, 3)), 0.0)
-
-    mean = n[1:, ..., :3].mean(axis=-1)
-    known = mean > PATH_FLOOR * mean.max(axis=(1, 2), keepdims=True)
-    plain = np.array([1.0, 2.0])[:, None, None] * (2.0 * eta / root)
-    paths = np.where(known, n[1:, ..., 3] / np.where(known, mean, 1.0), plain)
-    paths = np.clip(paths, 0.0, plain) / math.log(2.0)
-    return n[..., :3], np.ascontiguousarray(np.moveaxis(paths, 0, -1), np.float32)
+    scale *= 1.0 + (k * np.pi / (n_phi - 1)) ** 2 / 12.0
+    series = np.cos(k[:, None] * np.linspace(0.0, np.pi, n_phi)) * scale[:, None]
+    n = (np.fft.rfft(counts)[:, : len(k)].real @ series).reshape(rows, channels, n_phi)
+    return np.maximum(np.moveaxis(n, 1, 2), 0.0)

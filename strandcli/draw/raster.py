@@ -13,7 +13,9 @@ from .kernels import project
 from .kernels import raster as kernel
 from .scratch import Scratch
 
-BANDS_PER_WORKER = 4
+ROWS = 64
+"""Height of a band. It does not follow the number of workers: lines step from the top of their band, so another height
+could round them to other pixels, and pictures would depend on the number of threads."""
 
 
 class Bands(NamedTuple):
@@ -35,15 +37,14 @@ def to_screen(lines: Polylines, view: View, scratch: Scratch, name: str = "scree
 def into_bands(
     first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
 ) -> Bands:
-    """Sort strands into bands, four a worker, each wide enough to keep lists short."""
-    rows = max(-(-height // (BANDS_PER_WORKER * workers)), 8)
+    """Sort strands into bands of `ROWS` rows."""
     ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
-    kernel.bands(first, screen, height, rows, np.float32(margin), ranges)
-    begin = np.zeros(-(-height // rows) + 1, np.int64)
+    kernel.bands(first, screen, height, ROWS, np.float32(margin), ranges)
+    begin = np.zeros(-(-height // ROWS) + 1, np.int64)
     kernel.count(ranges, begin)
     members = scratch.take("members", int(begin[-1]), np.int32)
     kernel.scatter(ranges, begin[:-1].copy(), members)
-    return Bands(begin, members, rows, workers)
+    return Bands(begin, members, ROWS, workers)
 
 
 def draw(

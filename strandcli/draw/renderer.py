@@ -95,7 +95,7 @@ class Renderer:
             self._lap("raster")
             colours = self._shade(lines, keys, base, begin, end, view, lights, maps, packed)
             self._lap("shade")
-            film.colours(keys, base, screen, colours, image)
+            film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
             self._lap("film")
             base += len(lines.world)
             segments += lines.segments
@@ -176,7 +176,7 @@ class Renderer:
         count = len(lines.world)
         marks = self.scratch.take("marks", count, np.uint8)
         marks.fill(0)
-        shade.mark(keys, base, count, marks)
+        shade.mark(keys, base, count, lines.per, lines.stride, marks)
         colours = self.scratch.take("colours", (count, 3), np.float32)
         p = self.palette
         shade.strands(

@@ -131,7 +131,7 @@ def time_lines(strands: int, points: int, width: int, height: int, repeats: int 
 
     screen, colours = drooping(strands, points, width, height)
     first = np.arange(strands + 1, dtype=np.int64) * points
-    lines = Polylines(first, screen, None)
+    lines = Polylines(first, screen)
     keys = np.empty(width * height, np.uint64)
     image = np.zeros((height, width, 3), np.float32)
     scratch = Scratch()
@@ -140,7 +140,7 @@ def time_lines(strands: int, points: int, width: int, height: int, repeats: int 
     def draw(_: int) -> None:
         keys.fill(raster.kernel.EMPTY)
         raster.draw(lines, screen, None, 0, (width, height), workers, scratch, keys)
-        film.colours(keys, 0, screen, colours, image)
+        film.colours(keys, 0, screen, 0, 1, colours, image)
 
     took = median_seconds(draw, repeats)
     segments = strands * (points - 1)

@@ -26,11 +26,11 @@ def background(top, bottom, image):  # type: ignore[no-untyped-def]
 
 
 @parallel
-def colours(keys, base, screen, vertex, image):  # type: ignore[no-untyped-def]
-    """Colour of the strands that are seen, linear between the two vertices of a segment.
+def colours(keys, base, screen, per, stride, vertex, image):  # type: ignore[no-untyped-def]
+    """Colour of the strands that are seen, linear between two lit vertices.
 
     keys (height * width,) uint64; base: number that was added to vertex indices; screen (V, 3) as projected; vertex
-    (V, 3) radiance; image (height, width, 3).
+    (V, 3) radiance at lit vertices; per, stride: which these are, as in `shade.mark`; image (height, width, 3).
     """
     height, width, _ = image.shape
     count = screen.shape[0]
@@ -49,8 +49,12 @@ def colours(keys, base, screen, vertex, image):  # type: ignore[no-untyped-def]
             else:
                 t = (np.float32(y) + HALF - screen[v, 1]) / dy
             t = min(max(t, ZERO), ONE)
+            if stride > 1:
+                past = (v % per) % stride
+                v -= past
+                t = (np.float32(past) + t) / np.float32(stride)
             for c in range(3):
-                image[y, x, c] = vertex[v, c] + t * (vertex[v + 1, c] - vertex[v, c])
+                image[y, x, c] = vertex[v, c] + t * (vertex[v + stride, c] - vertex[v, c])
 
 
 @parallel

@@ -136,7 +136,7 @@ def through(d, r, a, bias):  # type: ignore[no-untyped-def]
         return ONE
     if d >= a + bias:
         return ZERO
-    x = min(max((d - bias - r) / max(a - r, np.float32(1e-20)), ZERO), ONE)
+    x = min((d - bias - r) / max(a - r, np.float32(1e-20)), ONE)
     h = x - HALF
     e = ONE + h * np.float32(1 / 7)
     e = ONE + h * np.float32(1 / 6) * e
