@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import RefusedError
 from .camera import View
 from .curves import Polylines
 from .kernels import project
 from .kernels import raster as kernel
+from .kernels.solids import FIRST
 from .scratch import Scratch
 
 ROWS = 64
@@ -57,7 +59,14 @@ def draw(
     scratch: Scratch,
     keys: NDArray[np.uint64],
 ) -> None:
-    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``."""
+    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``.
+
+    Raises `RefusedError` where the numbers run into those of the solids.
+    """
+    if base + len(lines.world) > int(FIRST):
+        raise RefusedError(
+            f"a picture holds at most {int(FIRST):,} vertices of strands: use fewer --strands or a lower curves.level"
+        )
     width, height = size
     margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
     bands = into_bands(lines.first, screen, height, margin, workers, scratch)

@@ -59,7 +59,7 @@ class Renderer:
         bounds = self._bounds(positions)
         view = camera_view(scene.camera, at, *self.size, bounds)
         fraction, spread = drawn_fraction(scene, at)
-        strands = max(round(len(self.tones) * fraction), 1)
+        strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
         portions = self._portions(strands, positions.shape[1] - 1)
 
         maps = plan_maps(scene.lights, bounds, scratch)
