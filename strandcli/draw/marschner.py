@@ -164,8 +164,8 @@ def _azimuthal(
 
 
 def _rays(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """γ_i in (0, π/2) and the weights of ∫_0^1 dh. With γ_i = π/2 sin u the midpoint rule in u converges with the fourth
-    power of ``count``: the integrand and its slope are 0 at h = 1."""
+    """γ_i in (0, π/2) and the weights of ∫_0^1 dh. With γ_i = π/2 sin u the midpoint rule in u converges with the
+    fourth power of ``count``: the integrand and its slope are 0 at h = 1."""
     u = (np.arange(count) + 0.5) * (0.5 * np.pi / count)
     gamma_i = 0.5 * np.pi * np.sin(u)
     return gamma_i, np.cos(gamma_i) * np.cos(u) * (0.5 * np.pi) ** 2 / count
