@@ -18,6 +18,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..errors import UsageError
 from .rules import Pass
 
 TEMPLATE = '''\
@@ -48,13 +49,19 @@ def step(positions, lengths, rest{arguments}):
 
 
 def source(passes: Sequence[Pass]) -> str:
-    """Text of the module that runs these passes; equal scenes give equal text."""
+    """Text of the module that runs these passes; equal scenes give equal text.
+
+    Raises `UsageError` for a function that an import statement cannot reach (a method, a closure, a lambda).
+    """
     imports, roots, particles = [], [], []
     for j, one in enumerate(passes):
         function = one.function
-        digest = hashlib.sha256(inspect.getsource(sys.modules[function.__module__]).encode()).hexdigest()[:12]
+        where, what = function.__module__, function.__qualname__
+        if where not in sys.modules or getattr(sys.modules[where], what, None) is not function:
+            raise UsageError(f"rule function {where}.{what}: must be a plain function of a module that can be imported")
+        digest = hashlib.sha256(inspect.getsource(sys.modules[where]).encode()).hexdigest()[:12]
         imports.append(
-            f"from {function.__module__} import {function.__qualname__} as function_{j}  # {digest}\n"
+            f"from {where} import {what} as function_{j}  # {digest}\n"
             f'pass_{j} = function(function_{j})\n'
         )
         if one.stage == "root":
@@ -89,4 +96,5 @@ def _load(text: str, folder: Path) -> Callable[..., None]:
     assert spec.loader is not None
     module: Any = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.step  # type: ignore[no-any-return]
+    step: Callable[..., None] = module.step
+    return step

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ...constants import W
 from ...jit import parallel, prange
+
+ZERO = np.float32(0)
+ONE = np.float32(1)
 
 
 @parallel
@@ -17,7 +22,7 @@ def strands(positions, lengths, out):  # type: ignore[no-untyped-def]
     """
     for b in prange(positions.shape[0]):
         block = positions[b]
-        stretch = block[0, 0] * 0
+        stretch = ZERO
         bad = 0
         for i in range(1, block.shape[0]):
             x = block[i]
@@ -31,7 +36,7 @@ def strands(positions, lengths, out):  # type: ignore[no-untyped-def]
                 dx = x[k] - q[k]
                 dy = x[W + k] - q[W + k]
                 dz = x[2 * W + k] - q[2 * W + k]
-                stretch = max(stretch, abs(math.sqrt(dx * dx + dy * dy + dz * dz) / lengths[b, k] - 1))
+                stretch = max(stretch, abs(math.sqrt(dx * dx + dy * dy + dz * dz) / lengths[b, k] - ONE))
         out[b, 0] = stretch
         out[b, 1] = bad
 
@@ -40,11 +45,11 @@ def strands(positions, lengths, out):  # type: ignore[no-untyped-def]
 def depth(positions, spheres, capsules, planes, boxes, out):  # type: ignore[no-untyped-def]
     """Greatest depth of a particle inside a solid, roots left out, metres.
 
-    positions as above; solids as packed by `strandcli.simulate.shapes.pack`, (m, columns) each; out (blocks,) float32.
+    positions as above; solids as packed by `strandcli.solids.pack`, (m, columns) each; out (blocks,) float32.
     """
     for b in prange(positions.shape[0]):
         block = positions[b]
-        most = block[0, 0] * 0
+        most = ZERO
         for i in range(2, block.shape[0]):
             x = block[i]
             for s in range(spheres.shape[0]):
@@ -60,7 +65,7 @@ def depth(positions, spheres, capsules, planes, boxes, out):  # type: ignore[no-
                     dx = x[k] - p[0]
                     dy = x[W + k] - p[1]
                     dz = x[2 * W + k] - p[2]
-                    t = min(max((dx * p[3] + dy * p[4] + dz * p[5]) * p[7], p[7] * 0), p[7] * 0 + 1)
+                    t = min(max((dx * p[3] + dy * p[4] + dz * p[5]) * p[7], ZERO), ONE)
                     dx -= t * p[3]
                     dy -= t * p[4]
                     dz -= t * p[5]

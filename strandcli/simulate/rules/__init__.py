@@ -51,7 +51,11 @@ def registry() -> Mapping[str, Any]:
     if not _searched:
         _searched = True
         for found in entry_points(group="strandcli.rules"):
-            register(found.load())
+            try:
+                rule = found.load()
+            except Exception as error:  # whatever another package raises while it is imported
+                raise UsageError(f"rule {found.name!r} ({found.value}) cannot be imported: {error}") from error
+            register(rule)
     return _registry
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...scene.fields import boolean, names
-from .rule import Moment, Pass
+from .rule import Pass
 
 name = "collision"
 order = 40.0
@@ -30,10 +30,10 @@ class Parameters:
 def check(parameters: Parameters, scene: Any) -> Iterable[tuple[str, str]]:
     """Faults that only the whole scene shows."""
     known = [solid.name for solid in scene.solids]
-    for given in parameters.with_:
+    for place, given in enumerate(parameters.with_):
         if given not in known:
             have = ", ".join(sorted(filter(None, known))) or "no named solids"
-            yield "with", f"no solid is called {given!r}; this scene has {have}"
+            yield f"with.{place}", f"no solid is called {given!r}; this scene has {have}"
 
 
 def chosen(parameters: Parameters, scene: Any) -> list[Any]:
@@ -56,12 +56,13 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     from . import collision_shapes as shapes
 
     points = {"sphere": shapes.sphere, "capsule": shapes.capsule, "plane": shapes.plane, "box": shapes.box}
-    through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box} if parameters.segments else {}
+    through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
 
     def prepare(kind: str) -> Any:
         return lambda moment: pack(kind, chosen(parameters, moment.scene), moment.scene.emitter, moment.pose_time)
 
     kinds = [kind for kind in points if any(solid.kind == kind for solid in chosen(parameters, scene))]
-    return [Pass(through[kind], prepare(kind)) for kind in kinds if kind in through] + [
+    caught = [kind for kind in kinds if parameters.segments and kind in through]
+    return [Pass(through[kind], prepare(kind)) for kind in caught] + [
         Pass(points[kind], prepare(kind)) for kind in kinds
     ]

@@ -1,6 +1,6 @@
 """Putting a particle onto the surface of a solid that it is inside of: one function a kind of solid.
 
-`p` holds one solid a row, packed by `strandcli.simulate.shapes.pack`. Lanes that are outside pass through unchanged:
+`p` holds one solid a row, packed by `strandcli.solids.pack`. Lanes that are outside pass through unchanged:
 nothing in a loop branches.
 """
 
@@ -37,7 +37,8 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
 
 
 def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p (m, 9): first end, vector to the other end, radius, 1 / its squared length, tiny. On the axis: along x, or y."""
+    """p (m, 9): first end, vector to the other end, radius, 1 / its squared length, tiny. A particle on the axis leaves
+    across it."""
     for s in range(p.shape[0]):
         ax = p[s, 0]
         ay = p[s, 1]

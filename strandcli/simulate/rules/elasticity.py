@@ -23,8 +23,9 @@ class Parameters:
 
 
 def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p[0]: a squared length below which two particles coincide."""
+    """p[0]: a squared length below which two particles coincide; p[1]: zero."""
     tiny = p[0]
+    zero = p[1]
     for k in range(W):
         qx = parent[k]
         qy = parent[W + k]
@@ -32,7 +33,9 @@ def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any,
         dx = x[k] - qx
         dy = x[W + k] - qy
         dz = x[2 * W + k] - qz
-        f = length[k] / math.sqrt(max(dx * dx + dy * dy + dz * dz, tiny))
+        size = math.sqrt(max(dx * dx + dy * dy + dz * dz, tiny))
+        # what flew off so far that its square overflows must not come back as a strand of no length: 0 * inf is NaN
+        f = length[k] / size + zero * size
         x[k] = qx + dx * f
         x[W + k] = qy + dy * f
         x[2 * W + k] = qz + dz * f
@@ -44,6 +47,6 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     def prepare(moment: Moment) -> Any:
         import numpy as np
 
-        return np.array([1e-36], np.float32)
+        return np.array([1e-36, 0.0], np.float32)
 
     return [Pass(apply, prepare)]

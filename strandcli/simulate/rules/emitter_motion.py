@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...scene.motion import emitter_pose
 from ...constants import W
+from ...scene.motion import emitter_pose
 from .rule import Moment, Pass
 
 name = "emitter_motion"

@@ -1,12 +1,14 @@
 """Gravity: p_i' = p_i + g Δt² (thesis §2). There is no velocity in the source: speed is g Δt."""
 
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
-from ...scene.fields import Vector, vector
 from ...constants import W
+from ...scene.fields import Vector, vector
 from .rule import Moment, Pass
 
 name = "gravity"

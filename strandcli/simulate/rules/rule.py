@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+
 class Moment(NamedTuple):
     """What a rule may ask when it prepares its numbers for one solver step."""
 
@@ -27,9 +28,10 @@ class Pass:
     """One function of the fused step.
 
     ``function`` is plain Python without closures, compiled later. With ``stage="particle"`` its signature is
-    ``(x, parent, grandparent, root, length, p, i, n)``: rows of particle i, of i - 1, of i - 2 (for i = 1 the root minus
-    one segment along the strand's direction, thesis §2), of the root, each ``(3 * W,)`` float32; the segment rest
-    lengths ``(W,)``; the array that ``prepare`` returned; the index and the number of particles. It changes ``x`` alone.
+    ``(x, parent, grandparent, root, length, p, i, n)``: rows of particle i, of i - 1, of i - 2 (for i = 1 the root
+    minus one segment along the strand's direction, thesis §2), of the root, each ``(3 * W,)`` float32; the segment
+    rest lengths ``(W,)``; the array that ``prepare`` returned; the index and the number of particles. It changes ``x``
+    alone.
     With ``stage="root"`` it is ``(clamp, root, rest_clamp, rest_root, p)``: the row before the root, the root, and the
     same two in the emitter's own frame; it changes the first two.
 

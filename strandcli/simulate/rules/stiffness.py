@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...scene.fields import boolean, number
 from ...constants import W
+from ...scene.fields import boolean, number
 from .rule import Moment, Pass
 
 name = "stiffness"

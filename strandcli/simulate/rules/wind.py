@@ -6,14 +6,17 @@ phases, and may travel over the strands with a wavelength, as over a field of gr
 that every machine computes the same bits.
 """
 
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from typing import Any
 
-from ...scene.fields import Vector, boolean, number, vector
 from ...constants import W
+from ...scene.fields import Vector, boolean, number, vector
+from ...scene.motion import sine_cosine
 from .rule import Moment, Pass
 
 name = "wind"
@@ -77,47 +80,11 @@ def apply_by_angle(x: Any, parent: Any, grandparent: Any, root: Any, length: Any
         x[2 * W + k] += p[2] * m
 
 
-def apply_travelling(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """Gusts that travel downwind.
-
-    p[0:3]: w Δt² without gusts; p[3:6]: w / |w|; p[6]: the gust's share; p[7:10]: downwind unit vector over the
-    wavelength; then for each of three waves: p[10 + 3 j] 1 / scale, p[11 + 3 j] amplitude, p[12 + 3 j] phase at this
-    time; p[19], p[20]: factors a + b / length that make the pull per length or by angle; p[21:25]: 0.5, 1, 2, 3.
-    """
-    half = p[21]
-    one = p[22]
-    two = p[23]
-    three = p[24]
-    for k in range(W):
-        dx = x[k] - parent[k]
-        dy = x[W + k] - parent[W + k]
-        dz = x[2 * W + k] - parent[2 * W + k]
-        cx = p[4] * dz - p[5] * dy
-        cy = p[5] * dx - p[3] * dz
-        cz = p[3] * dy - p[4] * dx
-        along = p[7] * root[k] + p[8] * root[W + k] + p[9] * root[2 * W + k]
-        u = p[12] - along * p[10]
-        v = p[15] - along * p[13]
-        w = p[18] - along * p[16]
-        u = abs(two * (u - math.floor(u)) - one)
-        v = abs(two * (v - math.floor(v)) - one)
-        w = abs(two * (w - math.floor(w)) - one)
-        g = p[11] * (one - two * u * u * (three - two * u))
-        g += p[14] * (one - two * v * v * (three - two * v))
-        g += p[17] * (one - two * w * w * (three - two * w))
-        m = math.sqrt(cx * cx + cy * cy + cz * cz) * (p[19] + p[20] / length[k])
-        m *= one - p[6] * half * (one - g)
-        x[k] += p[0] * m
-        x[W + k] += p[1] * m
-        x[2 * W + k] += p[2] * m
-
-
 def _downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
     """Unit direction of the wind, swung about +y by the sway of this moment."""
     x, y, z = parameters.direction
     size = math.sqrt(x * x + y * y + z * z)
-    angle = math.radians(parameters.sway) * gusts(time, 1.618 * parameters.period, phases) if parameters.sway else 0.0
-    c, s = math.cos(angle), math.sin(angle)
+    s, c = sine_cosine(parameters.sway * gusts(time, 1.618 * parameters.period, phases))
     return (c * x + s * z) / size, y / size, (c * z - s * x) / size
 
 
@@ -129,6 +96,8 @@ def idle(parameters: Parameters, scene: Any) -> str:
 def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     """One pass, the simplest that the parameters allow."""
     import numpy as np
+
+    from . import wind_travelling
 
     phases = np.random.Generator(np.random.Philox(key=(scene.seed, 101))).random(6)
     travelling = parameters.wavelength > 0 and parameters.gust > 0
@@ -145,9 +114,11 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
             for part in (1 / scale, a, (moment.time / (parameters.period * scale) + phase) % 1.0)
         ]
         by = (1.0, 0.0) if parameters.per_length else (0.0, 1.0)
-        head = [*(strength * d), *d, parameters.gust, *(d / parameters.wavelength)]
-        return np.array([*head, *waves, *by, 0.5, 1.0, 2.0, 3.0], np.float32)
+        # waves travel along the mean direction: with the swaying one, far from the origin, they would race sideways
+        mean = np.array(parameters.direction) / np.linalg.norm(parameters.direction)
+        head = [*(strength * d), *d, parameters.gust, *(mean / parameters.wavelength)]
+        return np.array([*head, *waves, *by], np.float32)
 
     if travelling:
-        return [Pass(apply_travelling, prepare)]
+        return [Pass(wind_travelling.apply, prepare)]
     return [Pass(apply if parameters.per_length else apply_by_angle, prepare)]
