@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import runtime
-from .blocks import pack, unpack
+from .blocks import unpack
 from .errors import SimulationError
 from .groom.emit import emit
 from .plan import needed_strands
@@ -86,7 +86,7 @@ def _run(
         if given is None:
             solver.advance(number)
         else:
-            solver.positions[:, 1:] = pack(given(number)[: groom.strands])
+            solver.take(number, given(number))
         seconds: dict[str, float | None] = {"simulate": None if given is not None else time.perf_counter() - began}
         error = solver.errors(number)
         counts = {"strands": groom.strands, "particles": groom.strands * scene.emitter.particles}

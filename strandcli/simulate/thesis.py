@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import runtime, solids
-from ..blocks import lanes, unpack
+from ..blocks import lanes, pack, unpack
 from ..constants import W
 from ..groom.emit import Groom
 from ..scene.motion import emitter_pose
@@ -25,7 +25,7 @@ from .rules import collision as collision_rule
 class ThesisSolver:
     """Strands of one groom, moved from frame to frame.
 
-    ``positions`` (blocks, particles + 1, 3 W) float32 is the state, in the layout of `strandcli.simulate.layout`.
+    ``positions`` (blocks, particles + 1, 3 W) float32 is the state, in the layout of `strandcli.blocks`.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:
@@ -71,6 +71,19 @@ class ThesisSolver:
         if self._step is not None and dt > 0:
             moment = Moment(time, dt, self.scene)
             self._step(self.positions, self.lengths, self.rest, *[one.prepare(moment) for one in self.passes])
+
+    def take(self, frame: int, particles: NDArray[np.floating]) -> None:
+        """Set the particles of a frame, (strands or more, particles, 3) metres, as they were simulated before.
+
+        The row before the root is not among them: rules that move roots set it, as `advance` would have.
+        """
+        roots = [one for one in self.passes if one.stage == "root"]
+        if roots and (frame > 1 or self.scene.time.preroll > 0):
+            time = self.scene.time
+            moment = Moment((frame - 1) / time.fps, 1.0 / (time.fps * time.substeps), self.scene)
+            step = step_for(tuple(roots), runtime.cache_folder())
+            step(self.positions, self.lengths, self.rest, *[one.prepare(moment) for one in roots])
+        self.positions[:, 1:] = pack(particles[: self.strands])
 
     def particles(self) -> NDArray[np.float32]:
         """(strands, particles, 3) float32, metres."""
