@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import re
 import shutil
 import sys
 import tempfile
@@ -38,7 +39,7 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
         _watch()
     import numba
 
-    most = int(numba.config.NUMBA_NUM_THREADS)
+    most = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
     if threads is None:
         threads = most
     if not 1 <= threads <= most:
@@ -117,9 +118,11 @@ def _writable_folder() -> Path:
 
 
 def _forget_old(base: Path, keep: Path, days: float = 14.0) -> None:
-    """Remove kernels of other versions that nobody has used for a while."""
+    """Remove kernels of other versions that nobody has used for a while: only folders that were named here, because
+    ``base`` may be any folder of the user's."""
     for other in base.iterdir():
-        if other != keep and other.is_dir() and other.stat().st_mtime < time.time() - 86_400 * days:
+        ours = re.fullmatch(r"\d+\.\d+\.\w+-[0-9a-f]{12}", other.name) is not None
+        if ours and other != keep and other.is_dir() and other.stat().st_mtime < time.time() - 86_400 * days:
             shutil.rmtree(other, ignore_errors=True)
 
 
@@ -151,7 +154,7 @@ def _watch() -> None:
                 path.unlink(missing_ok=True)
             return None
 
-    caching.Cache.load_overload = load_or_forget
+    caching.Cache.load_overload = load_or_forget  # type: ignore[method-assign]
 
 
 def _cpu_name() -> str:
