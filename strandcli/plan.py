@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .constants import PORTION, W
-from .errors import RefusedError
 from .draw.detail import drawn_fraction
+from .errors import RefusedError
 from .scene.model import Scene
 from .simulate.rules import idle, registry
 
@@ -109,9 +109,8 @@ def _motion(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     plan.strands = needed_strands(scene, frames)
     plan.particles = plan.strands * emitter.particles
     if plan.strands < emitter.strands:
-        plan.left_out.append(
-            Stage("strands", f"{emitter.strands - plan.strands} of {emitter.strands} are too far to be drawn in any frame")
-        )
+        hidden = f"{emitter.strands - plan.strands} of {emitter.strands}"
+        plan.left_out.append(Stage("strands", f"{hidden} are too far to be drawn in any frame"))
     moving = [use for use in scene.rules if not idle(use, scene)]
     listed = {use.name for use in scene.rules}
     for use in scene.rules:

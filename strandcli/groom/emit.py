@@ -3,8 +3,8 @@
 Everything about strand i depends on the seed and on i alone. So the first thousand strands of ten thousand are the
 thousand that would have been emitted alone: counts can be changed without the look jumping, level of detail keeps a
 prefix, and no thread count can matter. Roots follow the additive recurrence of Roberts (2018, "The Unreasonable
-Effectiveness of Quasirandom Sequences", R2), every prefix of which covers the surface evenly; the rest comes from NumPy's
-counter-based Philox generator, one stream a quantity.
+Effectiveness of Quasirandom Sequences", R2), every prefix of which covers the surface evenly; the rest comes from
+NumPy's counter-based Philox generator, one stream a quantity.
 """
 
 from __future__ import annotations

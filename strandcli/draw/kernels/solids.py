@@ -18,8 +18,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
-FIRST = np.uint64(0xFFFFFF00)
-"""Identities from here on are solids', the others segments'."""
+FIRST = np.uint64(0xFFF00000)
+"""Identities from here on are solids', a million of them, the others segments'."""
 
 
 @function
