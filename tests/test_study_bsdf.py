@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -136,4 +137,4 @@ def test_shifted_lobes_make_at_most_an_eighth_more_light_than_falls_in():
 
 def test_albedo_falls_with_absorption():
     values = [ref.albedo(ref.Fibre(1.55, -0.13, 0.13, 0.2, s), 0.3, steps=300) for s in (0, 0.1, 0.5, 2, 20)]
-    assert all(a > b for a, b in zip(values, values[1:], strict=False))
+    assert all(a > b for a, b in pairwise(values))
