@@ -4,8 +4,8 @@ S = Σ_p M_p(θ_h) N_p(θ_d, φ) / cos² θ_d over the lobes p = 0 (R), 1 (TT), 
 
 Longitudinal: M_p = g(θ_h − α_p; β_p) / 2, g the normalised Gaussian, with α_p = α, −α/2, −3α/2 and β_p = β, β/2, 2β.
 The half turns dθ_v = 2 dθ_h into ∫ M_p dθ_v = 1, so that at small β a strand returns what N_p returns. A negative α
-leans R toward the root. M is evaluated in the kernel, within 2e-4 down to β = .1°; a table within .5 % would take 18,000
-nodes at β = .1°, as TT is half as wide (d² / 8σ² of linear interpolation).
+leans R toward the root. M is evaluated in the kernel, within 2e-4 down to β = .1°; there a table within .5 % would take
+18,000 nodes, as TT is half as wide (d² / 8σ² of linear interpolation).
 
 Energy: ∫ S cos θ_v dω_v with no absorption is .97 at α = 0 and normal incidence. Off the mirror direction cos² θ_v is
 not cos² θ_d, so the form is symmetric but not conserving: up to 1.11 at α = −7.5° and θ_l = 60°.
