@@ -130,6 +130,15 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
     assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
 
 
+def test_a_failure_with_the_very_last_frame_is_not_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: Path, pieces: list[bytes]) -> None:
+        raise RefusedError(f"{path}: no")
+
+    monkeypatch.setattr(module, "write_pieces", refuse)
+    with pytest.raises(RefusedError, match=r"frame_0001.png: no$"):
+        write(tmp_path, [1])
+
+
 def test_a_run_too_big_for_the_disk_is_refused_before_it_starts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

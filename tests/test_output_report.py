@@ -19,7 +19,7 @@ PLAN = SimpleNamespace(
     used=[SimpleNamespace(stage="raster", why="draws")], left_out=[SimpleNamespace(stage="shadow", why="no light")]
 )
 FRAME = {
-    "seconds": {"simulate": 0.25, "curves": None, "raster": 0.5},
+    "seconds": {"simulate": 0.25, "curves": None, "raster": 0.5, "total": 99.0},
     "counts": {"strands": np.int64(3)},
     "error": {"stretch_max": np.float32(0.5), "penetration_max": None, "curve_px_max": float("nan")},
 }

@@ -96,8 +96,7 @@ def load(path: Path) -> Any:
 
     try:
         with Image.open(path) as image:
-            image.load()
-            return image.copy()
+            return image.copy()  # which decodes all of it
     except FileNotFoundError:
         raise UsageError(f"{path}: no such image") from None
     except PermissionError:
