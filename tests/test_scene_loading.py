@@ -410,6 +410,8 @@ def test_the_hash_tells_scenes_apart() -> None:
     assert len(first) == 64
     assert first == sha()
     found = {first, sha("seed=2"), sha("seed=3"), sha("seed=2", "seed=3"), sha(title="a"), sha(title="b")}
+    # where one override ends and the next begins makes a difference
+    assert sha("title=aseed=2") != sha("title=a", "seed=2")
     write("base.yaml", "seed: 1 # changed\n")
     found.add(sha())
     write("p.yaml", "extends: base.yaml\n\n")
