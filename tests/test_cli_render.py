@@ -235,6 +235,22 @@ def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, m
     assert report("a")["status"] == "failed"
 
 
+def test_a_report_that_cannot_be_written_does_not_hide_what_ended_the_run(
+    run: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(directory: Path, data: object) -> None:
+        raise RefusedError("report.json: no")
+
+    monkeypatch.setattr("strandcli.output.report.write_report", refuse)
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1").error().endswith("report.json: no")
+
+    def interrupted(*arguments: Any, **options: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pipeline, "render", interrupted)
+    assert run("render", "tiny.yaml", "-o", "b", "-f", "1").code == 130
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, number: int, code: int) -> None:
     process = child(run.folder, "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000")

@@ -54,6 +54,13 @@ def test_compare_tells_equal_from_different_by_its_exit_code(run: Runner) -> Non
     assert run("compare", "a.png", "b.png", "--threshold", "9", "--rmse", "0.2").code == 3
 
 
+def test_pictures_are_written_under_names_that_say_what_they_are(run: Runner) -> None:
+    picture("a.png")
+    assert "is written as PNG" in run("compare", "a.png", "a.png", "-o", "d.jpg").error()
+    assert "is written as PNG" in run("sheet", "a.png", "-o", "d.gif").error()
+    assert sorted(os.listdir()) == ["a.png", "tiny.yaml"]
+
+
 def test_compare_of_what_cannot_be_compared(run: Runner) -> None:
     picture("a.png")
     Image.new("RGB", (3, 3)).save("small.png")
@@ -100,7 +107,7 @@ def test_golden_images_catch_a_pixel_and_a_parameter(run: Runner, monkeypatch: p
     write_image(Path("g/b.png"), image)
     planted = run("golden", "check", "g", "-o", "d", "--json")
     assert planted.code == 3
-    assert planted.error().endswith("1 of 2 golden images do not match: b")
+    assert planted.err.endswith("1 of 2 golden images do not match: b\n")
     data = json.loads(planted.out)
     assert [one["matches"] for one in data["images"]] == [True, False]
     assert data["images"][1]["comparison"]["over"] == 1

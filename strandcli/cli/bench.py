@@ -52,7 +52,7 @@ def command(
     options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
 
-    with Progress(frames, "bench", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from ..study import bench
 

@@ -22,7 +22,7 @@ def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_p
     options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
 
-    with Progress(1, "claims", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(1, "claims", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from ..study import claims
 

@@ -39,6 +39,8 @@ def command(
     """Compare the pixels of two images A and B; ends with exit code 3 if they differ by more than allowed."""
     from ..output.compare import compare_files, difference_image, write_image
 
+    if output is not None:
+        options.require_png(output)
     found, one, two = compare_files(first, second, threshold)
     if output is not None:
         write_image(output, difference_image(one, two))

@@ -50,14 +50,14 @@ def check(
     entries = golden.select(golden.read_entries(directory), names)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
     results = []
-    with Progress(len(entries), "golden check", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(len(entries), "golden check", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
             result = golden.check(directory, entry, output, drawer)
             results.append(result)
             progress.step()
-            if not as_json and not (quiet and result.matches):
+            if not (quiet and result.matches):
                 place = f" ({result.difference})" if result.difference else ""
                 progress.line(f"{'ok      ' if result.matches else 'MISMATCH'} {entry.name}: {result.words}{place}")
     failed = [result.entry.name for result in results if not result.matches]
@@ -92,7 +92,7 @@ def update(
     entries = golden.select(listed, names)
     prepare_folder(directory, 0)
     changes: dict[str, str] = {}
-    with Progress(len(entries), "golden update", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(len(entries), "golden update", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
@@ -100,11 +100,11 @@ def update(
             progress.step()
             if change is not None:
                 changes[entry.name] = change
-            if not as_json and not quiet and (change is not None or verbose):
+            if not quiet and (change is not None or verbose):
                 progress.line(f"{entry.name}: {change or 'unchanged'}")
     if not names:
         changes |= dict.fromkeys(golden.prune(directory, listed), "removed")
     if as_json:
         options.print_json({"machine_class": golden.machine_class(), "changes": changes})
-    elif not quiet:
+    if not quiet:
         click.echo(f"{directory}: {len(changes)} of {len(entries)} golden images changed", err=True)

@@ -40,4 +40,8 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
 
 def _totals(plan: Any) -> None:
-    click.echo(f"Memory: about {plan.memory_bytes / 1e6:,.0f} MB")
+    frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
+    click.echo("Cost:")
+    click.echo(f"  {plan.strands:,} strands, {plan.particles:,} particles, {plan.steps:,} solver steps for {frames}")
+    click.echo(f"  at most {plan.segments_max:,} line pieces on {plan.samples:,} samples a frame")
+    click.echo(f"  about {plan.memory_bytes / 1e6:,.0f} MB of memory")

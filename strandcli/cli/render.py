@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import StrandError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration
@@ -88,7 +89,7 @@ def command(
     )
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan)
-    with Progress(len(writer.wanted), label, hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
         data = _run(scene, writer, report, positions, threads, progress)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if as_json:
@@ -101,27 +102,26 @@ def _run(
     scene: Scene, writer: FrameWriter, report: RunReport, positions: Any, threads: int | None, progress: Progress
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
+    from .. import runtime
     from ..output.report import finite, read_report, write_report
 
     previous = read_report(writer.directory) if writer.written else None
     status = "failed"
-    machine: Mapping[str, Any] | None = None
-    compile_seconds: float | None = None
+    started = False
     try:
         with writer:
             if writer.wanted:
-                from .. import runtime
-
                 runtime.start(threads, progress.note)
+                started = True
                 from .. import pipeline
 
                 found = pipeline.render(
                     scene, writer.wanted, threads=threads, positions=positions, notify=progress.note
                 )
                 for frame in found:
+                    report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image)
-                    report.add(frame.number, frame.report)
                     progress.step(_line(frame.number, frame.report))
                     signals.check()
         status = "complete"
@@ -129,15 +129,16 @@ def _run(
         status = "interrupted"
         raise
     finally:
-        if writer.wanted:
-            from .. import runtime
-
-            machine = runtime.machine()
-            compile_seconds = runtime.compile_seconds()
-        elif previous is not None:
-            machine = previous.get("machine")
+        machine: Mapping[str, Any] | None = None if previous is None else previous.get("machine")
+        compile_seconds: float | None = None
+        if started:
+            machine, compile_seconds = runtime.machine(), runtime.compile_seconds()
         data: dict[str, Any] = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous))
-        write_report(writer.directory, data)
+        try:
+            write_report(writer.directory, data)
+        except StrandError:
+            if status == "complete":  # else what ended the run says more
+                raise
     return data
 
 

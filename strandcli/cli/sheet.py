@@ -31,6 +31,7 @@ def command(sources: tuple[Path, ...], output: Path, columns: int, width: int, o
     from ..output.files import prepare_folder
     from ..output.sheet import gather, write_sheet
 
+    options.require_png(output)
     options.refuse_existing(output, overwrite)
     cells = gather(sources, leave_out=output)
     prepare_folder(output.parent, 0)

@@ -56,7 +56,7 @@ def command(
     writer = PositionsWriter(output, numbers, emitter.strands, emitter.particles, overwrite=overwrite, resume=resume)
     label = options.preset_name(preset)
     status = "failed"
-    with Progress(len(writer.wanted), label, hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
         try:
             if writer.wanted:
                 from .. import runtime

@@ -32,7 +32,7 @@ def command(
 
     names = list(presets) or [name for name, _ in list_presets()]
     scenes = [strandcli.load(name, settings=SMALL) for name in names]
-    with Progress(len(names), "warmup", hidden=no_progress or quiet or as_json, verbose=verbose) as progress:
+    with Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from .. import pipeline
 
