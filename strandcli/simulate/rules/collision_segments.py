@@ -19,7 +19,9 @@ ZERO = np.float32(0)
 HALF = np.float32(0.5)
 ONE = np.float32(1)
 REACH = np.float32(0.1)
+CENTRED = np.float32(1e-8)  # squared share of the radius: nearer to the middle, rounding has taken the direction
 SWEEPS = 2
+ALONG = np.float32(1e-6)  # squared sine of the angle under which two axes are parallel
 
 
 def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
@@ -43,7 +45,7 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 square = cx * cx + cy * cy + cz * cz
                 # a segment through the centre leaves sideways: along x × y of its direction, or along x
                 flat = ex * ex + ez * ez
-                centred = square <= tiny
+                centred = square <= CENTRED * r * r
                 cx = (ez if flat > tiny else ONE) if centred else cx
                 cy = ZERO if centred else cy
                 cz = (-ex if flat > tiny else ZERO) if centred else cz
@@ -89,11 +91,16 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
                 cy = ry + t * ey - u * by
                 cz = rz + t * ez - u * bz
                 square = cx * cx + cy * cy + cz * cz
-                centred = square <= tiny
-                # crossing axes part along the normal of both
-                cx = ey * bz - ez * by if centred else cx
-                cy = ez * bx - ex * bz if centred else cy
-                cz = ex * by - ey * bx if centred else cz
+                centred = square <= CENTRED * r * r
+                # crossing axes part along the normal of both, parallel ones sideways as from a sphere
+                flat = ex * ex + ez * ez
+                askew = area > ALONG * ee * bb
+                nx = ey * bz - ez * by if askew else (ez if flat > tiny else ONE)
+                ny = ez * bx - ex * bz if askew else ZERO
+                nz = ex * by - ey * bx if askew else (-ex if flat > tiny else ZERO)
+                cx = nx if centred else cx
+                cy = ny if centred else cy
+                cz = nz if centred else cz
                 size = math.sqrt(max(cx * cx + cy * cy + cz * cz, tiny))
                 out = r if centred else max(r - size, ZERO)
                 out = out / (max(t, REACH) * size) if t > ZERO else ZERO

@@ -1,0 +1,67 @@
+"""What the tests of simulating and drawing share: scenes from short texts with the real rules, and ways to run them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from numpy.typing import NDArray
+from reference.rules import Twin
+
+from strandcli.groom.emit import Groom, emit
+from strandcli.pipeline import Frame, render
+from strandcli.scene import Scene, loads
+from strandcli.simulate import compose
+from strandcli.simulate.rules import Pass, registry
+from strandcli.simulate.thesis import ThesisSolver
+
+JIT = "from strandcli.jit import function, parallel, prange"
+PLAIN = "prange = range\ndef function(f): return f\nparallel = function"
+
+
+def scene_of(text: str) -> Scene:
+    """The scene of a text that has to be valid, with the rules that are shipped."""
+    return loads(text, rules=registry(), name="test.yaml")
+
+
+def groom_of(scene: Scene) -> Groom:
+    """All strands of a scene's emitter."""
+    return emit(scene.emitter, scene.seed)
+
+
+def solver_of(scene: Scene, plain: bool = False) -> ThesisSolver:
+    """A solver; ``plain`` runs its composed step as ordinary Python, lane by lane, so that nothing is compiled."""
+    with patch("strandcli.simulate.thesis.step_for", plain_step) if plain else nullcontext():
+        return ThesisSolver(scene, groom_of(scene))
+
+
+def plain_step(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
+    """The composed step with its decorators taken off."""
+    text = compose.source(passes)
+    assert JIT in text
+    names: dict[str, Any] = {}
+    exec(text.replace(JIT, PLAIN), names)
+    step: Callable[..., None] = names["step"]
+    return step
+
+
+def twin_of(scene: Scene) -> Twin:
+    """The float64 twin of a scene, from the same groom."""
+    groom = groom_of(scene)
+    return Twin(scene, groom.roots, groom.directions, groom.lengths)
+
+
+def frames_of(scene: Scene, *frames: int, **options: Any) -> list[Frame]:
+    """Rendered frames with their positions."""
+    return list(render(scene, frames or None, keep_positions=True, **options))
+
+
+def moved(scene: Scene, frame: int, plain: bool = True) -> NDArray[np.float32]:
+    """(strands, particles, 3) at a frame."""
+    solver = solver_of(scene, plain)
+    solver.advance(frame)
+    return solver.particles()
