@@ -164,10 +164,12 @@ def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> Non
     kept = len(data["frames"]) - drawn
     totals = data["totals"]
     words = f"{writer.directory}: {drawn} {'frame' if drawn == 1 else 'frames'} in {_seconds(totals['seconds'])}"
-    if totals["frames_per_second"] and drawn > 1:
-        words += f" ({totals['frames_per_second']:.1f} frames/s)"
-    if data["compile_seconds"]:
-        words += f", of which {data['compile_seconds']:.1f} s compiling (only on first use)"
+    compiling = data["compile_seconds"] or 0.0
+    if compiling:
+        words += f", of which {compiling:.1f} s compiling (only on first use)"
+    drawing = totals["seconds"] - compiling
+    if drawn > 1 and drawing > 0:
+        words += f": {drawn / drawing:.1f} frames/s"
     if kept:
         words += f"; {kept} kept"
     for path in made:
