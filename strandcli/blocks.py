@@ -7,6 +7,8 @@ strand, so that padding can neither fail nor differ.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,11 +17,11 @@ from .constants import W
 Array = NDArray[np.float32]
 
 
-def lanes(rows: NDArray[np.floating]) -> Array:
+def lanes(rows: NDArray[np.floating], dtype: Any = np.float32) -> NDArray[Any]:
     """(strands, k) values a strand -> (blocks, k * W): value 0 of every lane, then value 1, ..."""
     strands, k = rows.shape
     blocks = -(-strands // W)
-    padded = np.empty((blocks * W, k), np.float32)
+    padded = np.empty((blocks * W, k), dtype)
     padded[:strands] = rows
     padded[strands:] = rows[-1]
     return np.ascontiguousarray(padded.reshape(blocks, W, k).transpose(0, 2, 1)).reshape(blocks, k * W)

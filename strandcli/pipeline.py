@@ -70,10 +70,10 @@ def _run(
 ) -> Iterator[Frame]:
     import numba
 
-    from .simulate.thesis import ThesisSolver
+    from .simulate import solver_of
 
     groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
-    solver = ThesisSolver(scene, groom)
+    solver = solver_of(scene)(scene, groom)
     renderer = None
     if draw:
         from .draw.renderer import Renderer

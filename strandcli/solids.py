@@ -12,8 +12,8 @@ from .scene.motion import solid_pose
 COLUMNS = {"sphere": 5, "capsule": 9, "plane": 4, "box": 16}
 
 
-def pack(kind: str, solids: list[Any], emitter: Any, time: float) -> NDArray[np.float32]:
-    """All solids of one kind, (m, columns) float32 in world units; the last column of all but planes is a tiny
+def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = np.float32) -> NDArray[Any]:
+    """All solids of one kind, (m, columns) in world units; the last column of all but planes is a tiny
     squared length, below which a direction counts as none.
 
     sphere: centre, r · capsule: first end, vector to the other end, r, 1 / its squared length ·
@@ -36,4 +36,4 @@ def pack(kind: str, solids: list[Any], emitter: Any, time: float) -> NDArray[np.
             rows.append([*normal, float(normal @ centre)])
         else:
             rows.append([*centre, *rotation.ravel(), *(np.array(solid.size) / 2), tiny])
-    return np.array(rows, np.float32).reshape(-1, COLUMNS[kind])
+    return np.array(rows, dtype).reshape(-1, COLUMNS[kind])

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..scene.motion import camera_at
 from ..scene.model import Camera
+from ..scene.motion import camera_at
 
 SIZE = 24
 
@@ -32,14 +32,16 @@ class View:
     def pack(self) -> NDArray[np.float32]:
         """(24,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
         perspective; [13] focal; [14] near; [15], [16] half width and height in pixels; [17], [18] how much further out
-        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye."""
+        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times longer
+        than in the middle of the screen a short way can be in its corner, at the same depth."""
         out = np.zeros(SIZE, np.float64)
         for row, axis in enumerate((self.right, self.up, self.forward)):
             out[4 * row : 4 * row + 3] = axis
             out[4 * row + 3] = -axis @ self.eye
         half = np.array([self.width, self.height]) / 2
         slant = np.sqrt(1 + (half / self.focal) ** 2) if self.perspective else np.ones(2)
-        out[12:] = [self.perspective, self.focal, self.near, *half, *slant, self.far - self.near, *self.eye, 0.0]
+        stretch = np.sqrt(1 + half @ half / self.focal**2) if self.perspective else 1.0
+        out[12:] = [self.perspective, self.focal, self.near, *half, *slant, self.far - self.near, *self.eye, stretch]
         return out.astype(np.float32)
 
 
@@ -65,7 +67,8 @@ def camera_view(camera: Camera, time: float, width: int, height: int, bounds: ND
         focal = height / 2 / np.tan(np.radians(fov) / 2)
         return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height)
     corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
-    far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0
+    # solids may stand behind the strands: room for them, but not so much that strands can no longer be told apart
+    far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0 * ball(bounds)[1]
     return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height)
 
 

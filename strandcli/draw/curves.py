@@ -62,12 +62,14 @@ def flatten(
     most = greatest_pieces(curves)
     pieces = None
     error = None
+    switch = np.zeros(1, np.float32)
+    printed = switch if curves.tangents == "printed" else None
     if curves.mode == "adaptive":
         pieces = scratch.take("pieces", (strands, n - 1), np.uint16)
         bound = scratch.take("curve_error", strands, np.float32)
         sizes = scratch.take("sizes", strands, np.int64)
         kernel.count(
-            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen),
+            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen), printed,
             pieces, sizes, bound,
         )  # fmt: skip
         np.cumsum(sizes, out=first[1:])
@@ -75,11 +77,9 @@ def flatten(
     else:
         first[:] = np.arange(strands + 1, dtype=np.int64) * ((n - 1) * most + 1)
     world = scratch.take("world", (int(first[-1]), 3), np.float32)
-    switch = np.zeros(1, np.float32)
     kernel.flatten(
-        positions, lengths, strands, pieces, most,
-        switch if curves.tangents == "printed" else None, switch if curves.mode == "off" else None, first, world,
-    )  # fmt: skip
+        positions, lengths, strands, pieces, most, printed, switch if curves.mode == "off" else None, first, world
+    )
     if pieces is not None:
         return Polylines(first, world, error)
     return Polylines(first, world, None, (n - 1) * most + 1, max(most // LIT_PIECES, 1))

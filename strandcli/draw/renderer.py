@@ -27,6 +27,7 @@ from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, plan_maps
 from .solids import frames_of, paint_of
 
+
 @dataclass
 class Drawing:
     """One picture with what it took."""

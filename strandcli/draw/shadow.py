@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DirectionalLight, Light
-from .camera import View, parallel_view, point_views
+from .camera import View, ball, parallel_view, point_views
 from .curves import Polylines
 from .kernels import shadow as kernel
 from .raster import into_bands, to_screen
@@ -72,5 +72,6 @@ def wants_map(light: Any) -> bool:
 
 def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
     """Depth that a strand covers within one texel: nearer than that to the first strand nothing is shaded."""
-    depth = float(np.linalg.norm(bounds.mean(0) - view.eye)) if view.perspective else 1.0
+    centre, radius = ball(bounds)
+    depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
     return depth / view.focal

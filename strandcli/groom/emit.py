@@ -32,6 +32,20 @@ class Groom:
     tones: NDArray[np.float32]
     """(strands,) in [-1, 1): how each strand's colour departs from the mean."""
 
+    curl: tuple[float, float] = (0.0, 0.0)
+    """Angle in radians between a strand and its own axis, and the turns about it from root to tip."""
+
+    def edge(self, j: int, edges: int) -> NDArray[np.float64]:
+        """(strands, 3) unit vectors: the direction at the middle of edge j of so many, root to tip. Curled strands are
+        helices, each turned about its axis by its tone."""
+        angle, turns = self.curl
+        axes = self.directions.astype(np.float64)
+        if angle == 0:
+            return axes
+        first, second = frame(axes)
+        around = 2 * np.pi * (turns * (j + 0.5) / edges + self.tones)[:, None]
+        return np.asarray(np.cos(angle) * axes + np.sin(angle) * (np.cos(around) * first + np.sin(around) * second))
+
     @property
     def strands(self) -> int:
         """How many."""
@@ -66,6 +80,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
         directions.astype(np.float32),
         lengths.astype(np.float32),
         (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32),
+        (float(np.radians(emitter.curl_angle)), emitter.curl_turns) if emitter.curl_turns > 0 else (0.0, 0.0),
     )
 
 
@@ -87,17 +102,21 @@ def _surface(
     return np.stack([(u - 0.5) * shape.width, 0 * u, (v - 0.5) * shape.depth], 1), up
 
 
-def _tilt(
-    axes: NDArray[np.float64], cone: float, u: NDArray[np.float64], v: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Directions spread evenly by solid angle in a cone about each axis, (strands, 3)."""
-    # a frame about each axis without a singular case (Duff et al. 2017, "Building an Orthonormal Basis, Revisited")
+def frame(axes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Two unit vectors across each axis and each other, (strands, 3), without a singular case (Duff et al. 2017,
+    "Building an Orthonormal Basis, Revisited")."""
     x, y, z = axes.T
     sign = np.where(z >= 0, 1.0, -1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    first = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], 1)
-    second = np.stack([b, sign + y * y * a, -y], 1)
+    return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], 1), np.stack([b, sign + y * y * a, -y], 1)
+
+
+def _tilt(
+    axes: NDArray[np.float64], cone: float, u: NDArray[np.float64], v: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Directions spread evenly by solid angle in a cone about each axis, (strands, 3)."""
+    first, second = frame(axes)
     cosine = 1.0 - u * (1.0 - np.cos(cone))
     sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
     angle = 2 * np.pi * v

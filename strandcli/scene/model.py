@@ -105,6 +105,10 @@ class Emitter:
         None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal"
     )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
+    curl_angle: float = number(
+        25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
+    )
+    curl_turns: float = number(0.0, low=0, high=1000, doc="turns of a helix from root to tip; 0: straight")
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
@@ -303,6 +307,37 @@ class Detail:
 
 
 @dataclass(frozen=True, slots=True)
+class Rod:
+    """The strands' matter and how the solver `rod` moves them. Twist is not represented.
+
+    A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
+    """
+
+    material: str = choice(
+        "hair", ("hair", "wool", "grass", "wire"), doc="hair, wool: keratin fibres; grass: a blade; wire: thin steel"
+    )
+    density: float | None = number(None, above=0, unit="kg/m³", doc="mass a volume; absent: the material's")
+    radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
+    young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
+    tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")
+    rest: str = choice(
+        "shape",
+        ("straight", "shape", "sag_free"),
+        doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still under gravity",
+    )
+    drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
+    damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
+    friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
+    integrator: str = choice(
+        "euler", ("euler", "bdf2"), doc="euler: first order, calms motion down; bdf2: second order, keeps it up"
+    )
+    iterations: int = integer(2, low=1, high=50, doc="Newton iterations a step")
+    precision: str = choice(
+        "single", ("single", "double"), doc="of the solver's numbers; beyond 20 segments it is double in any case"
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class RuleUse:
     """One entry of a preset's list of rules: a rule's registered name and its own validated parameters."""
 
@@ -317,7 +352,10 @@ class Scene:
 
     title: str = text("", doc="what there is to see")
     seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
-    solver: str = choice("thesis", ("thesis",), doc="how strands move")
+    solver: str = choice(
+        "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
+    )
+    rod: Rod = model(Rod, doc="matter and settings of the solver rod")
     time: Time = model(Time, doc="the clock")
     emitter: Emitter = model(Emitter, doc="where strands come from")
     rules: tuple[RuleUse, ...] = rules(

@@ -1,0 +1,19 @@
+"""How strands move: the source's rules, and rods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .solver import Solver
+
+
+def solver_of(scene: Any) -> type[Solver]:
+    """The class of the solver that a scene asks for; imports no other."""
+    if scene.solver == "rod":
+        from .rod import RodSolver
+
+        return RodSolver
+    from .thesis import ThesisSolver
+
+    return ThesisSolver

@@ -65,16 +65,18 @@ def printed(block, lane, i, n):  # type: ignore[no-untyped-def]
 
 
 @parallel
-def count(positions, lengths, strands, view, most, tolerance, fade, out, sizes, error):  # type: ignore[no-untyped-def]
+def count(
+    positions, lengths, strands, view, most, tolerance, fade, as_printed, out, sizes, error
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """How many pieces each segment needs on the screen.
 
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
-    difference of its control points (Wang 1984); D is taken in pixels at the nearer end.
+    difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W); view (24,) as in `project.points`; most: greatest number of
     pieces; tolerance in pixels; fade: pieces of segments that are off the screen (0 leaves their strands out);
-    out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left out;
-    error (strands,) float32: bound in pixels that is left.
+    as_printed: array or None, a switch for the source's tangents; out (strands, n − 1) uint16; sizes (strands,) int64:
+    vertices of each strand, 0 where it is left out; error (strands,) float32: bound in pixels that is left.
     """
     n = positions.shape[1] - 1
     per = ONE / tolerance
@@ -92,7 +94,10 @@ def count(positions, lengths, strands, view, most, tolerance, fade, out, sizes, 
         seen = False
         total = 1
         for i in range(1, n):
-            sx, sy, sz = difference(block, lane, i, n)
+            if as_printed is None:
+                sx, sy, sz = difference(block, lane, i, n)
+            else:
+                sx, sy, sz = printed(block, lane, i, n)
             bx = block[i + 1, lane]
             by = block[i + 1, W + lane]
             bz = block[i + 1, 2 * W + lane]
@@ -138,8 +143,8 @@ def count(positions, lengths, strands, view, most, tolerance, fade, out, sizes, 
 
 @function
 def reach(u0, v0, z0, u1, v1, z1, margin, view):  # type: ignore[no-untyped-def]
-    """Pixels a metre at the nearer end of a segment, given in view coordinates; 0 where it cannot touch the picture,
-    with a margin in metres."""
+    """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
+    about it; 0 where that cannot touch the picture."""
     near = view[14]
     if max(z0, z1) + margin < near:
         return ZERO
@@ -152,7 +157,11 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):  # type: ignore[no-untyped-def]
     if view[12] > ZERO:
         f0 = max(z0, near)
         f1 = max(z1, near)
-        scale /= min(f0, f1)
+        least = max(min(z0, z1) - margin, near)
+        u = max(abs(u0), abs(u1)) + margin
+        v = max(abs(v0), abs(v1)) + margin
+        # off the middle a way along the depth shows as well
+        scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[23]) / least
     wide = margin * view[17]
     tall = margin * view[18]
     if min(u0 - wx * f0, u1 - wx * f1) > wide or min(-u0 - wx * f0, -u1 - wx * f1) > wide:

@@ -47,7 +47,7 @@ def bounds(positions, out):  # type: ignore[no-untyped-def]
 def points(first, world, view, screen):  # type: ignore[no-untyped-def]
     """Project polylines.
 
-    first (S + 1,) int64; world (V, 3) metres; view (20,) float32, built by `strandcli.render.camera.View.pack`: three
+    first (S + 1,) int64; world (V, 3) metres; view (24,) float32, built by `strandcli.draw.camera.View.pack`: three
     rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
     depth 1 for perspective); [14] near; [15], [16] half width and height in pixels; [17], [18] margins; [19] depth
     range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
@@ -65,30 +65,41 @@ def points(first, world, view, screen):  # type: ignore[no-untyped-def]
             for v in range(begin, end):
                 x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
                 if z < near:
-                    front = False
-                    if v > begin:
-                        x1, y1, z1 = into(world[v - 1, 0], world[v - 1, 1], world[v - 1, 2], view)
-                        front = z1 >= near
-                    if not front and v + 1 < end:
-                        x1, y1, z1 = into(world[v + 1, 0], world[v + 1, 1], world[v + 1, 2], view)
-                        front = z1 >= near
+                    front, x, y = forward(world, view, v, begin, end, x, y, z)
                     if not front:
-                        screen[v, 0] = ZERO
-                        screen[v, 1] = ZERO
-                        screen[v, 2] = ZERO
+                        place(screen, v, ZERO, ZERO, ZERO)
                         continue
-                    t = (near - z) / (z1 - z)
-                    x += t * (x1 - x)
-                    y += t * (y1 - y)
                     z = near
                 q = ONE / z
                 place(screen, v, cx + focal * x * q, cy - focal * y * q, q)
     else:
         far = ONE / view[19]
         for s in prange(first.shape[0] - 1):
-            for v in range(first[s], first[s + 1]):
+            begin = first[s]
+            end = first[s + 1]
+            for v in range(begin, end):
                 x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
+                if z < near:
+                    front, x, y = forward(world, view, v, begin, end, x, y, z)
+                    if not front:
+                        place(screen, v, ZERO, ZERO, ZERO)
+                        continue
+                    z = near
                 place(screen, v, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
+
+
+@function
+def forward(world, view, v, begin, end, x, y, z):  # type: ignore[no-untyped-def]
+    """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
+    them crosses that plane."""
+    near = view[14]
+    for w in (v - 1, v + 1):
+        if begin <= w < end:
+            x1, y1, z1 = into(world[w, 0], world[w, 1], world[w, 2], view)
+            if z1 >= near:
+                t = (near - z) / (z1 - z)
+                return True, x + t * (x1 - x), y + t * (y1 - y)
+    return False, x, y
 
 
 @function

@@ -224,7 +224,7 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):  # ty
 
 @function
 def deposit(q, identity, pixel, keys):  # type: ignore[no-untyped-def]
-    """Keep the nearer of a pixel's key and this one."""
-    key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
+    """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
+    key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
     if key < keys[pixel]:
         keys[pixel] = key

@@ -115,13 +115,11 @@ def transmittance(x, y, z, light, maps, starts, sizes, views):  # type: ignore[n
         for j in range(2):
             for i in range(2):
                 weight = (u if i == 1 else ONE - u) * (v if j == 1 else ONE - v)
-                yy = row + j
-                xx = column + i
-                t = ONE
-                if 0 <= yy < size and 0 <= xx < size:
-                    texel = starts[one] + yy * size + xx
-                    t = through(d, maps[texel, 0], maps[texel, 1], bias)
-                share += weight * t
+                # beyond the rim, the texel at the rim: the next side of a cube goes on there
+                yy = min(max(row + j, 0), size - 1)
+                xx = min(max(column + i, 0), size - 1)
+                texel = starts[one] + yy * size + xx
+                share += weight * through(d, maps[texel, 0], maps[texel, 1], bias)
         return share
     return ONE
 

@@ -52,29 +52,35 @@ def capsule(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
     bz = p[5]
     r = p[6]
     bb = bx * bx + by * by + bz * bz
+    dd = dx * dx + dy * dy + dz * dz
     best = INF
     if bb > TINY:
         bd = bx * dx + by * dy + bz * dz
         bo = bx * cx + by * cy + bz * cz
-        a = bb * (dx * dx + dy * dy + dz * dz) - bd * bd
-        b = bb * (cx * dx + cy * dy + cz * dz) - bo * bd
-        c = bb * (cx * cx + cy * cy + cz * cz - r * r) - bo * bo
-        h = b * b - a * c
-        if h >= ZERO and a > TINY:
-            t = (-b - math.sqrt(h)) / a
-            y = bo + t * bd
-            if ZERO < y < bb:
-                best = t
-    for end in range(2):
-        ex = cx - end * bx
-        ey = cy - end * by
-        ez = cz - end * bz
-        a = dx * dx + dy * dy + dz * dz
-        b = ex * dx + ey * dy + ez * dz
-        c = ex * ex + ey * ey + ez * ez - r * r
-        h = b * b - a * c
-        if h >= ZERO:
-            best = min(best, np.float32((-b - math.sqrt(h)) / a))
+        a = bb * dd - bd * bd
+        if a > TINY:
+            # from the ray's nearest point to the axis, as for a sphere
+            t = (bo * bd - bb * (cx * dx + cy * dy + cz * dz)) / a
+            y = (bo + t * bd) / bb
+            ex = cx + t * dx - y * bx
+            ey = cy + t * dy - y * by
+            ez = cz + t * dz - y * bz
+            left = r * r - (ex * ex + ey * ey + ez * ez)
+            if left >= ZERO:
+                t -= math.sqrt(left * bb / a)
+                if ZERO < bo + t * bd < bb:
+                    best = t
+    for _ in range(2):
+        t = -(cx * dx + cy * dy + cz * dz) / dd
+        ex = cx + t * dx
+        ey = cy + t * dy
+        ez = cz + t * dz
+        left = r * r - (ex * ex + ey * ey + ez * ez)
+        if left >= ZERO:
+            best = min(best, t - math.sqrt(left / dd))
+        cx -= bx
+        cy -= by
+        cz -= bz
     return best
 
 
@@ -173,9 +179,9 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):  # 
         cy = p[1] - y
         cz = p[2] - z
         t = cx * lx + cy * ly + cz * lz
-        if ZERO < t < reach + p[3]:
-            away = cx * cx + cy * cy + cz * cz - t * t
-            if away < (p[3] - skin) * (p[3] - skin) and p[3] > skin:
+        if t > ZERO and p[3] > skin:
+            left = (p[3] - skin) * (p[3] - skin) - (cx * cx + cy * cy + cz * cz - t * t)
+            if left > ZERO and t - math.sqrt(left) < reach:
                 return ZERO
     for s in range(capsules.shape[0]):
         t = capsule(capsules[s], x, y, z, lx, ly, lz)

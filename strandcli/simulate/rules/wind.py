@@ -50,6 +50,26 @@ def gusts(time: float, period: float, phases: Any) -> float:
     return sum(a * wave(time / (period * scale) + phase) for (scale, a), phase in zip(WAVES, phases, strict=True))
 
 
+def phases(seed: int) -> Any:
+    """(6,) numbers in [0, 1): where the three waves of the strength and those of the sway begin."""
+    import numpy as np
+
+    return np.random.Generator(np.random.Philox(key=(seed, 101))).random(6)
+
+
+def travels(parameters: Parameters) -> bool:
+    """Whether gusts travel downwind, and differ from strand to strand."""
+    return parameters.wavelength > 0 and parameters.gust > 0
+
+
+def waves(u: Any) -> Any:
+    """`wave` of an array."""
+    import numpy as np
+
+    t = np.abs(2.0 * (u - np.floor(u)) - 1.0)
+    return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
+
+
 def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
     """p[0:3]: w Δt²; p[3:6]: w / |w|."""
     for k in range(W):
@@ -80,7 +100,7 @@ def apply_by_angle(x: Any, parent: Any, grandparent: Any, root: Any, length: Any
         x[2 * W + k] += p[2] * m
 
 
-def _downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
+def downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
     """Unit direction of the wind, swung about +y by the sway of this moment."""
     x, y, z = parameters.direction
     size = math.sqrt(x * x + y * y + z * z)
@@ -99,18 +119,18 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
     from . import wind_travelling
 
-    phases = np.random.Generator(np.random.Philox(key=(scene.seed, 101))).random(6)
-    travelling = parameters.wavelength > 0 and parameters.gust > 0
+    shift = phases(scene.seed)
+    travelling = travels(parameters)
 
     def prepare(moment: Moment) -> Any:
-        d = np.array(_downwind(parameters, moment.time, phases[3:]))
+        d = np.array(downwind(parameters, moment.time, shift[3:]))
         strength = parameters.strength * moment.step**2
         if not travelling:
-            strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, phases[:3]))
+            strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, shift[:3]))
             return np.array([*(strength * d), *d], np.float32)
         waves = [
             part
-            for (scale, a), phase in zip(WAVES, phases[:3], strict=True)
+            for (scale, a), phase in zip(WAVES, shift[:3], strict=True)
             for part in (1 / scale, a, (moment.time / (parameters.period * scale) + phase) % 1.0)
         ]
         by = (1.0, 0.0) if parameters.per_length else (0.0, 1.0)

@@ -1,0 +1,249 @@
+"""The step of the rod solver over all blocks: predict, iterate, make lengths exact, take the new velocity."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...constants import W
+from ...jit import function, parallel, prange
+from . import contact, rod, rod_long
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
+
+
+@parallel
+def step(
+    edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
+    pose, delta, numbers, iterations, dense, solids, whole, scratch, residuals,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Move every strand by one step, in place.
+
+    edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s, and the same one step `before` with the last
+    displacement `moved` in metres for BDF2, both None for implicit Euler; tension (blocks, N, W): force densities of
+    the last step over h²; positions (blocks, N + 2, 3 W) world, row 0 one segment before the root, row 1 the root;
+    lengths (blocks, W) of a segment; stiffness (blocks, W): B / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass
+    and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots, directions
+    (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the
+    emitter's frame, then the rest value of c_j in the frame carried along the strand, or None for straight rods; gust
+    (blocks, W): factor of the air's velocity, or None; pose, delta (12,): the emitter's rotation by rows and translation, and what
+    they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s,
+    [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler
+    step that it starts with), [10] friction; dense: an array for `rod.iterate`, None for `rod_long.iterate`; solids: four arrays as in `contact`, or
+    None; whole: segments are caught too; scratch (workers, rows, W); residuals (blocks,): greatest | |e| − 1 | before lengths are made
+    exact. All of one floating type.
+    """
+    workers = scratch.shape[0]
+    for task in prange(workers):
+        s = scratch[task]
+        for b in range(task, edges.shape[0], workers):
+            n = edges.shape[1]
+            root = positions[b, 1]
+            clamp = positions[b, 0]
+            shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
+            place_root(roots[b], directions[b], pose, delta, clamp, root, shift)
+            old = None if before is None else before[b]
+            last = None if before is None else moved[b]
+            air = None if gust is None else gust[b]
+            predict(s, n, edges[b], velocity[b], old, last, tension[b], lengths[b], stiffness[b], mass, joint, clamp,
+                    shift, air, numbers)  # fmt: skip
+            if bends is not None:
+                recall(s, n, edges[b], bends[b], clamp, pose, numbers[8] / numbers[0])
+            if dense is None:
+                rod_long.iterate(s, n, clamp, iterations)
+            else:
+                rod.iterate(s, n, clamp, iterations)
+            residuals[b] = finish(s, n, tension[b], numbers[0])
+            sweep(s, n, lengths[b], positions[b], solids, whole, numbers[10])
+            settle(s, n, edges[b], velocity[b], old, last, lengths[b], shift, numbers)
+            for k in range(3 * W):
+                clamp[k] = root[k] - lengths[b, k % W] * clamp[k]
+
+
+@function
+def place_root(local, direction, pose, delta, clamp, root, shift):  # type: ignore[no-untyped-def]
+    """The root in the world, by how much it moved, and the clamped direction (kept in `clamp` during the step)."""
+    for k in range(W):
+        x = local[k]
+        y = local[W + k]
+        z = local[2 * W + k]
+        for c in range(3):
+            root[c * W + k] = pose[3 * c] * x + pose[3 * c + 1] * y + pose[3 * c + 2] * z + pose[9 + c]
+            shift[c * W + k] = delta[3 * c] * x + delta[3 * c + 1] * y + delta[3 * c + 2] * z + delta[9 + c]
+        x = direction[k]
+        y = direction[W + k]
+        z = direction[2 * W + k]
+        for c in range(3):
+            clamp[c * W + k] = pose[3 * c] * x + pose[3 * c + 1] * y + pose[3 * c + 2] * z
+
+
+@function
+def predict(s, n, edges, velocity, before, moved, tension, lengths, stiffness, mass, joint, clamp, shift, gust, numbers):  # type: ignore[no-untyped-def]
+    """Fill the scratch: where particles would go alone, in units of a segment, and the coefficients of the step.
+
+    BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
+    """
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
+    h = numbers[0]
+    third = numbers[9]
+    damping = numbers[8] / h
+    drag = numbers[7] * h
+    for j in range(n):
+        for k in range(W):
+            s[T + j, k] = max(tension[j, k] * h * h, ZERO)
+            s[M + j, k] = mass[j] * (ONE + drag)
+            s[K + j, k] = stiffness[k] * h * h * joint[j] * (ONE + damping)
+        for c in range(3):
+            o = 3 * j + c
+            row = c * W
+            for k in range(W):
+                s[E + o, k] = edges[j, row + k]
+                s[U + o, k] = ZERO
+            # internal damping pulls each joint to the bend that it had
+            share = damping / (ONE + damping)
+            if j == 0:
+                for k in range(W):
+                    s[C + o, k] = share * (edges[0, row + k] - clamp[row + k])
+            else:
+                for k in range(W):
+                    s[C + o, k] = share * (edges[j, row + k] - edges[j - 1, row + k])
+            if before is None:
+                for k in range(W):
+                    per = h / lengths[k]
+                    free = per * (velocity[j, row + k] + h * numbers[1 + c])
+                    air = numbers[4 + c] if gust is None else numbers[4 + c] * gust[k]
+                    s[A + o, k] = (free + drag * per * air) / (ONE + drag)
+            else:
+                for k in range(W):
+                    per = h / lengths[k]
+                    hat = moved[j, row + k] * third / lengths[k]
+                    v = velocity[j, row + k]
+                    v += (v - before[j, row + k]) * third
+                    free = hat + per * (v + h * numbers[1 + c])
+                    air = numbers[4 + c] if gust is None else numbers[4 + c] * gust[k]
+                    s[A + o, k] = (free + drag * (hat + per * air)) / (ONE + drag)
+    for c in range(3):
+        for k in range(W):
+            s[E + c, k] -= shift[c * W + k] / lengths[k]
+
+
+@function
+def recall(s, n, edges, bends, clamp, pose, damping):  # type: ignore[no-untyped-def]
+    """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
+    the edges as they were before the step."""
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
+    share = ONE / (ONE + damping)
+    for k in range(W):
+        tx = clamp[k]
+        ty = clamp[W + k]
+        tz = clamp[2 * W + k]
+        x = bends[0, k]
+        y = bends[0, W + k]
+        z = bends[0, 2 * W + k]
+        ax = pose[0] * x + pose[1] * y + pose[2] * z
+        ay = pose[3] * x + pose[4] * y + pose[5] * z
+        az = pose[6] * x + pose[7] * y + pose[8] * z
+        for j in range(n):
+            bx = ty * az - tz * ay
+            by = tz * ax - tx * az
+            bz = tx * ay - ty * ax
+            u = bends[j + 1, k] * share
+            v = bends[j + 1, W + k] * share
+            w = bends[j + 1, 2 * W + k] * share
+            s[C + 3 * j, k] += u * tx + v * ax + w * bx
+            s[C + 3 * j + 1, k] += u * ty + v * ay + w * by
+            s[C + 3 * j + 2, k] += u * tz + v * az + w * bz
+            ex = edges[j, k]
+            ey = edges[j, W + k]
+            ez = edges[j, 2 * W + k]
+            # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
+            f = (ax * ex + ay * ey + az * ez) / max(ONE + tx * ex + ty * ey + tz * ez, np.float32(1e-6))
+            ax -= f * (tx + ex)
+            ay -= f * (ty + ey)
+            az -= f * (tz + ez)
+            f = ONE / np.sqrt(max(ax * ax + ay * ay + az * az, TINY))
+            ax *= f
+            ay *= f
+            az *= f
+            tx = ex
+            ty = ey
+            tz = ez
+
+
+@function
+def finish(s, n, tension, h):  # type: ignore[no-untyped-def]
+    """Keep τ / h² for the next step; the greatest error of a length."""
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
+    worst = h * ZERO
+    for j in range(n):
+        e = E + 3 * j
+        for k in range(W):
+            tension[j, k] = s[T + j, k] / (h * h)
+            size = np.sqrt(s[e, k] * s[e, k] + s[e + 1, k] * s[e + 1, k] + s[e + 2, k] * s[e + 2, k])
+            worst = max(worst, abs(size - ONE))
+    return worst
+
+
+@function
+def sweep(s, n, lengths, positions, solids, whole, friction):  # type: ignore[no-untyped-def]
+    """Root to tip: every edge takes its own length along the way to where the iterations put its particle, and is turned
+    off the solids. The rows from Y on become the unit edges, the world positions are written."""
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
+    # how far the particle before has been moved from where the iterations put it, in segments
+    for c in range(3):
+        for k in range(W):
+            s[X + c, k] = ZERO
+    for j in range(n):
+        e = E + 3 * j
+        y = Y + 3 * j
+        q = positions[j + 1]
+        p = positions[j + 2]
+        if solids is not None:
+            for c in range(3):
+                for k in range(W):
+                    s[X + 3 + c, k] = p[c * W + k]
+        for k in range(W):
+            ex = s[e, k] - s[X, k]
+            ey = s[e + 1, k] - s[X + 1, k]
+            ez = s[e + 2, k] - s[X + 2, k]
+            f = ONE / np.sqrt(max(ex * ex + ey * ey + ez * ez, TINY))
+            s[y, k] = ex * f
+            s[y + 1, k] = ey * f
+            s[y + 2, k] = ez * f
+            p[k] = q[k] + lengths[k] * (ex * f)
+            p[W + k] = q[W + k] + lengths[k] * (ey * f)
+            p[2 * W + k] = q[2 * W + k] + lengths[k] * (ez * f)
+        if solids is not None:
+            contact.touch(s, y, X + 3, q, p, lengths, solids[0], solids[1], solids[2], solids[3], whole, friction)
+        for k in range(W):
+            s[X, k] += s[y, k] - s[e, k]
+            s[X + 1, k] += s[y + 1, k] - s[e + 1, k]
+            s[X + 2, k] += s[y + 2, k] - s[e + 2, k]
+
+
+@function
+def settle(s, n, edges, velocity, before, moved, lengths, shift, numbers):  # type: ignore[no-untyped-def]
+    """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
+    h = numbers[0]
+    third = numbers[9]
+    for c in range(3):
+        for k in range(W):
+            s[X, k] = shift[c * W + k]
+        for j in range(n):
+            row = c * W
+            for k in range(W):
+                fresh = s[Y + 3 * j + c, k]
+                s[X, k] += lengths[k] * (fresh - edges[j, row + k])
+                edges[j, row + k] = fresh
+            if before is None:
+                for k in range(W):
+                    velocity[j, row + k] = s[X, k] / h
+            else:
+                for k in range(W):
+                    v = velocity[j, row + k]
+                    velocity[j, row + k] = (s[X, k] - moved[j, row + k] * third) / h
+                    before[j, row + k] = v
+                    moved[j, row + k] = s[X, k]

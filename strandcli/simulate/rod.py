@@ -1,0 +1,286 @@
+"""The production solver: inextensible rods with mass and bending stiffness, solved implicitly.
+
+See `kernels/rod.py` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
+particles. Of a scene's rules it takes emitter motion, gravity, wind (whose strength is here the speed of the air in m/s)
+and collision; elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
+material. Twist is not represented.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..blocks import lanes
+from ..constants import W
+from ..errors import UsageError
+from ..groom.emit import Groom, frame
+from ..scene.model import Rod
+from ..scene.motion import emitter_pose, solid_pose
+from .kernels import rod as dense
+from .kernels import rod_long, rod_step
+from .rules import collision as collision_rule
+from .rules import wind as wind_rule
+from .solver import Solver
+
+MATERIALS = {
+    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
+    # blade as a round stalk, Vincent 1991; wire: spring steel of half a millimetre.
+    "hair": (1320.0, 3.5e-5, 4.0e9),
+    "wool": (1310.0, 1.2e-5, 3.0e9),
+    "grass": (700.0, 6.0e-4, 5.0e8),
+    "wire": (7850.0, 2.5e-4, 2.0e11),
+}
+DENSE_MOST = 20
+"""Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
+TELEPORT = 2.0
+"""Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
+MOVED = ("emitter_motion", "gravity", "wind", "collision")
+ITS_OWN = ("elasticity", "stiffness")
+
+
+def matter(rod: Rod) -> tuple[float, float, float]:
+    """Density, radius at the root and Young's modulus: the material's, or what is written beside it."""
+    return tuple(  # type: ignore[return-value]
+        own if given is None else given
+        for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
+    )
+
+
+def rigidity(rod: Rod) -> float:
+    """B / (ρ A) = E R² / (4 ρ) of a round rod at its root, in m⁴/s²: with g L³ over it, the number Γ that alone decides
+    how a strand sags."""
+    density, radius, young = matter(rod)
+    return young * radius**2 / (4 * density)
+
+
+class RodSolver(Solver):
+    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W) are the state, in single or double precision."""
+
+    def __init__(self, scene: Any, groom: Groom) -> None:
+        super().__init__(scene, groom)
+        for use in scene.rules:
+            if use.name not in MOVED + ITS_OWN:
+                raise UsageError(
+                    f"{scene.source or 'scene'}: rule {use.name}: the solver rod does not apply it; "
+                    "take it out, or use solver: thesis"
+                )
+        rod: Rod = scene.rod
+        n = scene.emitter.particles - 1
+        self.long = n > DENSE_MOST
+        self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
+        lengths = groom.lengths.astype(np.float64) / n
+        self._set_matter(rod, n, lengths)
+        self.pose = self._pose(0.0)
+        turn = np.array(self.pose[0])
+        self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
+        for j in range(n):
+            self.edges[:, j] = lanes(groom.edge(j, n) @ turn.T, self.dtype)
+        self.velocity = np.zeros_like(self.edges)
+        self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
+        bdf2 = rod.integrator == "bdf2"
+        self.before = np.zeros_like(self.edges) if bdf2 else None
+        self.moved = np.zeros_like(self.edges) if bdf2 else None
+        self.roots = lanes(groom.roots, self.dtype)
+        self.directions = lanes(groom.directions, self.dtype)
+        self.reach = TELEPORT * float(groom.lengths.max())
+        self.bends = self._rest_shape(rod, groom, lengths) if n > 0 else None
+        workers = numba.get_num_threads()
+        rows = (rod_long if self.long else dense).rows_for(n)
+        self.scratch = np.zeros((min(workers, len(self.lengths)), rows, W), self.dtype)
+        self.residuals = np.zeros(len(self.lengths), self.dtype)
+        self.last_step = 0.0
+        self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
+        self.contacts = [use.parameters for use in scene.rules if use.name == "collision"]
+
+    def _set_matter(self, rod: Rod, n: int, lengths: NDArray[np.float64]) -> None:
+        """Masses of particles and rigidities of joints, relative to a segment at the root; half a mass at the tip and
+        twice the rigidity at the root make the discretisation second order."""
+        radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+        segments = ((radius[:-1] + radius[1:]) / 2) ** 2
+        mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
+        joint = radius[:-1] ** 4
+        joint[0] *= 2
+        self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
+        self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
+        self.own_lengths = lanes(lengths[:, None], self.dtype)
+
+    def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The emitter's rotation and translation; at rest where no rule carries the roots along."""
+        moving = any(use.name == "emitter_motion" for use in self.scene.rules)
+        rotation, translation = emitter_pose(self.scene.emitter, max(time, 0.0) if moving else 0.0)
+        return np.array(rotation), np.array(translation)
+
+    def gravity(self) -> NDArray[np.float64]:
+        """The sum of all gravity rules, m/s²."""
+        pulls = [use.parameters.acceleration for use in self.scene.rules if use.name == "gravity"]
+        return np.sum([np.zeros(3), *pulls], axis=0)
+
+    def air(self, time: float) -> NDArray[np.float64]:
+        """Velocity of the air, m/s, without the part of gusts that differs from strand to strand."""
+        total = np.zeros(3)
+        for wind in self.winds:
+            phases = wind_rule.phases(self.scene.seed)
+            speed = wind.strength
+            if not wind_rule.travels(wind):
+                speed *= 1 - wind.gust * 0.5 * (1 - wind_rule.gusts(time, wind.period, phases[:3]))
+            total += speed * np.array(wind_rule.downwind(wind, time, phases[3:]))
+        return total
+
+    def _gust(self, time: float) -> NDArray[Any] | None:
+        """(blocks, W) factor of the air's velocity where gusts travel, else None."""
+        travelling = [wind for wind in self.winds if wind_rule.travels(wind)]
+        if not travelling:
+            return None
+        wind = travelling[0]
+        roots = self.positions[:, 1].reshape(-1, 3, W).astype(np.float64)
+        way = np.array(wind.direction) / np.linalg.norm(wind.direction)
+        along = np.einsum("bck,c->bk", roots, way) / wind.wavelength
+        wave = sum(
+            a * wind_rule.waves(time / (wind.period * scale) + phase - along / scale)
+            for (scale, a), phase in zip(wind_rule.WAVES, wind_rule.phases(self.scene.seed)[:3], strict=True)
+        )
+        return np.asarray(1 - wind.gust * 0.5 * (1 - wave)).astype(self.dtype)
+
+    def step(self, time: float, dt: float) -> None:
+        """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+        if dt <= 0:
+            return
+        pose = self._pose(time)
+        restart = dt != self.last_step
+        if self._teleported(pose):
+            self._carry(pose)
+            restart = True
+        second = self.before is not None and not restart
+        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
+        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        rod = self.scene.rod
+        h = 2 * dt / 3 if second else dt
+        numbers = np.array(
+            [h, *self.gravity(), *self.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction],
+            self.dtype,
+        )
+        rod_step.step(
+            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
+            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends, self._gust(time), packed,
+            delta, numbers, rod.iterations, None if self.long else numbers, self._solids(time, dt),
+            any(one.segments for one in self.contacts), self.scratch, self.residuals,
+        )  # fmt: skip
+        if self.dtype != np.float32:
+            self.positions[...] = self.wide
+        self.pose, self.last_step = pose, dt
+
+    def _rows(self) -> NDArray[Any]:
+        """World positions in the solver's own precision."""
+        if self.dtype == np.float32:
+            return self.positions
+        if not hasattr(self, "wide"):
+            self.wide = self.positions.astype(np.float64)
+        return self.wide
+
+    def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
+        """Whether some root has moved further than it could have."""
+        turned, moved = pose[0] - self.pose[0], pose[1] - self.pose[1]
+        if not turned.any() and not moved.any():
+            return False
+        roots = self.roots.reshape(-1, 3, W).astype(np.float64)
+        way = np.einsum("cd,bdk->bck", turned, roots) + moved[None, :, None]
+        return bool(np.sqrt((way**2).sum(1).max()) > self.reach)
+
+    def _carry(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
+        """Take everything along rigidly and at rest."""
+        turn = pose[0] @ self.pose[0].T
+        self.edges[...] = _turn(turn, self.edges)
+        self.velocity[...] = 0
+        before = [self.positions] if self.dtype == np.float32 else [self.positions, self._rows()]
+        for rows in before:
+            centre, goal = self.pose[1], pose[1]
+            wide = rows.reshape(*rows.shape[:2], 3, W).astype(np.float64) - centre[:, None]
+            rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
+        self.pose = pose
+
+    def _solids(self, time: float, dt: float) -> tuple[NDArray[Any], ...] | None:
+        """Packed solids with their motion in this step, or None where there is nothing to touch."""
+        touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
+        if not touched:
+            return None
+        emitter = self.scene.emitter
+        now, past = max(time, 0.0), max(time - dt, 0.0)
+        out = []
+        for kind, columns in solids.COLUMNS.items():
+            mine = [one for one in touched.values() if one.kind == kind]
+            rows = np.zeros((len(mine), columns + 12))
+            rows[:, :columns] = solids.pack(kind, mine, emitter, now, np.float64)
+            for row, one in zip(rows, mine, strict=True):
+                r1, t1 = (np.array(part) for part in solid_pose(one, emitter, now))
+                r0, t0 = (np.array(part) for part in solid_pose(one, emitter, past))
+                turn = r1 @ r0.T
+                row[columns:] = [*turn.ravel(), *(t1 - turn @ t0)]
+            out.append(rows.astype(self.dtype))
+        return tuple(out)
+
+    def _rest_shape(self, rod: Rod, groom: Groom, lengths: NDArray[np.float64]) -> NDArray[Any] | None:
+        """(blocks, N + 1, 3 W) rest bends as the kernel reads them; None where rods are straight."""
+        n = self.edges.shape[1]
+        axes = groom.directions.astype(np.float64)
+        edges = np.stack([groom.edge(j, n) for j in range(n)])  # (N, strands, 3), the emitter's frame
+        bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
+        if rod.rest == "straight" or (rod.rest == "shape" and not np.abs(bends).max() > 1e-6):
+            return None
+        if rod.rest == "sag_free":
+            bends = bends - self._sag(edges, lengths)
+        rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
+        first, second = frame(axes)
+        rows[:, 0] = lanes(first, self.dtype)
+        t, a = axes, first
+        for j in range(n):
+            b = np.cross(t, a)
+            local = np.stack([(bends[j] * axis).sum(1) for axis in (t, a, b)], 1)
+            rows[:, j + 1] = lanes(local, self.dtype)
+            e = edges[j]
+            f = (a * e).sum(1) / np.maximum(1 + (t * e).sum(1), 1e-6)
+            a = a - f[:, None] * (t + e)
+            a /= np.linalg.norm(a, axis=1, keepdims=True)
+            t = e
+        return rows
+
+    def _sag(self, edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, strands, 3) bend beyond rest that carries gravity in this shape, joint by joint from the tip: the force
+        F_j of all that hangs on edge j is its tension and the difference of the moments b at its ends,
+        F_j = τ_j e_j + b_j − b_{j+1}. Where a joint would have to be bent by more than 1.5 it is not."""
+        pull = self.pose[0].T @ self.gravity()
+        out = np.zeros_like(edges)
+        moment = np.zeros_like(edges[0])
+        weight = np.zeros_like(edges[0])
+        kappa = (rigidity(self.scene.rod) / lengths**4)[:, None]
+        for j in reversed(range(len(edges))):
+            weight = weight + float(self.mass[j]) * pull / lengths[:, None]
+            force = weight + moment
+            tension = (force * edges[j]).sum(1, keepdims=True)
+            self.tension[:, j] = lanes(tension, self.dtype)
+            moment = force - tension * edges[j]
+            bend = moment / np.maximum(kappa * float(self.joint[j]), 1e-300)
+            size = np.linalg.norm(bend, axis=1, keepdims=True)
+            out[j] = bend * np.minimum(1, 1.5 / np.maximum(size, 1e-300))
+        return out
+
+    def place_roots(self, frame_number: int) -> None:
+        """By the emitter's pose at a frame."""
+        turn, moved = self._pose((frame_number - 1) / self.scene.time.fps)
+        rows = self.rest.reshape(len(self.rest), 2, 3, W).astype(np.float64)
+        placed = np.einsum("cd,bndk->bnck", turn, rows) + moved[:, None]
+        self.positions[:, :2] = placed.reshape(len(self.rest), 2, 3 * W)
+
+    def residual(self) -> float | None:
+        """Greatest error of an edge's length that the last step's iterations left, as a share: made exact after."""
+        return float(self.residuals.max())
+
+
+def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
+    """Rotate vectors in blocks (blocks, rows, 3 W)."""
+    wide = rows.reshape(*rows.shape[:2], 3, W)
+    return np.einsum("cd,bndk->bnck", rotation, wide).reshape(rows.shape)

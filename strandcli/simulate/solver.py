@@ -1,0 +1,105 @@
+"""What solvers have in common: strands in blocks, the clock, and the errors of a frame."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..blocks import lanes, pack, unpack
+from ..constants import W
+from ..groom.emit import Groom
+from ..scene.motion import emitter_pose
+from .kernels import measure
+from .rules import collision as collision_rule
+
+
+class Solver(ABC):
+    """Strands of one groom, moved from frame to frame.
+
+    ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
+    ``lengths`` (blocks, W) are the rest lengths of segments.
+    """
+
+    def __init__(self, scene: Any, groom: Groom) -> None:
+        self.scene = scene
+        self.strands = groom.strands
+        n = scene.emitter.particles
+        rest_length = groom.lengths.astype(np.float64) / (n - 1)
+        rotation, translation = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
+        blocks = -(-groom.strands // W)
+        self.positions = np.empty((blocks, n + 1, 3 * W), np.float32)
+        self.rest = np.empty((blocks, 2, 3 * W), np.float32)
+        local = groom.roots - rest_length[:, None] * groom.directions
+        for row in range(n + 1):
+            self.positions[:, row] = lanes(local @ rotation.T + translation)
+            if row < 2:
+                self.rest[:, row] = lanes(local)
+            way = groom.directions if row == 0 else groom.edge(row - 1, n - 1)
+            local = local + rest_length[:, None] * way
+        self.lengths = lanes(rest_length[:, None])
+        self._frame = 0
+
+    @abstractmethod
+    def step(self, time: float, dt: float) -> None:
+        """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+
+    @abstractmethod
+    def place_roots(self, frame: int) -> None:
+        """Put the two rows that rules do not simulate, the root and the one before it, where they are at a frame."""
+
+    def residual(self) -> float | None:
+        """The greatest error that the solver itself left in the last step; None where it has no such notion."""
+        return None
+
+    def advance(self, frame: int) -> None:
+        """Move on to a frame (1 is the start, after the pre-roll)."""
+        time = self.scene.time
+        dt = 1.0 / (time.fps * time.substeps)
+        if self._frame == 0:
+            before = round(time.preroll / dt)
+            for j in range(before):
+                self.step((j + 1 - before) * dt, dt)
+            self._frame = 1
+        while self._frame < frame:
+            for j in range(time.substeps):
+                self.step((self._frame - 1 + (j + 1) / time.substeps) / time.fps, dt)
+            self._frame += 1
+
+    def take(self, frame: int, particles: NDArray[np.floating]) -> None:
+        """Set the particles of a frame, (strands or more, particles, 3) metres, as they were simulated before."""
+        self.place_roots(frame)
+        self.positions[:, 1:] = pack(particles[: self.strands])
+
+    def particles(self) -> NDArray[np.float32]:
+        """(strands, particles, 3) float32, metres."""
+        return unpack(self.positions[:, 1:], self.strands)
+
+    def errors(self, frame: int) -> dict[str, float | None]:
+        """Greatest stretch (a share of the rest length), greatest depth inside a solid (metres; None where nothing is
+        collided with) and the number of coordinates that are not finite, at a frame."""
+        out = np.zeros((len(self.positions), 2), np.float32)
+        measure.strands(self.positions, self.lengths, out)
+        return {
+            "stretch_max": float(out[:, 0].max()),
+            "penetration_max": self._depth(max((frame - 1) / self.scene.time.fps, 0.0)),
+            "residual_max": self.residual(),
+            "nonfinite": int(out[:, 1].sum()),
+        }
+
+    def _depth(self, time: float) -> float | None:
+        touched = {
+            id(solid): solid
+            for use in self.scene.rules
+            if use.name == "collision"
+            for solid in collision_rule.chosen(use.parameters, self.scene)
+        }
+        if not touched:
+            return None
+        kinds = [solids.pack(kind, list(touched.values()), self.scene.emitter, time) for kind in solids.COLUMNS]
+        out = np.zeros(len(self.positions), np.float32)
+        measure.depth(self.positions, *kinds, out)
+        return float(out.max())
