@@ -58,6 +58,10 @@ def test_what_is_dumped_is_plain_yaml_for_other_readers_too() -> None:
     assert "!!" not in text
 
 
+def test_vectors_stay_on_one_line() -> None:
+    assert "  position: [0.0, 0.0, 5.0]\n" in dump(Scene())
+
+
 def test_a_panel_is_written_by_what_differs() -> None:
     made = scene("detail: {near: 3}\npanels: [{label: a, set: {detail: null}}, {label: b}]")
     assert to_dict(made)["panels"] == [{"label": "a", "set": {"detail": None}}, {"label": "b", "set": {}}]

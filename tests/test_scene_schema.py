@@ -172,7 +172,7 @@ BAD: list[tuple[str, Any]] = [
     ("seed", 1.5),
     ("seed", True),
     ("title", [1]),
-    ("solver", "rod"),
+    ("solver", "thesys"),
     ("time", {"fps": 0}),
     ("time", {"fsp": 1}),
     ("time", []),

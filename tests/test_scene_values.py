@@ -95,7 +95,7 @@ def test_an_empty_mapping_is_its_defaults_and_an_empty_value_a_fault() -> None:
         ("emitter: {shape: {kind: cube}}", "shape.kind: unknown kind 'cube'; the kinds are sphere, disc, plane"),
         ("emitter: {shape: {kind: disc, cap: 3}}", "emitter.shape.cap: unknown key; the keys are kind, radius"),
         ("emitter: {shape: sphere}", "emitter.shape: must be a mapping of settings, not 'sphere'"),
-        ("solver: rod", "solver: must be thesis, not 'rod'"),
+        ("solver: thesys", "not 'thesys'; did you mean 'thesis'?"),
     ],
 )  # fmt: skip
 def test_refused(text: str, says: str) -> None:
