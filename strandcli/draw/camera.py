@@ -98,7 +98,7 @@ def point_views(position: ArrayLike, size: int, bounds: NDArray[np.float64]) -> 
     views = []
     for axis in np.concatenate([np.eye(3), -np.eye(3)]):
         right, up, forward = axes(axis, (0.0, 1.0, 0.0))
-        views.append(View(eye, right, up, forward, True, size / 2, near, distance + radius, size, size))
+        views.append(View(eye, right, up, forward, True, max(size - 3, 1) / 2, near, distance + radius, size, size))
     return views
 
 

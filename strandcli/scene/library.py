@@ -38,9 +38,8 @@ def find(name: str) -> Path:
 def no_such_preset(name: str, others: tuple[str, ...] = ()) -> str:
     """The message for a preset that is not there; ``others`` are names that might have been meant as well."""
     names = [shipped for shipped, _ in list_presets()]
-    guess = near(name, [*others, *names])
-    if guess is None:  # fig02 for figures/fig02
-        guess = next((shipped for shipped in names if shipped.rpartition("/")[2] == name), None)
+    inside = (shipped for shipped in names if shipped.rpartition("/")[2] == name)  # fig02 for figures/fig02
+    guess = next(inside, None) or near(name, [*others, *names])
     meant = f"did you mean {shown(guess)}? " if guess else ""
     return f"no preset {shown(name)}; {meant}`strandcli presets list` shows what is shipped"
 

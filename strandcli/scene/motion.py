@@ -125,9 +125,9 @@ def rotation_matrix(degrees: Vector) -> Matrix:
 
 def sine_cosine(degrees: float) -> tuple[float, float]:
     """Sine and cosine of an angle in degrees, to 1e-15, the same bits on every machine."""
-    within = math.fmod(degrees, 360.0)  # exact
-    quarter = math.floor(within / 90.0 + 0.5)
-    x = (within - 90.0 * quarter) * (math.pi / 180.0)  # |x| <= pi / 4
+    quarter = math.floor(degrees / 90.0 + 0.5)
+    # the difference is exact for all angles that a preset may hold; |x| <= pi / 4
+    x = (degrees - 90.0 * quarter) * (math.pi / 180.0)
     square = x * x
     # Taylor series; at pi / 4 the first term left out is below 1e-17
     sine, cosine = 1.0, 1.0
