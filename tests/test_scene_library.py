@@ -28,6 +28,8 @@ def test_presets_are_found_by_name(folder: Path) -> None:
     assert find("figures/fig02") == folder / "figures" / "fig02.yaml"
     with pytest.raises(UsageError, match="no preset 'har'; did you mean 'hair'\\? `strandcli presets list`"):
         find("har")
+    with pytest.raises(UsageError, match="did you mean 'figures/base'"):
+        find("base")
     for name in ("../hair", "hair.yaml", "", "/", "figures"):
         with pytest.raises(UsageError, match="no preset"):
             find(name)
