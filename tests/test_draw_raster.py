@@ -1,0 +1,214 @@
+"""The z-buffer of lines against a rasteriser that goes pixel by pixel, and by its properties."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reference.lines import picture, samples
+
+from strandcli.draw import raster
+from strandcli.draw.curves import Polylines
+from strandcli.draw.kernels.raster import EMPTY
+from strandcli.draw.scratch import Scratch
+from strandcli.errors import RefusedError
+
+LOW = np.uint64(0xFFFFFFFF)
+
+
+def drawn(
+    strands: list[np.ndarray],
+    width: int,
+    height: int,
+    widths: list[np.ndarray] | None = None,
+    workers: int = 2,
+    base: int = 0,
+) -> np.ndarray:
+    """(height, width) keys of polylines, each (vertices, 3) of x, y and inverse depth."""
+    first = np.cumsum([0, *map(len, strands)])
+    screen = np.concatenate(strands).astype(np.float32).reshape(-1, 3)
+    wide = None if widths is None else np.concatenate(widths).astype(np.float32)
+    # what is drawn must stay inside: memory around the picture is watched
+    memory = np.full(width * height + 2000, EMPTY)
+    lines = Polylines(first, screen)
+    raster.draw(lines, screen, wide, base, (width, height), workers, Scratch(), memory[1000:-1000])
+    assert (memory[:1000] == EMPTY).all()
+    assert (memory[-1000:] == EMPTY).all()
+    return memory[1000:-1000].reshape(height, width)
+
+
+def identity(keys: np.ndarray) -> np.ndarray:
+    return np.where(keys == EMPTY, -1, (keys & LOW).astype(np.int64))
+
+
+def depth(keys: np.ndarray) -> np.ndarray:
+    return (LOW - (keys >> np.uint64(32))).astype(np.uint32).view(np.float32)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("width", "height"), [(40, 30), (7, 200), (150, 1)])
+def test_random_segments_agree_with_the_rule_pixel_by_pixel(seed: int, width: int, height: int) -> None:
+    rng = np.random.default_rng(seed)
+    count = 60
+    a = rng.uniform([-20, -20, 0.1], [width + 20, height + 20, 1], (count, 3))
+    b = a + rng.normal(0, [width / 4, height / 4, 0.1], (count, 3))
+    b[:, 2] = np.abs(b[:, 2]) + 0.01
+    a, b = (x.astype(np.float32).astype(np.float64) for x in (a, b))
+    keys = drawn([np.stack(pair) for pair in zip(a, b, strict=True)], width, height)
+    seen, best, lead = picture(list(zip(a, b, strict=True)), width, height)
+    sure = lead > 1e-4
+    assert sure.mean() > 0.6
+    assert (seen >= 0).sum() > min(width, height)
+    wrong = (identity(keys) // 2 != seen) & (identity(keys) != seen) & sure  # vertex 2 s begins segment s
+    assert not wrong.any()
+    inside = sure & (seen >= 0)
+    np.testing.assert_allclose(depth(keys)[inside], best[inside], rtol=2e-5)
+
+
+def test_joints_of_a_polyline_are_drawn_once() -> None:
+    """Cut anywhere, a straight line covers the same pixels, one in each column, each by one piece."""
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        cuts = np.sort(rng.uniform(2, 90, 12))
+        line = np.stack([cuts, 10 + 0.37 * cuts, np.full(12, 0.5)], 1)
+        keys = drawn([line], 100, 60)
+        columns = (keys != EMPTY).sum(0)
+        whole = samples(line[0], line[-1], 100, 60)
+        assert columns.max() == 1
+        np.testing.assert_array_equal(np.flatnonzero(columns), whole.x)
+        # each column belongs to the piece that holds its centre
+        piece = identity(keys).max(0)[whole.x]
+        np.testing.assert_array_equal(piece, np.searchsorted(cuts, whole.x + 0.5, side="right") - 1)
+
+
+def test_a_line_is_the_same_in_both_directions() -> None:
+    rng = np.random.default_rng(2)
+    lines = [rng.uniform([0, 0, 0.1], [64, 64, 1], (2, 3)) for _ in range(40)]
+    for line in lines:
+        there, back = drawn([line], 64, 64), drawn([line[::-1]], 64, 64)
+        np.testing.assert_array_equal(there, back)
+
+
+def test_the_nearest_wins_in_whatever_order_and_equal_depths_go_to_the_first() -> None:
+    near = np.array([[0.0, 5.2, 0.9], [20.0, 5.2, 0.9]])
+    far = np.array([[0.0, 5.2, 0.2], [20.0, 5.2, 0.2]])
+    for strands, wins in (([near, far], 0), ([far, near], 2), ([near, near], 0), ([far, far, near, near], 4)):
+        assert set(identity(drawn(strands, 20, 10))[5]) == {wins}
+    # crossing in depth: the front one changes in the middle
+    rising = np.array([[0.0, 5.2, 0.2], [20.0, 5.2, 0.8]])
+    falling = np.array([[0.0, 5.2, 0.8], [20.0, 5.2, 0.2]])
+    row = identity(drawn([rising, falling], 20, 10))[5]
+    np.testing.assert_array_equal(row, [2] * 10 + [0] * 10)
+
+
+def test_vertices_that_are_not_seen_end_a_line() -> None:
+    """A depth number of 0 marks what is behind the eye or too far out: pieces at it are left out."""
+    line = np.array([[1.0, 5.2, 0.5], [6.0, 5.2, 0.5], [9.0, 5.2, 0.0], [12.0, 5.2, 0.5], [18.0, 5.2, 0.5]])
+    row = identity(drawn([line], 20, 10))[5]
+    assert [x for x in range(20) if row[x] >= 0] == [1, 2, 3, 4, 5, 12, 13, 14, 15, 16, 17]
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_lines_are_clipped_at_every_border(wide: bool) -> None:
+    """Far beyond the picture on all sides, still one straight line; `drawn` watches the memory around the picture."""
+    for reach in (30.0, 1e4, 1e6, 9e7):
+        for angle in np.linspace(0.05, 2 * np.pi, 23):
+            way = np.array([np.cos(angle), np.sin(angle)]) * reach
+            line = np.array([[*(16 - way), 0.5], [*(12 + way), 0.5]])
+            widths = [np.array([3.0, 3.0])] if wide else None
+            keys = drawn([line], 28, 24, widths)
+            covered = keys != EMPTY
+            if reach <= 1e4:
+                y, x = np.nonzero(covered)
+                normal = np.array([-(line[1, 1] - line[0, 1]), line[1, 0] - line[0, 0]])
+                normal /= np.linalg.norm(normal)
+                away = np.abs((np.stack([x, y], 1) + 0.5 - line[0, :2]) @ normal)
+                assert away.max() < (2.2 if wide else 0.8) + 1e-6 * reach
+                assert covered.sum() >= 20
+
+
+def test_any_number_of_workers_gives_the_same_keys() -> None:
+    rng = np.random.default_rng(4)
+    strands = []
+    for _ in range(150):
+        walk = rng.normal(0, 25, (9, 3)).cumsum(0) + rng.uniform(0, 300, 3)
+        walk[:, 2] = rng.uniform(0.1, 1, 9)
+        strands.append(walk)
+    widths = [rng.uniform(1, 4, 9) for _ in strands]
+    for wide in (None, widths):
+        one = drawn(strands, 300, 400, wide, workers=1)
+        assert (one != EMPTY).mean() > 0.1
+        for workers in (2, 3, 7, 64):
+            np.testing.assert_array_equal(drawn(strands, 300, 400, wide, workers), one)
+
+
+def test_a_picture_of_one_pixel() -> None:
+    line = np.array([[-3.0, 0.5, 0.3], [4.0, 0.6, 0.7]])
+    assert identity(drawn([line], 1, 1))[0, 0] == 0
+    assert identity(drawn([line + np.array([0, 3, 0])], 1, 1))[0, 0] == -1
+    assert identity(drawn([line], 1, 1, [np.array([50.0, 50.0])]))[0, 0] == 0
+
+
+def test_points_and_slivers_draw_nothing_or_one_pixel() -> None:
+    for end in ([5.3, 5.3], [5.3, 5.4], [5.5, 5.5], [5.50001, 5.3], [6.3, 5.3]):
+        keys = drawn([np.array([[5.3, 5.3, 0.5], [*end, 0.5]])], 12, 12)
+        assert (keys != EMPTY).sum() == (1 if end[0] > 5.5 else 0)
+
+
+@pytest.mark.parametrize("wide", [1.0, 1.5, 3.0, 8.0, 20.0])
+@pytest.mark.parametrize("angle", [0.0, 20.0, 44.0, 46.0, 90.0, 200.0, 300.0])
+def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: float) -> None:
+    way = 90 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    areas = []
+    for k in range(16):  # every place within a pixel alike
+        shift = np.array([k + 0.5, (5 * k) % 16 + 0.5]) / 16
+        start = np.array([128, 128]) + shift
+        line = np.array([[*start, 0.5], [*(start + way / 3), 0.5], [*(start + way), 0.5]])
+        areas.append((drawn([line], 256, 256, [np.full(3, wide)]) != EMPTY).sum())
+    assert np.mean(areas) == pytest.approx(90 * wide, rel=0.02)
+
+
+def test_a_ribbon_holds_the_line_of_one_pixel() -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(30):
+        line = rng.uniform([5, 5, 0.1], [55, 55, 1], (2, 3))
+        thin = drawn([line], 60, 60) != EMPTY
+        thick = drawn([line], 60, 60, [np.array([4.0, 4.0])]) != EMPTY
+        assert not (thin & ~thick).any()
+
+
+def test_a_depth_that_rounds_below_zero_does_not_come_to_the_front() -> None:
+    """Eight thousand steps from very near to very far: what rounding adds up is more than the far end."""
+    rng = np.random.default_rng(7)
+    front = np.array([[8000.0, 0.5, 0.5], [8192.0, 0.5, 0.5]])
+    for _ in range(150):
+        line = np.array([[rng.uniform(0, 5), 0.5, 100.0], [8191.5 + rng.uniform(0, 0.01), 0.5, 1e-5]])
+        keys = drawn([line, front], 8192, 1)
+        assert identity(keys)[0, -1] == 2
+
+
+def test_numbers_begin_at_the_base_and_end_before_the_solids() -> None:
+    line = np.array([[2.0, 2.2, 0.5], [8.0, 2.2, 0.5], [9.0, 2.2, 0.5]])
+    assert identity(drawn([line], 10, 5, base=3_000_000_000))[2, 5] == 3_000_000_000
+    with pytest.raises(RefusedError, match="at most 4,293,918,720 vertices"):
+        drawn([line], 10, 5, base=2**32 - 2**20 - 2)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(
+        st.tuples(*[st.floats(-1e8, 1e8, width=32) | st.floats(-5, 20, width=32)] * 2, st.floats(0, 1000, width=32)),
+        min_size=1,
+        max_size=6,
+    ),
+    st.sampled_from([None, 1.0, 7.0, 1e4]),
+)
+def test_whatever_the_coordinates_only_the_picture_is_written(
+    points: list[tuple[float, float, float]], wide: float | None
+) -> None:
+    line = np.array(points)
+    keys = drawn([line], 15, 12, None if wide is None else [np.full(len(line), wide)])
+    there = keys[keys != EMPTY]
+    assert ((there & LOW) < len(line)).all()
+    assert np.isfinite(depth(there)).all()
