@@ -32,8 +32,8 @@ class View:
     def pack(self) -> NDArray[np.float32]:
         """(24,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
         perspective; [13] focal; [14] near; [15], [16] half width and height in pixels; [17], [18] how much further out
-        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times longer
-        than in the middle of the screen a short way can be in its corner, at the same depth."""
+        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times
+        longer than in the middle of the screen a short way can be in its corner, at the same depth."""
         out = np.zeros(SIZE, np.float64)
         for row, axis in enumerate((self.right, self.up, self.forward)):
             out[4 * row : 4 * row + 3] = axis
@@ -77,7 +77,8 @@ def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) 
     right, up, forward = axes(direction, (0.0, 1.0, 0.0))
     centre, radius = ball(bounds)
     corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T - centre
-    extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-9 * max(radius, 1e-20))
+    # a single strand along the light has no extent but that of single precision
+    extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-3 * radius)
     eye = centre - forward * radius * 1.01
     # one texel is kept free on every side
     focal = max(size - 2, 1) / (2 * extent)
