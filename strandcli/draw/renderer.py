@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids as shapes
+from ..blocks import unpack
 from ..constants import PORTION, W
 from ..groom.emit import Groom
 from . import raster
@@ -57,10 +58,10 @@ class Renderer:
         scene, scratch = self.scene, self.scratch
         self._drawing = Drawing(np.empty((scene.image.size[1], scene.image.size[0], 3), np.uint8))
         self._clock = time.perf_counter()
-        bounds = self._bounds(positions)
-        view = camera_view(scene.camera, at, *self.size, bounds)
         fraction, spread = drawn_fraction(scene, at)
         strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
+        bounds = self._bounds(positions, strands)
+        view = camera_view(scene.camera, at, *self.size, bounds)
         portions = self._portions(strands, positions.shape[1] - 1)
 
         maps = plan_maps(scene.lights, bounds, scratch)
@@ -126,9 +127,14 @@ class Renderer:
         step = max(PORTION // vertices // W, 1) * W
         return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 
-    def _bounds(self, positions: NDArray[np.float32]) -> NDArray[np.float64]:
-        boxes = self.scratch.take("boxes", (len(positions), 2, 3), np.float32)
-        project.bounds(positions, boxes)
+    def _bounds(self, positions: NDArray[np.float32], strands: int) -> NDArray[np.float64]:
+        """Box (2, 3) of the strands that are drawn: of no others, so that a frame is the same whichever strands other
+        frames need."""
+        blocks = -(-strands // W)
+        boxes = self.scratch.take("boxes", (blocks, 2, 3), np.float32)
+        project.bounds(positions[: blocks - 1], boxes[:-1])
+        last = unpack(positions[blocks - 1 : blocks, 1:], strands - (blocks - 1) * W)
+        boxes[-1] = last.min((0, 1)), last.max((0, 1))
         return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)]).astype(np.float64)
 
     def _flatten(
