@@ -164,10 +164,11 @@ class RodSolver(Solver):
             [h, *self.gravity(), *self.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction],
             self.dtype,
         )
-        rod_step.step(
+        advance = rod_step.step_long if self.long else rod_step.step
+        advance(
             self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
             self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends, self._gust(time), packed,
-            delta, numbers, rod.iterations, None if self.long else numbers, self._solids(time, dt),
+            delta, numbers, rod.iterations, self._solids(time, dt),
             any(one.segments for one in self.contacts), self.scratch, self.residuals,
         )  # fmt: skip
         if self.dtype != np.float32:

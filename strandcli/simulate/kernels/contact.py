@@ -31,28 +31,46 @@ ROUNDS = 3
 
 
 @function
-def depth(spheres, capsules, planes, boxes, x, y, z):  # type: ignore[no-untyped-def]
-    """Greatest depth of a point in any solid; not positive outside."""
+def deepest(spheres, capsules, planes, boxes, x, y, z):  # type: ignore[no-untyped-def]
+    """Depth of a point in the solid that it is deepest in (not positive: its distance from the nearest), that solid's
+    kind (0 to 3, in the order of the arguments) and its number."""
     most = -ONE / TINY
+    kind = 0
+    which = 0
     for m in range(spheres.shape[0]):
         p = spheres[m]
         dx = x - p[0]
         dy = y - p[1]
         dz = z - p[2]
-        most = max(most, p[3] - np.sqrt(dx * dx + dy * dy + dz * dz))
+        d = p[3] - np.sqrt(dx * dx + dy * dy + dz * dz)
+        if d > most:
+            most = d
+            which = m
     for m in range(capsules.shape[0]):
         p = capsules[m]
         ox, oy, oz = on_axis(p, x, y, z)
         dx = x - ox
         dy = y - oy
         dz = z - oz
-        most = max(most, p[6] - np.sqrt(dx * dx + dy * dy + dz * dz))
+        d = p[6] - np.sqrt(dx * dx + dy * dy + dz * dz)
+        if d > most:
+            most = d
+            kind = 1
+            which = m
     for m in range(planes.shape[0]):
         p = planes[m]
-        most = max(most, p[3] - (x * p[0] + y * p[1] + z * p[2]))
+        d = p[3] - (x * p[0] + y * p[1] + z * p[2])
+        if d > most:
+            most = d
+            kind = 2
+            which = m
     for m in range(boxes.shape[0]):
-        most = max(most, face(boxes[m], x, y, z)[0])
-    return most
+        d = face(boxes[m], x, y, z)[0]
+        if d > most:
+            most = d
+            kind = 3
+            which = m
+    return most, kind, which
 
 
 @function
@@ -198,33 +216,7 @@ def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes,
 def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):  # type: ignore[no-untyped-def]
     """Where the solid that is nearest to (x, y, z) has carried a point (ox, oy, oz) in this step, and its outward
     normal at (x, y, z)."""
-    best = -ONE / TINY
-    kind = 0
-    which = -1
-    for m in range(spheres.shape[0]):
-        d = depth(spheres[m : m + 1], capsules[:0], planes[:0], boxes[:0], x, y, z)
-        if d > best:
-            best = d
-            kind = 0
-            which = m
-    for m in range(capsules.shape[0]):
-        d = depth(spheres[:0], capsules[m : m + 1], planes[:0], boxes[:0], x, y, z)
-        if d > best:
-            best = d
-            kind = 1
-            which = m
-    for m in range(planes.shape[0]):
-        d = depth(spheres[:0], capsules[:0], planes[m : m + 1], boxes[:0], x, y, z)
-        if d > best:
-            best = d
-            kind = 2
-            which = m
-    for m in range(boxes.shape[0]):
-        d = depth(spheres[:0], capsules[:0], planes[:0], boxes[m : m + 1], x, y, z)
-        if d > best:
-            best = d
-            kind = 3
-            which = m
+    under, kind, which = deepest(spheres, capsules, planes, boxes, x, y, z)
     if kind == 0:
         p = spheres[which]
         o = 5
@@ -260,7 +252,7 @@ def touch(s, y, old, q, p, lengths, spheres, capsules, planes, boxes, whole, fri
     """One edge of every lane: rows y, y + 1, y + 2 of the scratch hold unit edges, rows old … where the particles were
     before the step; q, p (3 W,): the particle before and this one, in the world."""
     for k in range(W):
-        s[y + 3, k] = depth(spheres, capsules, planes, boxes, p[k], p[W + k], p[2 * W + k])
+        s[y + 3, k] = deepest(spheres, capsules, planes, boxes, p[k], p[W + k], p[2 * W + k])[0]
     for k in range(W):
         if not whole and s[y + 3, k] <= ZERO:
             continue

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import parallel, prange
+from .contact import deepest
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
@@ -52,36 +53,6 @@ def depth(positions, spheres, capsules, planes, boxes, out):  # type: ignore[no-
         most = ZERO
         for i in range(2, block.shape[0]):
             x = block[i]
-            for s in range(spheres.shape[0]):
-                p = spheres[s]
-                for k in range(W):
-                    dx = x[k] - p[0]
-                    dy = x[W + k] - p[1]
-                    dz = x[2 * W + k] - p[2]
-                    most = max(most, p[3] - math.sqrt(dx * dx + dy * dy + dz * dz))
-            for s in range(capsules.shape[0]):
-                p = capsules[s]
-                for k in range(W):
-                    dx = x[k] - p[0]
-                    dy = x[W + k] - p[1]
-                    dz = x[2 * W + k] - p[2]
-                    t = min(max((dx * p[3] + dy * p[4] + dz * p[5]) * p[7], ZERO), ONE)
-                    dx -= t * p[3]
-                    dy -= t * p[4]
-                    dz -= t * p[5]
-                    most = max(most, p[6] - math.sqrt(dx * dx + dy * dy + dz * dz))
-            for s in range(planes.shape[0]):
-                p = planes[s]
-                for k in range(W):
-                    most = max(most, p[3] - (x[k] * p[0] + x[W + k] * p[1] + x[2 * W + k] * p[2]))
-            for s in range(boxes.shape[0]):
-                p = boxes[s]
-                for k in range(W):
-                    dx = x[k] - p[0]
-                    dy = x[W + k] - p[1]
-                    dz = x[2 * W + k] - p[2]
-                    u = p[12] - abs(p[3] * dx + p[6] * dy + p[9] * dz)
-                    v = p[13] - abs(p[4] * dx + p[7] * dy + p[10] * dz)
-                    w = p[14] - abs(p[5] * dx + p[8] * dy + p[11] * dz)
-                    most = max(most, min(u, min(v, w)))
+            for k in range(W):
+                most = max(most, deepest(spheres, capsules, planes, boxes, x[k], x[W + k], x[2 * W + k])[0])
         out[b] = most

@@ -26,7 +26,9 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 PIVOT = np.float32(1e-6)
-LEAST = np.float32(0.1)
+LEAST = np.float32(1e-3)
+ENOUGH = np.float32(2e-5)
+SLACK = np.float32(1e-5)
 SPARE = 9
 TRIES = 6
 
@@ -151,18 +153,18 @@ def residual(s, n, clamp):  # type: ignore[no-untyped-def]
 
 
 @function
-def move(s, n, sign):  # type: ignore[no-untyped-def]
-    """u += sign y, e += sign D y."""
+def move(s, n):  # type: ignore[no-untyped-def]
+    """u += y, e += D y."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for o in range(3 * n):
         if o < 3:
             for k in range(W):
-                s[U + o, k] += sign * s[Y + o, k]
-                s[E + o, k] += sign * s[Y + o, k]
+                s[U + o, k] += s[Y + o, k]
+                s[E + o, k] += s[Y + o, k]
         else:
             for k in range(W):
-                s[U + o, k] += sign * s[Y + o, k]
-                s[E + o, k] += sign * (s[Y + o, k] - s[Y + o - 3, k])
+                s[U + o, k] += s[Y + o, k]
+                s[E + o, k] += (s[Y + o, k] - s[Y + o - 3, k])
 
 
 @function
@@ -264,51 +266,110 @@ def solve_dense(s, n):  # type: ignore[no-untyped-def]
 
 @function
 def tense(s, n):  # type: ignore[no-untyped-def]
-    """τ += δ, the τ before kept; y := Dᵀ (e δ), by which particles move back to first order."""
+    """τ += δ, the τ before kept."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for j in range(n):
         for k in range(W):
             s[TB + j, k] = s[T + j, k]
             s[T + j, k] += s[DEL + j, k]
-        for c in range(3):
-            o = 3 * j + c
-            for k in range(W):
-                s[Y + o, k] = s[E + o, k] * s[DEL + j, k]
-            if j > 0:
-                for k in range(W):
-                    s[Y + o - 3, k] -= s[Y + o, k]
 
 
 @function
 def retreat(s, n, last):  # type: ignore[no-untyped-def]
-    """Where H lost definiteness (marked in `spare`), go back half of the way to the τ before; at `last`, to tension
-    alone, with which H is definite."""
+    """In the lanes that are marked in `spare`, go back half of the way to the τ before; at `last`, all of it."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+    share = ONE if last else HALF
     for j in range(n):
-        if last:
-            for k in range(W):
-                s[T + j, k] = max(s[T + j, k], ZERO) if s[X, k] > ZERO else s[T + j, k]
-        else:
-            for k in range(W):
-                half = HALF * (s[T + j, k] + s[TB + j, k])
-                s[T + j, k] = half if s[X, k] > ZERO else s[T + j, k]
+        for k in range(W):
+            back = share * (s[TB + j, k] - s[T + j, k])
+            s[T + j, k] += back if s[X, k] > ZERO else ZERO
+
+
+@function
+def dual(s, n, clamp, o):  # type: ignore[no-untyped-def]
+    """Row o of the scratch: the Lagrangian at x(τ), the concave function of τ that Newton's method climbs; and whether
+    a length is still wrong by more than `ENOUGH` in some lane."""
+    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+    worst = ZERO
+    for k in range(W):
+        s[o, k] = ZERO
+    for j in range(n):
+        e = E + 3 * j
+        u = U + 3 * j
+        a = A + 3 * j
+        for k in range(W):
+            q = s[e, k] * s[e, k] + s[e + 1, k] * s[e + 1, k] + s[e + 2, k] * s[e + 2, k] - ONE
+            worst = max(worst, abs(q))
+            x = s[u, k] - s[a, k]
+            y = s[u + 1, k] - s[a + 1, k]
+            z = s[u + 2, k] - s[a + 2, k]
+            s[o, k] += s[T + j, k] * q + s[M + j, k] * (x * x + y * y + z * z)
+        for c in range(3):
+            if j == 0:
+                for k in range(W):
+                    bend = s[e + c, k] - clamp[c * W + k] - s[C + c, k]
+                    s[o, k] += s[K, k] * bend * bend
+            else:
+                for k in range(W):
+                    bend = s[e + c, k] - s[e + c - 3, k] - s[C + 3 * j + c, k]
+                    s[o, k] += s[K + j, k] * bend * bend
+    return worst > ENOUGH
+
+
+@function
+def compare(s, n, new, old):  # type: ignore[no-untyped-def]
+    """Mark in `spare` the lanes whose dual value fell; whether there are any."""
+    X = places(n)[14]
+    bad = ZERO
+    for k in range(W):
+        fell = s[new, k] < s[old, k] - SLACK * (abs(s[old, k]) + SLACK)
+        s[X, k] = ONE if fell else ZERO
+        bad = max(bad, s[X, k])
+    return bad > ZERO
+
+
+@function
+def follow(s, n, clamp):  # type: ignore[no-untyped-def]
+    """x := x(τ), exactly: the problem is linear. False where H is not definite in some lane, which is then marked."""
+    if factor(s, n):
+        return False
+    residual(s, n, clamp)
+    substitute(s, n)
+    move(s, n)
+    return True
+
+
+@function
+def climb(s, n, clamp):  # type: ignore[no-untyped-def]
+    """Take the step δ, or as much of it as keeps H definite and the dual from falling. Returns whether lengths are
+    still wrong."""
+    X = places(n)[14]
+    old = X + 2
+    new = X + 3
+    tense(s, n)
+    wrong = True
+    for attempt in range(TRIES + 1):
+        if follow(s, n, clamp):
+            wrong = dual(s, n, clamp, new)
+            if attempt == TRIES or not compare(s, n, new, old):
+                break
+        retreat(s, n, attempt == TRIES - 1)
+    for k in range(W):
+        s[old, k] = s[new, k]
+    return wrong
 
 
 @function
 def iterate(s, n, clamp, iterations):  # type: ignore[no-untyped-def]
-    """Newton's iterations: e, u and τ end where the lengths are right to second order."""
+    """Newton's iterations, at most so many, until the lengths of all lanes are right to `ENOUGH`. Begins with tension
+    alone, with which H is definite."""
+    X = places(n)[14]
+    follow(s, n, clamp)
+    wrong = dual(s, n, clamp, X + 2)
     for _ in range(iterations):
-        if factor(s, n):
-            for attempt in range(TRIES):
-                retreat(s, n, attempt == TRIES - 1)
-                if not factor(s, n):
-                    break
-        residual(s, n, clamp)
-        substitute(s, n)
-        move(s, n, ONE)
+        if not wrong:
+            break
         inverse(s, n)
         couple(s, n)
         solve_dense(s, n)
-        tense(s, n)
-        substitute(s, n)
-        move(s, n, -ONE)
+        wrong = climb(s, n, clamp)

@@ -107,22 +107,17 @@ def eliminate(s, n, F, R):  # type: ignore[no-untyped-def]
 def iterate(s, n, clamp, iterations):  # type: ignore[no-untyped-def]
     """As `rod.iterate`."""
     DEL = 22 * n
+    X = 23 * n
     F = 23 * n + rod.SPARE
     R = F + 4 * n * BAND
+    rod.follow(s, n, clamp)
+    wrong = rod.dual(s, n, clamp, X + 2)
     for _ in range(iterations):
-        if rod.factor(s, n):
-            for attempt in range(rod.TRIES):
-                rod.retreat(s, n, attempt == rod.TRIES - 1)
-                if not rod.factor(s, n):
-                    break
-        rod.residual(s, n, clamp)
-        rod.substitute(s, n)
-        rod.move(s, n, ONE)
+        if not wrong:
+            break
         assemble(s, n, F, R)
         eliminate(s, n, F, R)
         for j in range(n):
             for k in range(W):
                 s[DEL + j, k] = -s[R + 4 * j + 3, k]
-        rod.tense(s, n)
-        rod.substitute(s, n)
-        rod.move(s, n, -ONE)
+        wrong = rod.climb(s, n, clamp)

@@ -17,7 +17,7 @@ TINY = np.float32(1e-30)
 @parallel
 def step(
     edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, dense, solids, whole, scratch, residuals,
+    pose, delta, numbers, iterations, solids, whole, scratch, residuals,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Move every strand by one step, in place.
 
@@ -31,7 +31,7 @@ def step(
     (blocks, W): factor of the air's velocity, or None; pose, delta (12,): the emitter's rotation by rows and translation, and what
     they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s,
     [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler
-    step that it starts with), [10] friction; dense: an array for `rod.iterate`, None for `rod_long.iterate`; solids: four arrays as in `contact`, or
+    step that it starts with), [10] friction; solids: four arrays as in `contact`, or
     None; whole: segments are caught too; scratch (workers, rows, W); residuals (blocks,): greatest | |e| − 1 | before lengths are made
     exact. All of one floating type.
     """
@@ -40,26 +40,69 @@ def step(
         s = scratch[task]
         for b in range(task, edges.shape[0], workers):
             n = edges.shape[1]
-            root = positions[b, 1]
-            clamp = positions[b, 0]
-            shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
-            place_root(roots[b], directions[b], pose, delta, clamp, root, shift)
-            old = None if before is None else before[b]
-            last = None if before is None else moved[b]
-            air = None if gust is None else gust[b]
-            predict(s, n, edges[b], velocity[b], old, last, tension[b], lengths[b], stiffness[b], mass, joint, clamp,
-                    shift, air, numbers)  # fmt: skip
-            if bends is not None:
-                recall(s, n, edges[b], bends[b], clamp, pose, numbers[8] / numbers[0])
-            if dense is None:
-                rod_long.iterate(s, n, clamp, iterations)
-            else:
-                rod.iterate(s, n, clamp, iterations)
-            residuals[b] = finish(s, n, tension[b], numbers[0])
-            sweep(s, n, lengths[b], positions[b], solids, whole, numbers[10])
-            settle(s, n, edges[b], velocity[b], old, last, lengths[b], shift, numbers)
-            for k in range(3 * W):
-                clamp[k] = root[k] - lengths[b, k % W] * clamp[k]
+            begin(s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots,
+                  directions, bends, gust, pose, delta, numbers)  # fmt: skip
+            rod.iterate(s, n, positions[b, 0], iterations)
+            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole)
+
+
+@parallel
+def step_long(
+    edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
+    pose, delta, numbers, iterations, solids, whole, scratch, residuals,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """As `step`, in O(N) a strand; wants float64."""
+    workers = scratch.shape[0]
+    for task in prange(workers):
+        s = scratch[task]
+        for b in range(task, edges.shape[0], workers):
+            n = edges.shape[1]
+            begin(s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots,
+                  directions, bends, gust, pose, delta, numbers)  # fmt: skip
+            rod_long.iterate(s, n, positions[b, 0], iterations)
+            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole)
+
+
+@function
+def begin(
+    s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions,
+    bends, gust, pose, delta, numbers,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """All of block b's step that comes before the iterations. Row 0 of the positions is the clamped direction from here
+    until `end`; where the root moved to is kept in the scratch."""
+    shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
+    clamp = positions[b, 0]
+    place_root(roots[b], directions[b], pose, delta, clamp, positions[b, 1], shift)
+    weigh(s, n, edges[b], tension[b], lengths[b], stiffness[b], mass, joint, clamp, shift, numbers)
+    if before is None:
+        if gust is None:
+            predict(s, n, velocity[b], None, None, lengths[b], None, numbers)
+        else:
+            predict(s, n, velocity[b], None, None, lengths[b], gust[b], numbers)
+    elif gust is None:
+        predict(s, n, velocity[b], before[b], moved[b], lengths[b], None, numbers)
+    else:
+        predict(s, n, velocity[b], before[b], moved[b], lengths[b], gust[b], numbers)
+    if bends is not None:
+        recall(s, n, edges[b], bends[b], clamp, pose, numbers[8] / numbers[0])
+
+
+@function
+def end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole):  # type: ignore[no-untyped-def]
+    """All that comes after; returns the greatest | |e| − 1 |."""
+    shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
+    residual = finish(s, n, tension[b], numbers[0])
+    sweep(s, n, lengths[b], positions[b], solids, whole, numbers[10])
+    if before is None:
+        settle(s, n, edges[b], velocity[b], None, None, lengths[b], shift, numbers)
+    else:
+        settle(s, n, edges[b], velocity[b], before[b], moved[b], lengths[b], shift, numbers)
+    clamp = positions[b, 0]
+    root = positions[b, 1]
+    for c in range(3):
+        for k in range(W):
+            clamp[c * W + k] = root[c * W + k] - lengths[b, k] * clamp[c * W + k]
+    return residual
 
 
 @function
@@ -80,53 +123,63 @@ def place_root(local, direction, pose, delta, clamp, root, shift):  # type: igno
 
 
 @function
-def predict(s, n, edges, velocity, before, moved, tension, lengths, stiffness, mass, joint, clamp, shift, gust, numbers):  # type: ignore[no-untyped-def]
-    """Fill the scratch: where particles would go alone, in units of a segment, and the coefficients of the step.
-
-    BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
-    """
+def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, clamp, shift, numbers):  # type: ignore[no-untyped-def]
+    """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
+    moved and nothing else. Internal damping pulls each joint to the bend that it had."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
     h = numbers[0]
-    third = numbers[9]
     damping = numbers[8] / h
     drag = numbers[7] * h
+    share = damping / (ONE + damping)
     for j in range(n):
+        heavy = mass[j] * (ONE + drag)
+        stiff = h * h * joint[j] * (ONE + damping)
         for k in range(W):
             s[T + j, k] = max(tension[j, k] * h * h, ZERO)
-            s[M + j, k] = mass[j] * (ONE + drag)
-            s[K + j, k] = stiffness[k] * h * h * joint[j] * (ONE + damping)
+            s[M + j, k] = heavy
+            s[K + j, k] = stiffness[k] * stiff
         for c in range(3):
             o = 3 * j + c
             row = c * W
             for k in range(W):
                 s[E + o, k] = edges[j, row + k]
                 s[U + o, k] = ZERO
-            # internal damping pulls each joint to the bend that it had
-            share = damping / (ONE + damping)
             if j == 0:
                 for k in range(W):
                     s[C + o, k] = share * (edges[0, row + k] - clamp[row + k])
             else:
                 for k in range(W):
                     s[C + o, k] = share * (edges[j, row + k] - edges[j - 1, row + k])
-            if before is None:
-                for k in range(W):
-                    per = h / lengths[k]
-                    free = per * (velocity[j, row + k] + h * numbers[1 + c])
-                    air = numbers[4 + c] if gust is None else numbers[4 + c] * gust[k]
-                    s[A + o, k] = (free + drag * per * air) / (ONE + drag)
-            else:
-                for k in range(W):
-                    per = h / lengths[k]
-                    hat = moved[j, row + k] * third / lengths[k]
-                    v = velocity[j, row + k]
-                    v += (v - before[j, row + k]) * third
-                    free = hat + per * (v + h * numbers[1 + c])
-                    air = numbers[4 + c] if gust is None else numbers[4 + c] * gust[k]
-                    s[A + o, k] = (free + drag * (hat + per * air)) / (ONE + drag)
     for c in range(3):
         for k in range(W):
             s[E + c, k] -= shift[c * W + k] / lengths[k]
+
+
+@function
+def predict(s, n, velocity, before, moved, lengths, gust, numbers):  # type: ignore[no-untyped-def]
+    """u*: where particles would go alone, in units of a segment.
+
+    BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
+    """
+    A = rod.places(n)[3]
+    h = numbers[0]
+    third = numbers[9]
+    drag = numbers[7] * h
+    rest = ONE / (ONE + drag)
+    for j in range(n):
+        for c in range(3):
+            o = A + 3 * j + c
+            row = c * W
+            fall = h * numbers[1 + c]
+            for k in range(W):
+                per = h / lengths[k]
+                air = numbers[4 + c] if gust is None else numbers[4 + c] * gust[k]
+                if before is None:
+                    s[o, k] = per * (velocity[j, row + k] + fall + drag * air) * rest
+                else:
+                    hat = moved[j, row + k] * third / lengths[k]
+                    v = velocity[j, row + k] + (velocity[j, row + k] - before[j, row + k]) * third
+                    s[o, k] = hat + per * (v + fall + drag * air) * rest
 
 
 @function
