@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from strandcli.draw.film import srgb_curve
+from strandcli.draw.film import gradient, srgb_curve
 from strandcli.draw.kernels import film
 from strandcli.draw.kernels.raster import EMPTY
 
@@ -56,13 +56,10 @@ def test_squares_of_samples_are_averaged_before_they_are_encoded(samples: int) -
 
 
 def test_the_background_goes_from_top_to_bottom_in_equal_steps() -> None:
-    image = np.empty((10, 4, 3), np.float32)
     top, bottom = np.float32([0.1, 0.2, 0.3]), np.float32([0.5, 0.2, 0.0])
-    film.background(top, bottom, image)
-    share = (np.arange(10) + 0.5)[:, None, None] / 10
-    np.testing.assert_allclose(image, np.broadcast_to(top + share * (bottom - top), image.shape), atol=1e-7)
-    film.background(top, top, image)
-    np.testing.assert_array_equal(image, np.broadcast_to(top, image.shape))
+    share = (np.arange(10) + 0.5)[:, None] / 10
+    np.testing.assert_allclose(gradient(top, bottom, 10), top + share * (bottom - top), atol=1e-7)
+    np.testing.assert_array_equal(gradient(top, top, 10), np.broadcast_to(top, (10, 3)))
 
 
 def coloured(screen: list[list[float]], vertex: list[list[float]], keys: dict[int, int], **options: int) -> np.ndarray:

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids as shapes
-from ..blocks import unpack
 from ..constants import PORTION, W
 from ..groom.emit import Groom
 from . import raster
 from .camera import View, camera_view
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
-from .film import srgb_curve
+from .film import gradient, srgb_curve
 from .kernels import film, project, shade, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
@@ -79,7 +78,7 @@ class Renderer:
         image = scratch.take("image", (self.size[1], self.size[0], 3), np.float32)
         top = np.array(scene.image.background, np.float32)
         bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
-        film.background(top, bottom, image)
+        image[...] = gradient(top, bottom, self.size[1])[:, None]
         self._lap("film")
 
         base = 0
@@ -130,12 +129,12 @@ class Renderer:
     def _bounds(self, positions: NDArray[np.float32], strands: int) -> NDArray[np.float64]:
         """Box (2, 3) of the strands that are drawn: of no others, so that a frame is the same whichever strands other
         frames need."""
-        blocks = -(-strands // W)
-        boxes = self.scratch.take("boxes", (blocks, 2, 3), np.float32)
-        project.bounds(positions[: blocks - 1], boxes[:-1])
-        last = unpack(positions[blocks - 1 : blocks, 1:], strands - (blocks - 1) * W)
-        boxes[-1] = last.min((0, 1)), last.max((0, 1))
-        return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)]).astype(np.float64)
+        whole = strands // W
+        rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
+        parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
+        parts = [part for part in parts if part.size]
+        low = np.min([part.min((0, 1, 3)) for part in parts], 0)
+        return np.stack([low, np.max([part.max((0, 1, 3)) for part in parts], 0)]).astype(np.float64)
 
     def _flatten(
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View, keep: bool

@@ -14,18 +14,6 @@ LAST = np.float32(65535.0)
 
 
 @parallel
-def background(top, bottom, image):  # type: ignore[no-untyped-def]
-    """A vertical gradient. top, bottom (3,) linear; image (height, width, 3) float32."""
-    height = image.shape[0]
-    for y in prange(height):
-        t = (np.float32(y) + HALF) / np.float32(height)
-        for c in range(3):
-            value = top[c] + t * (bottom[c] - top[c])
-            for x in range(image.shape[1]):
-                image[y, x, c] = value
-
-
-@parallel
 def colours(keys, base, screen, per, stride, vertex, image):  # type: ignore[no-untyped-def]
     """Colour of the strands that are seen, linear between two lit vertices.
 

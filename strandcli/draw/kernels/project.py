@@ -28,22 +28,6 @@ def widths(first, screen, view, thickness, taper, least, out):  # type: ignore[n
 
 
 @parallel
-def bounds(positions, out):  # type: ignore[no-untyped-def]
-    """Box of each block: positions (blocks, n + 1, 3 W), the row before the root left out; out (blocks, 2, 3)."""
-    lanes = positions.shape[2] // 3
-    for b in prange(positions.shape[0]):
-        for c in range(3):
-            low = positions[b, 1, c * lanes]
-            high = low
-            for i in range(1, positions.shape[1]):
-                for k in range(c * lanes, c * lanes + lanes):
-                    low = min(low, positions[b, i, k])
-                    high = max(high, positions[b, i, k])
-            out[b, 0, c] = low
-            out[b, 1, c] = high
-
-
-@parallel
 def points(first, world, view, screen):  # type: ignore[no-untyped-def]
     """Project polylines.
 

@@ -27,7 +27,7 @@ POINT = 24
 FIXED = np.float32(2.0**POINT)
 
 
-@parallel
+@function
 def bands(first, screen, height, rows, margin, out):  # type: ignore[no-untyped-def]
     """The bands of rows that each strand touches.
 
@@ -36,7 +36,7 @@ def bands(first, screen, height, rows, margin, out):  # type: ignore[no-untyped-
     out (S, 2) int32: first and last band, first > last for a strand that is not on the screen.
     """
     last_band = (height - 1) // rows
-    for s in prange(first.shape[0] - 1):
+    for s in range(first.shape[0] - 1):
         low = np.float32(np.inf)
         high = np.float32(-np.inf)
         for v in range(first[s], first[s + 1]):

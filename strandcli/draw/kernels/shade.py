@@ -21,15 +21,15 @@ TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
 
 
-@parallel
+@function
 def mark(keys, base, count, per, stride, marks):  # type: ignore[no-untyped-def]
     """Note the vertices that the light has to be known at: the ends of what is seen.
 
     keys (P,) uint64; base: number that was added to vertex indices; per: vertices a strand where all have the same
     number, else 0; stride: every which vertex is lit, 1 unless `per` says where a strand begins; marks (count,) uint8,
-    zero before. Every thread that writes a mark writes the same.
+    zero before.
     """
-    for p in prange(keys.shape[0]):
+    for p in range(keys.shape[0]):
         if keys[p] != EMPTY:
             v = np.int64(keys[p] & LOW) - base
             if 0 <= v < count - 1:
