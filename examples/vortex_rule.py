@@ -53,9 +53,9 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 def main(folder: Path) -> None:
     """Draw a head of hair in a whirlwind."""
     import vortex_rule  # the module by its importable name, which the compiled step imports it by
+    from PIL import Image
 
     import strandcli
-    from PIL import Image
 
     register(vortex_rule)
     rules = ["gravity", {"vortex": {"strength": 60.0}}, {"stiffness": {"strength": 20.0}}, "collision", "elasticity"]

@@ -4,6 +4,8 @@ Importing this module prepares the runtime first, because Numba settles where a 
 decorated. No fastmath: without it the bits are the same on every thread count, and it gained at most a sixth.
 """
 
+from typing import Any
+
 from . import runtime
 
 runtime.start_once()
@@ -12,8 +14,8 @@ from numba import njit, prange  # noqa: E402
 
 __all__ = ["function", "parallel", "prange"]
 
-parallel = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
+parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 """A kernel that a driver calls: its loops run on all threads."""
 
-function = njit(nogil=True, cache=True, error_model="numpy")
+function: Any = njit(nogil=True, cache=True, error_model="numpy")
 """A function that kernels call."""

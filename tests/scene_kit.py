@@ -1,6 +1,6 @@
 """What the tests of scenes share: made-up rules, so that these tests know no real one, and short ways to load."""
 
-# ruff: noqa: RUF009 - these calls make dataclass fields
+
 
 from __future__ import annotations
 

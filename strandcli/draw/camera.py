@@ -47,11 +47,11 @@ class View:
 
 def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Right, up and forward, orthonormal; an ``up`` along the view is replaced by another axis."""
-    f = np.asarray(forward, np.float64)
+    f: NDArray[np.float64] = np.asarray(forward, np.float64)
     f = f / np.linalg.norm(f)
-    u = np.asarray(up, np.float64)
+    u: NDArray[np.float64] = np.asarray(up, np.float64)
     right = np.cross(f, u)
-    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(u), 1e-300):
+    if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(u)), 1e-300):
         right = np.cross(f, np.eye(3)[np.argmin(np.abs(f))])
     right = right / np.linalg.norm(right)
     return right, np.cross(right, f), f

@@ -188,7 +188,7 @@ class Renderer:
         shade.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
             np.array(self.scene.ambient, np.float32), p.lobes, p.nodes, p.paths, lights, *self._maps(maps),
-            *(packed or [None] * 4), self._skin(), colours,
+            *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
 

@@ -1,8 +1,8 @@
 """The production solver: inextensible rods with mass and bending stiffness, solved implicitly.
 
 See `kernels/rod.py` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
-particles. Of a scene's rules it takes emitter motion, gravity, wind (whose strength is here the speed of the air in m/s)
-and collision; elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
+particles. Of a scene's rules it takes emitter motion, gravity, wind (whose strength is here the speed of the air in
+m/s) and collision; elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
 material. Twist is not represented.
 """
 
@@ -235,7 +235,7 @@ class RodSolver(Solver):
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
         rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
-        first, second = frame(axes)
+        first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
         t, a = axes, first
         for j in range(n):

@@ -88,7 +88,8 @@ def _stiffness() -> dict[str, Any]:
     return {
         "claim": "stiffness changes when the step changes: how far resting tips move",
         "source": "admitted, no figure",
-        "ours": f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, {100 * drift[120]:.0f} % to 1/120 s",
+        "ours": f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, "
+        f"{100 * drift[120]:.0f} % to 1/120 s",
         "drift": {str(fps): value for fps, value in drift.items()},
     }
 

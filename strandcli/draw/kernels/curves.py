@@ -23,9 +23,9 @@ STRAIGHT = np.float32(0.1)
 
 
 @function
-def difference(block, lane, i, n):  # type: ignore[no-untyped-def]
+def difference(block, lane, i, n):
     """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
-    the direction that the source constructs and has no singular case. block (n + 1, 3 W), row i + 1 holds particle i."""
+    the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
     if i == n - 1:
         return ZERO, ZERO, ZERO
     high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
@@ -37,7 +37,7 @@ def difference(block, lane, i, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def printed(block, lane, i, n):  # type: ignore[no-untyped-def]
+def printed(block, lane, i, n):
     """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
     t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
     scale."""
@@ -67,7 +67,7 @@ def printed(block, lane, i, n):  # type: ignore[no-untyped-def]
 @parallel
 def count(
     positions, lengths, strands, view, most, tolerance, fade, as_printed, out, sizes, error
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """How many pieces each segment needs on the screen.
 
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
@@ -142,7 +142,7 @@ def count(
 
 
 @function
-def reach(u0, v0, z0, u1, v1, z1, margin, view):  # type: ignore[no-untyped-def]
+def reach(u0, v0, z0, u1, v1, z1, margin, view):
     """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
     about it; 0 where that cannot touch the picture."""
     near = view[14]
@@ -172,7 +172,7 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):  # type: ignore[no-untyped-def]
 
 
 @function
-def into(x, y, z, view):  # type: ignore[no-untyped-def]
+def into(x, y, z, view):
     """World to view: right, up, and depth along the view direction."""
     return (
         view[0] * x + view[1] * y + view[2] * z + view[3],
@@ -182,7 +182,7 @@ def into(x, y, z, view):  # type: ignore[no-untyped-def]
 
 
 @parallel
-def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):  # type: ignore[no-untyped-def]
+def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):
     """Write each strand's polyline.
 
     pieces (strands, n − 1) uint16, or None with `fixed` pieces for every segment; as_printed, straight: array or None
@@ -249,12 +249,12 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
 
 
 @function
-def cubic(e, g, h):  # type: ignore[no-untyped-def]
+def cubic(e, g, h):
     """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
     return THREE * (e - TWO * g - h)
 
 
 @function
-def slack(e, g, h):  # type: ignore[no-untyped-def]
+def slack(e, g, h):
     """Coefficient of t³."""
     return THREE * (g + h) - TWO * e

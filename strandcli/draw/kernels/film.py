@@ -14,7 +14,7 @@ LAST = np.float32(65535.0)
 
 
 @parallel
-def colours(keys, base, screen, per, stride, vertex, image):  # type: ignore[no-untyped-def]
+def colours(keys, base, screen, per, stride, vertex, image):
     """Colour of the strands that are seen, linear between two lit vertices.
 
     keys (height * width,) uint64; base: number that was added to vertex indices; screen (V, 3) as projected; vertex
@@ -46,7 +46,7 @@ def colours(keys, base, screen, per, stride, vertex, image):  # type: ignore[no-
 
 
 @parallel
-def develop(image, samples, exposure, curve, out):  # type: ignore[no-untyped-def]
+def develop(image, samples, exposure, curve, out):
     """Average samples × samples squares and encode.
 
     image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8, the transfer function
@@ -70,7 +70,7 @@ def develop(image, samples, exposure, curve, out):  # type: ignore[no-untyped-de
 
 
 @function
-def encode(value, curve):  # type: ignore[no-untyped-def]
+def encode(value, curve):
     """The curve at a value of 0 to 65535; beyond that range, at its end."""
     value = value if value > ZERO else ZERO
     return curve[np.uint64(min(value, LAST) + HALF)]

@@ -13,7 +13,7 @@ MOST = np.float32(1e8)
 
 
 @parallel
-def widths(first, screen, view, thickness, taper, least, out):  # type: ignore[no-untyped-def]
+def widths(first, screen, view, thickness, taper, least, out):
     """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
     never under `least`. first, screen, view as in `points`; out (V,) float32."""
     for s in prange(first.shape[0] - 1):
@@ -28,7 +28,7 @@ def widths(first, screen, view, thickness, taper, least, out):  # type: ignore[n
 
 
 @parallel
-def points(first, world, view, screen):  # type: ignore[no-untyped-def]
+def points(first, world, view, screen):
     """Project polylines.
 
     first (S + 1,) int64; world (V, 3) metres; view (24,) float32, built by `strandcli.draw.camera.View.pack`: three
@@ -73,7 +73,7 @@ def points(first, world, view, screen):  # type: ignore[no-untyped-def]
 
 
 @function
-def forward(world, view, v, begin, end, x, y, z):  # type: ignore[no-untyped-def]
+def forward(world, view, v, begin, end, x, y, z):
     """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
     them crosses that plane."""
     near = view[14]
@@ -87,7 +87,7 @@ def forward(world, view, v, begin, end, x, y, z):  # type: ignore[no-untyped-def
 
 
 @function
-def place(screen, v, x, y, q):  # type: ignore[no-untyped-def]
+def place(screen, v, x, y, q):
     """Set a vertex; one so far off that pixels can no longer be told apart is left out, as is what is not a number."""
     seen = abs(x) < MOST and abs(y) < MOST
     screen[v, 0] = x if seen else ZERO

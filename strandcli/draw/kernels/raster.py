@@ -28,7 +28,7 @@ FIXED = np.float32(2.0**POINT)
 
 
 @function
-def bands(first, screen, height, rows, margin, out):  # type: ignore[no-untyped-def]
+def bands(first, screen, height, rows, margin, out):
     """The bands of rows that each strand touches.
 
     first (S + 1,) int64 vertex offsets; screen (V, 3) float32 pixels and inverse depth; bands are `rows` high; margin:
@@ -52,7 +52,7 @@ def bands(first, screen, height, rows, margin, out):  # type: ignore[no-untyped-
 
 
 @function
-def count(ranges, out):  # type: ignore[no-untyped-def]
+def count(ranges, out):
     """Strands in each band: ranges (S, 2) as from `bands`; out (bands + 1,) int64 becomes where each band's list
     begins."""
     out[:] = 0
@@ -64,7 +64,7 @@ def count(ranges, out):  # type: ignore[no-untyped-def]
 
 
 @function
-def scatter(ranges, cursor, members):  # type: ignore[no-untyped-def]
+def scatter(ranges, cursor, members):
     """List the strands band by band, in their own order. cursor (bands,) int64 holds where each list begins and is used
     up; members (M,) int32."""
     for s in range(ranges.shape[0]):
@@ -74,7 +74,7 @@ def scatter(ranges, cursor, members):  # type: ignore[no-untyped-def]
 
 
 @parallel
-def visible(first, screen, widths, members, begin, width, height, rows, workers, base, keys):  # type: ignore[no-untyped-def]
+def visible(first, screen, widths, members, begin, width, height, rows, workers, base, keys):
     """Draw lines.
 
     widths (V,) float32 pixels, or None for lines one pixel wide; members (M,) int32 strands listed band by band, begin
@@ -87,7 +87,7 @@ def visible(first, screen, widths, members, begin, width, height, rows, workers,
 
 
 @function
-def band(first, screen, widths, members, begin, b, width, height, rows, base, keys):  # type: ignore[no-untyped-def]
+def band(first, screen, widths, members, begin, b, width, height, rows, base, keys):
     """All that `visible` does in band number `b`."""
     top = b * rows
     bottom = min(top + rows, height)
@@ -120,7 +120,7 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
 
 
 @function
-def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):  # type: ignore[no-untyped-def]
+def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
     """One segment into the rows top <= y < bottom. Positions across the longer axis step in fixed point, 24 bits behind
     the point: a shift finds the pixel."""
     if abs(x1 - x0) >= abs(y1 - y0):
@@ -170,7 +170,7 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):  # type: i
 
 
 @function
-def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):  # type: ignore[no-untyped-def]
+def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
     """As `line`, `w` >= 1 pixels wide: across the longer axis a sample for each centre that the band of that width
     covers."""
     dx = x1 - x0
@@ -223,7 +223,7 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):  # ty
 
 
 @function
-def deposit(q, identity, pixel, keys):  # type: ignore[no-untyped-def]
+def deposit(q, identity, pixel, keys):
     """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
     if key < keys[pixel]:

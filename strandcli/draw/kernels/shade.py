@@ -22,7 +22,7 @@ FAR = np.float32(1e30)
 
 
 @function
-def mark(keys, base, count, per, stride, marks):  # type: ignore[no-untyped-def]
+def mark(keys, base, count, per, stride, marks):
     """Note the vertices that the light has to be known at: the ends of what is seen.
 
     keys (P,) uint64; base: number that was added to vertex indices; per: vertices a strand where all have the same
@@ -40,7 +40,7 @@ def mark(keys, base, count, per, stride, marks):  # type: ignore[no-untyped-def]
 
 
 @function
-def toward(light, x, y, z):  # type: ignore[no-untyped-def]
+def toward(light, x, y, z):
     """Unit direction to a light, its distance, and its irradiance's falloff at a point."""
     if light[0] == ZERO:
         return light[1], light[2], light[3], FAR, ONE
@@ -56,7 +56,7 @@ def toward(light, x, y, z):  # type: ignore[no-untyped-def]
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, nodes, paths,
     lights, maps, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
@@ -145,7 +145,7 @@ def strands(
 
 
 @function
-def look_up(tint, along, tone):  # type: ignore[no-untyped-def]
+def look_up(tint, along, tone):
     """Bilinear in a table (A, B, 6) over along in [0, 1] and tone in [−1, 1]."""
     a = along * np.float32(tint.shape[0] - 1)
     b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
@@ -175,7 +175,7 @@ def look_up(tint, along, tone):  # type: ignore[no-untyped-def]
 def surfaces(
     keys, width, height, view, ambient, lights, maps, starts, sizes, views,
     spheres, capsules, planes, boxes, paint, skin, image,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
 
     keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;

@@ -25,7 +25,7 @@ STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
 
 
 @parallel
-def fill(first, screen, members, begin, size, rows, workers, far, near, texels):  # type: ignore[no-untyped-def]
+def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
     """Draw the strands' depths into a map that holds (inf, −inf) where nothing is drawn yet.
 
     screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light,
@@ -38,7 +38,7 @@ def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
 
 
 @function
-def band(first, screen, members, begin, b, size, rows, far, near, texels):  # type: ignore[no-untyped-def]
+def band(first, screen, members, begin, b, size, rows, far, near, texels):
     """All that `fill` does in band number `b`."""
     top = b * rows
     bottom = min(top + rows, size)
@@ -63,7 +63,7 @@ def band(first, screen, members, begin, b, size, rows, far, near, texels):  # ty
 
 
 @function
-def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):  # type: ignore[no-untyped-def]
+def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
     """One piece: a sample for each texel along its longer axis, at least one, so that none is lost between texels."""
     length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
     if length > np.float32(4 * size):  # a light so near that a piece is wider than its map
@@ -91,7 +91,7 @@ def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):  # type: ignore[no-
 
 
 @function
-def transmittance(x, y, z, light, maps, starts, sizes, views):  # type: ignore[no-untyped-def]
+def transmittance(x, y, z, light, maps, starts, sizes, views):
     """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
     light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
 
@@ -129,7 +129,7 @@ def transmittance(x, y, z, light, maps, starts, sizes, views):  # type: ignore[n
 
 
 @function
-def through(d, r, a):  # type: ignore[no-untyped-def]
+def through(d, r, a):
     """1 − (eˣ − 1) / (e − 1) at depth d between the nearest r and the farthest a.
 
     Guarded where a = r: lit up to there, dark behind; lit where the texel is empty, with r = inf and a = −inf. e^x by

@@ -23,7 +23,7 @@ FIRST = np.uint64(0xFFF00000)
 
 
 @function
-def sphere(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+def sphere(p, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to a sphere's outside; inf where it is missed or begins inside."""
     cx = ox - p[0]
     cy = oy - p[1]
@@ -42,7 +42,7 @@ def sphere(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
 
 
 @function
-def capsule(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+def capsule(p, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a capsule: the open cylinder, then its two ends."""
     cx = ox - p[0]
     cy = oy - p[1]
@@ -85,7 +85,7 @@ def capsule(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
 
 
 @function
-def plane(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+def plane(p, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for the upper side of a plane."""
     down = p[0] * dx + p[1] * dy + p[2] * dz
     over = p[0] * ox + p[1] * oy + p[2] * oz - p[3]
@@ -95,7 +95,7 @@ def plane(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
 
 
 @function
-def box(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+def box(p, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
     cx = ox - p[0]
     cy = oy - p[1]
@@ -119,7 +119,7 @@ def box(p, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
 
 
 @function
-def normal(spheres, capsules, planes, boxes, which, x, y, z):  # type: ignore[no-untyped-def]
+def normal(spheres, capsules, planes, boxes, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
     m = which
     if m < spheres.shape[0]:
@@ -164,7 +164,7 @@ def normal(spheres, capsules, planes, boxes, which, x, y, z):  # type: ignore[no
 
 
 @function
-def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):  # type: ignore[no-untyped-def]
+def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     """1 where nothing solid stands between a point and a light at `reach` along the unit direction l, else 0.
 
     Points within `skin` under a surface count as on it, so that a root is not shaded by the solid that it grows from:
@@ -199,7 +199,7 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):  # 
 
 
 @parallel
-def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):  # type: ignore[no-untyped-def]
+def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
     """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none.
 
     frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
@@ -227,7 +227,7 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):  
 
 
 @function
-def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid number `which`: its parameter, inf where it does not."""
     m = which
     if m < spheres.shape[0]:
@@ -242,7 +242,7 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):  # ty
 
 
 @function
-def ray(view, right, up):  # type: ignore[no-untyped-def]
+def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
     direction's length is such that its parameter is the depth."""
     ax = view[0] * right + view[4] * up

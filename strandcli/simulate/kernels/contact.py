@@ -31,7 +31,7 @@ ROUNDS = 3
 
 
 @function
-def deepest(spheres, capsules, planes, boxes, x, y, z):  # type: ignore[no-untyped-def]
+def deepest(spheres, capsules, planes, boxes, x, y, z):
     """Depth of a point in the solid that it is deepest in (not positive: its distance from the nearest), that solid's
     kind (0 to 3, in the order of the arguments) and its number."""
     most = -ONE / TINY
@@ -74,14 +74,14 @@ def deepest(spheres, capsules, planes, boxes, x, y, z):  # type: ignore[no-untyp
 
 
 @function
-def on_axis(p, x, y, z):  # type: ignore[no-untyped-def]
+def on_axis(p, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
     t = min(max(((x - p[0]) * p[3] + (y - p[1]) * p[4] + (z - p[2]) * p[5]) * p[7], ZERO), ONE)
     return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5]
 
 
 @function
-def face(p, x, y, z):  # type: ignore[no-untyped-def]
+def face(p, x, y, z):
     """Depth in a box below its nearest face, and that face's normal in the world."""
     dx = x - p[0]
     dy = y - p[1]
@@ -103,7 +103,7 @@ def face(p, x, y, z):  # type: ignore[no-untyped-def]
 
 
 @function
-def along(p, qx, qy, qz, dx, dy, dz, length):  # type: ignore[no-untyped-def]
+def along(p, qx, qy, qz, dx, dy, dz, length):
     """Share of an edge at which it is deepest in a box: the middle of the part that is inside, or 1."""
     enter = ZERO
     leave = ONE
@@ -122,7 +122,7 @@ def along(p, qx, qy, qz, dx, dy, dz, length):  # type: ignore[no-untyped-def]
 
 
 @function
-def near_axis(p, qx, qy, qz, dx, dy, dz, length):  # type: ignore[no-untyped-def]
+def near_axis(p, qx, qy, qz, dx, dy, dz, length):
     """Point of a capsule's axis that is nearest to an edge (Ericson 2005, §5.1.9, by two alternating projections)."""
     t = ONE
     ox = qx
@@ -136,7 +136,7 @@ def near_axis(p, qx, qy, qz, dx, dy, dz, length):  # type: ignore[no-untyped-def
 
 
 @function
-def bend(dx, dy, dz, ax, ay, az, limit):  # type: ignore[no-untyped-def]
+def bend(dx, dy, dz, ax, ay, az, limit):
     """Turn the unit vector d away from the unit vector a until d·a = limit, where it is more."""
     c = dx * ax + dy * ay + dz * az
     if c <= limit:
@@ -160,7 +160,7 @@ def bend(dx, dy, dz, ax, ay, az, limit):  # type: ignore[no-untyped-def]
 
 
 @function
-def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):  # type: ignore[no-untyped-def]
+def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     """Turn an edge off a ball."""
     ax = ox - qx
     ay = oy - qy
@@ -178,7 +178,7 @@ def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):  # type: ign
 
 
 @function
-def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes, whole):  # type: ignore[no-untyped-def]
+def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes, whole):
     """Turn an edge from q along d off every solid; overlapping ones take turns a few times."""
     for _ in range(ROUNDS):
         hx = dx
@@ -213,10 +213,10 @@ def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes,
 
 
 @function
-def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):  # type: ignore[no-untyped-def]
+def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
     """Where the solid that is nearest to (x, y, z) has carried a point (ox, oy, oz) in this step, and its outward
     normal at (x, y, z)."""
-    under, kind, which = deepest(spheres, capsules, planes, boxes, x, y, z)
+    _, kind, which = deepest(spheres, capsules, planes, boxes, x, y, z)
     if kind == 0:
         p = spheres[which]
         o = 5
@@ -239,7 +239,7 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):  # type: ign
     else:
         p = boxes[which]
         o = 16
-        under, nx, ny, nz = face(p, x, y, z)
+        _, nx, ny, nz = face(p, x, y, z)
     size = ONE / np.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     tx = p[o] * ox + p[o + 1] * oy + p[o + 2] * oz + p[o + 9]
     ty = p[o + 3] * ox + p[o + 4] * oy + p[o + 5] * oz + p[o + 10]
@@ -248,7 +248,7 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):  # type: ign
 
 
 @function
-def touch(s, y, old, q, p, lengths, spheres, capsules, planes, boxes, whole, friction):  # type: ignore[no-untyped-def]
+def touch(s, y, old, q, p, lengths, spheres, capsules, planes, boxes, whole, friction):
     """One edge of every lane: rows y, y + 1, y + 2 of the scratch hold unit edges, rows old … where the particles were
     before the step; q, p (3 W,): the particle before and this one, in the world."""
     for k in range(W):

@@ -15,7 +15,7 @@ ONE = np.float32(1)
 
 
 @parallel
-def strands(positions, lengths, out):  # type: ignore[no-untyped-def]
+def strands(positions, lengths, out):
     """Stretch and non-finite coordinates.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W); out (blocks, 2) float32: greatest | |e_i| / L − 1 |, and the
@@ -43,7 +43,7 @@ def strands(positions, lengths, out):  # type: ignore[no-untyped-def]
 
 
 @parallel
-def depth(positions, spheres, capsules, planes, boxes, out):  # type: ignore[no-untyped-def]
+def depth(positions, spheres, capsules, planes, boxes, out):
     """Greatest depth of a particle inside a solid, roots left out, metres.
 
     positions as above; solids as packed by `strandcli.solids.pack`, (m, columns) each; out (blocks,) float32.

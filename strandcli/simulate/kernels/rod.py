@@ -1,7 +1,7 @@
 """One implicit step of inextensible rods: force-density Newton on a block of strands, one strand a lane.
 
-Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles move
-by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_{j+1} − e_j, c_0 = e_1 − d at the clamp, and
+Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
+move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_{j+1} − e_j, c_0 = e_1 − d at the clamp, and
 κ_0 twice the others: with half a mass at the tip this makes the discretisation second order. The step minimises
 
     ½ Σ M_j |u_j − u*_j|² + ½ Σ κ_j |c_j − c̄_j|²    with |e_j| = 1,
@@ -40,7 +40,7 @@ def rows_for(n: int) -> int:
 
 
 @function
-def places(n):  # type: ignore[no-untyped-def]
+def places(n):
     """Where the parts begin: e, u, y, u*, c̄, τ, τ before, M, κ, d, l1, l2, δ, S, spare."""
     return (
         0, 3 * n, 6 * n, 9 * n, 12 * n, 15 * n, 16 * n, 17 * n, 18 * n, 19 * n, 20 * n, 21 * n, 22 * n,
@@ -49,7 +49,7 @@ def places(n):  # type: ignore[no-untyped-def]
 
 
 @function
-def factor(s, n):  # type: ignore[no-untyped-def]
+def factor(s, n):
     """H = L diag(d) Lᵀ with two bands; returns whether some lane lost definiteness, which its row of `spare` marks by 1
     (its pivots are replaced by 1, so that nothing overflows)."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
@@ -101,7 +101,7 @@ def factor(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def substitute(s, n):  # type: ignore[no-untyped-def]
+def substitute(s, n):
     """y = H⁻¹ y in place, for x, y and z."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for j in range(1, n):
@@ -127,7 +127,7 @@ def substitute(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def residual(s, n, clamp):  # type: ignore[no-untyped-def]
+def residual(s, n, clamp):
     """y := ρ_j = M_j (u*_j − u_j) − (g_j − g_{j+1}), g_j = τ_j e_j + κ_{j−1} (c_{j−1} − c̄_{j−1}) − κ_j (c_j − c̄_j).
 
     clamp (3 W,): the direction d before the first edge."""
@@ -153,7 +153,7 @@ def residual(s, n, clamp):  # type: ignore[no-untyped-def]
 
 
 @function
-def move(s, n):  # type: ignore[no-untyped-def]
+def move(s, n):
     """u += y, e += D y."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for o in range(3 * n):
@@ -168,7 +168,7 @@ def move(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def inverse(s, n):  # type: ignore[no-untyped-def]
+def inverse(s, n):
     """The lower triangle of H⁻¹ into S, from the last column to the first (Takahashi, Fagan & Chin 1973)."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for a in range(n):
@@ -193,7 +193,7 @@ def inverse(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def couple(s, n):  # type: ignore[no-untyped-def]
+def couple(s, n):
     """S := (e_i·e_j) ∘ (D H⁻¹ Dᵀ) in place of H⁻¹, and δ := r."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for a in range(n):
@@ -226,7 +226,7 @@ def couple(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def solve_dense(s, n):  # type: ignore[no-untyped-def]
+def solve_dense(s, n):
     """δ := S⁻¹ δ by LDLᵀ without pivoting: S is positive definite by Schur's product theorem. A pivot that rounding has
     taken below a millionth of its entry is raised to that."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
@@ -265,7 +265,7 @@ def solve_dense(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def tense(s, n):  # type: ignore[no-untyped-def]
+def tense(s, n):
     """τ += δ, the τ before kept."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     for j in range(n):
@@ -275,7 +275,7 @@ def tense(s, n):  # type: ignore[no-untyped-def]
 
 
 @function
-def retreat(s, n, last):  # type: ignore[no-untyped-def]
+def retreat(s, n, last):
     """In the lanes that are marked in `spare`, go back half of the way to the τ before; at `last`, all of it."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
     share = ONE if last else HALF
@@ -286,7 +286,7 @@ def retreat(s, n, last):  # type: ignore[no-untyped-def]
 
 
 @function
-def dual(s, n, clamp, o):  # type: ignore[no-untyped-def]
+def dual(s, n, clamp, o):
     """Row o of the scratch: the Lagrangian at x(τ), the concave function of τ that Newton's method climbs; and whether
     a length is still wrong by more than `ENOUGH` in some lane."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
@@ -317,7 +317,7 @@ def dual(s, n, clamp, o):  # type: ignore[no-untyped-def]
 
 
 @function
-def compare(s, n, new, old):  # type: ignore[no-untyped-def]
+def compare(s, n, new, old):
     """Mark in `spare` the lanes whose dual value fell; whether there are any."""
     X = places(n)[14]
     bad = ZERO
@@ -329,7 +329,7 @@ def compare(s, n, new, old):  # type: ignore[no-untyped-def]
 
 
 @function
-def follow(s, n, clamp):  # type: ignore[no-untyped-def]
+def follow(s, n, clamp):
     """x := x(τ), exactly: the problem is linear. False where H is not definite in some lane, which is then marked."""
     if factor(s, n):
         return False
@@ -340,7 +340,7 @@ def follow(s, n, clamp):  # type: ignore[no-untyped-def]
 
 
 @function
-def climb(s, n, clamp):  # type: ignore[no-untyped-def]
+def climb(s, n, clamp):
     """Take the step δ, or as much of it as keeps H definite and the dual from falling. Returns whether lengths are
     still wrong."""
     X = places(n)[14]
@@ -360,7 +360,7 @@ def climb(s, n, clamp):  # type: ignore[no-untyped-def]
 
 
 @function
-def iterate(s, n, clamp, iterations):  # type: ignore[no-untyped-def]
+def iterate(s, n, clamp, iterations):
     """Newton's iterations, at most so many, until the lengths of all lanes are right to `ENOUGH`. Begins with tension
     alone, with which H is definite."""
     X = places(n)[14]

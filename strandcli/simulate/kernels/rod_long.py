@@ -31,7 +31,7 @@ def rows_for(n: int) -> int:
 
 
 @function
-def assemble(s, n, F, R):  # type: ignore[no-untyped-def]
+def assemble(s, n, F, R):
     """Fill the band: row F + BAND i + b holds entry (i, i + b); right-hand sides in rows R + i.
 
     Diagonal entries of H are those before factoring, so H is put together here once more."""
@@ -75,7 +75,7 @@ def assemble(s, n, F, R):  # type: ignore[no-untyped-def]
 
 
 @function
-def eliminate(s, n, F, R):  # type: ignore[no-untyped-def]
+def eliminate(s, n, F, R):
     """Factor the band and solve in place: rows R become y (three a particle) and −δ."""
     size = 4 * n
     for i in range(size):
@@ -104,7 +104,7 @@ def eliminate(s, n, F, R):  # type: ignore[no-untyped-def]
 
 
 @function
-def iterate(s, n, clamp, iterations):  # type: ignore[no-untyped-def]
+def iterate(s, n, clamp, iterations):
     """As `rod.iterate`."""
     DEL = 22 * n
     X = 23 * n

@@ -18,7 +18,7 @@ TINY = np.float32(1e-30)
 def step(
     edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
     pose, delta, numbers, iterations, solids, whole, scratch, residuals,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """Move every strand by one step, in place.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s, and the same one step `before` with the last
@@ -28,12 +28,11 @@ def step(
     and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots, directions
     (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the
     emitter's frame, then the rest value of c_j in the frame carried along the strand, or None for straight rods; gust
-    (blocks, W): factor of the air's velocity, or None; pose, delta (12,): the emitter's rotation by rows and translation, and what
-    they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s,
-    [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler
-    step that it starts with), [10] friction; solids: four arrays as in `contact`, or
-    None; whole: segments are caught too; scratch (workers, rows, W); residuals (blocks,): greatest | |e| − 1 | before lengths are made
-    exact. All of one floating type.
+    (blocks, W): factor of the air's velocity, or None; pose, delta (12,): the emitter's rotation by rows and its
+    translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of
+    the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10]
+    friction; solids: four arrays as in `contact`, or None; whole: segments are caught too; scratch (workers, rows, W);
+    residuals (blocks,): greatest | |e| − 1 | before lengths are made exact. All of one floating type.
     """
     workers = scratch.shape[0]
     for task in prange(workers):
@@ -43,14 +42,15 @@ def step(
             begin(s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots,
                   directions, bends, gust, pose, delta, numbers)  # fmt: skip
             rod.iterate(s, n, positions[b, 0], iterations)
-            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole)
+            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids,
+                               whole)  # fmt: skip
 
 
 @parallel
 def step_long(
     edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
     pose, delta, numbers, iterations, solids, whole, scratch, residuals,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """As `step`, in O(N) a strand; wants float64."""
     workers = scratch.shape[0]
     for task in prange(workers):
@@ -60,14 +60,15 @@ def step_long(
             begin(s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots,
                   directions, bends, gust, pose, delta, numbers)  # fmt: skip
             rod_long.iterate(s, n, positions[b, 0], iterations)
-            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole)
+            residuals[b] = end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids,
+                               whole)  # fmt: skip
 
 
 @function
 def begin(
     s, n, b, edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions,
     bends, gust, pose, delta, numbers,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+):  # fmt: skip
     """All of block b's step that comes before the iterations. Row 0 of the positions is the clamped direction from here
     until `end`; where the root moved to is kept in the scratch."""
     shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
@@ -88,7 +89,7 @@ def begin(
 
 
 @function
-def end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole):  # type: ignore[no-untyped-def]
+def end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, numbers, solids, whole):
     """All that comes after; returns the greatest | |e| − 1 |."""
     shift = s[rod.places(n)[14] + 6 : rod.places(n)[14] + 9].reshape(3 * W)
     residual = finish(s, n, tension[b], numbers[0])
@@ -106,7 +107,7 @@ def end(s, n, b, edges, velocity, before, moved, tension, positions, lengths, nu
 
 
 @function
-def place_root(local, direction, pose, delta, clamp, root, shift):  # type: ignore[no-untyped-def]
+def place_root(local, direction, pose, delta, clamp, root, shift):
     """The root in the world, by how much it moved, and the clamped direction (kept in `clamp` during the step)."""
     for k in range(W):
         x = local[k]
@@ -123,7 +124,7 @@ def place_root(local, direction, pose, delta, clamp, root, shift):  # type: igno
 
 
 @function
-def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, clamp, shift, numbers):  # type: ignore[no-untyped-def]
+def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, clamp, shift, numbers):
     """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
     moved and nothing else. Internal damping pulls each joint to the bend that it had."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
@@ -156,7 +157,7 @@ def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, clamp, shift, n
 
 
 @function
-def predict(s, n, velocity, before, moved, lengths, gust, numbers):  # type: ignore[no-untyped-def]
+def predict(s, n, velocity, before, moved, lengths, gust, numbers):
     """u*: where particles would go alone, in units of a segment.
 
     BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
@@ -183,7 +184,7 @@ def predict(s, n, velocity, before, moved, lengths, gust, numbers):  # type: ign
 
 
 @function
-def recall(s, n, edges, bends, clamp, pose, damping):  # type: ignore[no-untyped-def]
+def recall(s, n, edges, bends, clamp, pose, damping):
     """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
     the edges as they were before the step."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
@@ -226,7 +227,7 @@ def recall(s, n, edges, bends, clamp, pose, damping):  # type: ignore[no-untyped
 
 
 @function
-def finish(s, n, tension, h):  # type: ignore[no-untyped-def]
+def finish(s, n, tension, h):
     """Keep τ / h² for the next step; the greatest error of a length."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
     worst = h * ZERO
@@ -240,9 +241,9 @@ def finish(s, n, tension, h):  # type: ignore[no-untyped-def]
 
 
 @function
-def sweep(s, n, lengths, positions, solids, whole, friction):  # type: ignore[no-untyped-def]
-    """Root to tip: every edge takes its own length along the way to where the iterations put its particle, and is turned
-    off the solids. The rows from Y on become the unit edges, the world positions are written."""
+def sweep(s, n, lengths, positions, solids, whole, friction):
+    """Root to tip: every edge takes its own length along the way to where the iterations put its particle, and is
+    turned off the solids. The rows from Y on become the unit edges, the world positions are written."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
     # how far the particle before has been moved from where the iterations put it, in segments
     for c in range(3):
@@ -277,7 +278,7 @@ def sweep(s, n, lengths, positions, solids, whole, friction):  # type: ignore[no
 
 
 @function
-def settle(s, n, edges, velocity, before, moved, lengths, shift, numbers):  # type: ignore[no-untyped-def]
+def settle(s, n, edges, velocity, before, moved, lengths, shift, numbers):
     """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
     E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = rod.places(n)
     h = numbers[0]

@@ -1,6 +1,6 @@
 """Gravity: p_i' = p_i + g Δt² (thesis §2). There is no velocity in the source: speed is g Δt."""
 
-# ruff: noqa: RUF009 - these calls make dataclass fields
+
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ phases, and may travel over the strands with a wavelength, as over a field of gr
 that every machine computes the same bits.
 """
 
-# ruff: noqa: RUF009 - these calls make dataclass fields
+
 
 from __future__ import annotations
 
