@@ -63,7 +63,7 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
         plan.memory_bytes = RESIDENT + sum(part.memory_bytes - RESIDENT for part in parts)
         return plan
     plan = Plan(frames=len(frames))
-    _motion(plan, scene, frames)
+    _motion(plan, scene, frames, draw)
     if draw:
         _drawing(plan, scene, frames)
     plan.memory_bytes = _memory(plan, scene, draw)
@@ -104,9 +104,9 @@ def available_memory() -> int | None:
     return min(found, default=None)
 
 
-def _motion(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
+def _motion(plan: Plan, scene: Scene, frames: Sequence[int], draw: bool) -> None:
     emitter = scene.emitter
-    plan.strands = needed_strands(scene, frames)
+    plan.strands = needed_strands(scene, frames) if draw else emitter.strands
     plan.particles = plan.strands * emitter.particles
     if plan.strands < emitter.strands:
         hidden = f"{emitter.strands - plan.strands} of {emitter.strands}"

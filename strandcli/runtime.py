@@ -149,7 +149,9 @@ def _watch() -> None:
     def load_or_forget(self: Any, signature: Any, context: Any) -> Any:
         try:
             return load(self, signature, context)
-        except Exception:
+        except Exception as error:
+            if _state["notify"] is not None:
+                _state["notify"](f"cached kernels cannot be loaded ({type(error).__name__}: {error}): compiling anew")
             for path in cache_folder().rglob("*.nb[ic]"):
                 path.unlink(missing_ok=True)
             return None

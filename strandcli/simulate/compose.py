@@ -95,6 +95,7 @@ def _load(text: str, folder: Path) -> Callable[..., None]:
     assert spec is not None
     assert spec.loader is not None
     module: Any = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
     spec.loader.exec_module(module)
     step: Callable[..., None] = module.step
     return step

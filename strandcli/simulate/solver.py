@@ -60,7 +60,7 @@ class Solver(ABC):
         time = self.scene.time
         dt = 1.0 / (time.fps * time.substeps)
         if self._frame == 0:
-            before = round(time.preroll / dt)
+            before = round(time.preroll * time.fps * time.substeps)
             for j in range(before):
                 self.step((j + 1 - before) * dt, dt)
             self._frame = 1
