@@ -71,6 +71,15 @@ def test_everything_is_held_during_the_preroll() -> None:
     assert settled[:, -1, 1].max() < groom_of(scene).roots[:, 1].max() + 2.05  # and gravity acts
 
 
+def test_keys_before_the_first_frame_move_nothing_during_the_preroll() -> None:
+    keys = "[{time: -2, position: [0, 0, 0]}, {time: 2, position: [4, 0, 0]}]"
+    text = TURNING[: TURNING.index("  keys:")] + f"  keys: {keys}\n" + TURNING[TURNING.index("time: {fps") :]
+    scene = scene_of(text % "emitter_motion, elasticity")
+    groom = groom_of(scene)
+    tips = groom.roots + groom.directions * groom.lengths[:, None] + [2, 0, 0]
+    assert np.abs(moved(scene, 1)[:, -1] - tips).max() < 1e-5
+
+
 def test_steps_can_be_taken_in_any_portions() -> None:
     scene = scene_of(TURNING.replace("fps: 10", "fps: 10, substeps: 3") % "emitter_motion, gravity, wind, elasticity")
     by_one = solver_of(scene, plain=True)

@@ -30,6 +30,7 @@ LISTS = [
     "gravity: {acceleration: [3, -2, 1]}, elasticity",
     "emitter_motion, elasticity",
     "wind: {gust: 0.5, sway: 30}",
+    "wind: {direction: [1, 2, -1], strength: 5}",
     "wind: {per_length: false, direction: [1, 2, 3]}",
     "wind: {gust: 0.8, sway: 20, wavelength: 0.7, direction: [1, 0, 2]}",
     "wind: {gust: 0.8, wavelength: 0.7, per_length: false, strength: 3}",
@@ -193,6 +194,8 @@ def test_no_particle_stays_inside_a_solid_and_outside_nothing_moves(name: str) -
         "{kind: capsule, radius: 0.4, length: 1, rotation: [0, 0, 70]}",
         "{kind: capsule, radius: 0.4, length: 0}",
         "{kind: box, size: [0.9, 0.8, 0.8]}",
+        "{kind: box, size: [0.8, 0.8, 0.9]}",
+        "{kind: box, size: [0.8, 0.8, 0.8], rotation: [10, 20, 30]}",
     ],
 )
 def test_a_particle_at_the_very_centre_leaves_by_some_way(solid: str) -> None:

@@ -8,6 +8,7 @@ from reference.rules import depth
 from strand_kit import scene_of, solver_of
 
 from strandcli.scene import Scene
+from strandcli.simulate.thesis import ThesisSolver
 
 # one long segment from x = -2 to 2, a little beside the middle of a solid at the origin
 ACROSS = """
@@ -35,11 +36,18 @@ def deepest(points: np.ndarray, scene: Scene) -> float:
     return float(depth(dense, scene.solids[0], scene.emitter, 0.0).max())
 
 
+def solver_across(scene: Scene, beside: tuple[float, float]) -> ThesisSolver:
+    """A solver whose strand is exactly where it is said to be: through the very middle, too."""
+    solver = solver_of(scene, plain=True)
+    solver.positions[:, :, 64:128], solver.positions[:, :, 128:] = beside
+    return solver
+
+
 @pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS.keys())
 @pytest.mark.parametrize("beside", BESIDE)
 def test_a_long_segment_is_caught_where_points_are_not(solid: str, beside: tuple[float, float]) -> None:
     points = scene_of(ACROSS % (*beside, "collision", solid))
-    solver = solver_of(points, plain=True)
+    solver = solver_across(points, beside)
     before = solver.particles()
     through = deepest(before, points)
     assert through > 0.05
@@ -48,7 +56,7 @@ def test_a_long_segment_is_caught_where_points_are_not(solid: str, beside: tuple
     np.testing.assert_array_equal(solver.particles(), before)  # both ends are outside: points see nothing
 
     scene = scene_of(ACROSS % (*beside, "collision: {segments: true}, elasticity", solid))
-    solver = solver_of(scene, plain=True)
+    solver = solver_across(scene, beside)
     for _ in range(12):
         solver.step(0.0, 0.1)
     after = solver.particles()
