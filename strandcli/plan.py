@@ -204,6 +204,6 @@ def _memory(plan: Plan, scene: Scene, draw: bool) -> int:
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             total += 8 * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
-    total += plan.samples * 20 * 9 // 8 + plan.pixels * 3 * 8
+    total += plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8
     return total
 

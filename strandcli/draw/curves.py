@@ -34,7 +34,7 @@ class Polylines:
         return int(len(self.world) - np.count_nonzero(np.diff(self.first)))
 
 
-LIT_PIECES = 4
+LIT_PIECES = 2
 
 
 def greatest_pieces(curves: Curves) -> int:

@@ -50,6 +50,11 @@ class Renderer:
         self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
         self._clock = 0.0
+        self._seen = 0
+        top = np.array(scene.image.background, np.float32)
+        bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
+        rows = gradient(top, bottom, self.size[1])
+        self._backdrop = np.ascontiguousarray(np.broadcast_to(rows[:, None], (self.size[1], self.size[0], 3)))
         self._drawing: Drawing
 
     def draw(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int) -> Drawing:
@@ -76,9 +81,7 @@ class Renderer:
         self._clear(keys, view, packed)
         self._lap("raster")
         image = scratch.take("image", (self.size[1], self.size[0], 3), np.float32)
-        top = np.array(scene.image.background, np.float32)
-        bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
-        image[...] = gradient(top, bottom, self.size[1])[:, None]
+        np.copyto(image, self._backdrop)
         self._lap("film")
 
         base = 0
@@ -110,10 +113,16 @@ class Renderer:
             "strands": strands,
             "particles": strands * (positions.shape[1] - 1),
             "segments": segments,
-            "fragments": int(np.count_nonzero((keys & np.uint64(0xFFFFFFFF)) < solids.FIRST)),
+            "fragments": self._fragments(keys, len(portions)),
         }
         self._lap("film")
         return self._drawing
+
+    def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
+        """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted."""
+        if portions == 1:
+            return self._seen
+        return int(np.count_nonzero((keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
 
     def _lap(self, stage: str) -> None:
         now = time.perf_counter()
@@ -182,7 +191,7 @@ class Renderer:
         count = len(lines.world)
         marks = self.scratch.take("marks", count, np.uint8)
         marks.fill(0)
-        shade.mark(keys, base, count, lines.per, lines.stride, marks)
+        self._seen = shade.mark(keys, base, count, lines.per, lines.stride, marks)
         colours = self.scratch.take("colours", (count, 3), np.float32)
         p = self.palette
         shade.strands(

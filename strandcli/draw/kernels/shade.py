@@ -28,7 +28,9 @@ def mark(keys, base, count, per, stride, marks):
     keys (P,) uint64; base: number that was added to vertex indices; per: vertices a strand where all have the same
     number, else 0; stride: every which vertex is lit, 1 unless `per` says where a strand begins; marks (count,) uint8,
     zero before.
+    Returns how many pixels hold one of these segments.
     """
+    seen = 0
     for p in range(keys.shape[0]):
         if keys[p] != EMPTY:
             v = np.int64(keys[p] & LOW) - base
@@ -37,6 +39,8 @@ def mark(keys, base, count, per, stride, marks):
                     v -= (v % per) % stride
                 marks[v] = 1
                 marks[v + stride] = 1
+                seen += 1
+    return seen
 
 
 @function

@@ -25,14 +25,26 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
         oz = p[s, 2]
         r = p[s, 3]
         tiny = p[s, 4]
+        reach = r * r
+        inside = 0
+        for k in range(W):
+            dx = x[k] - ox
+            dy = x[W + k] - oy
+            dz = x[2 * W + k] - oz
+            inside += 1 if dx * dx + dy * dy + dz * dz < reach else 0
+        if inside == 0:  # no lane needs the roots and divisions below
+            continue
         for k in range(W):
             dx = x[k] - ox
             dy = x[W + k] - oy
             dz = x[2 * W + k] - oz
             square = dx * dx + dy * dy + dz * dz
-            f = max(r / math.sqrt(max(square, tiny)) - ONE, ZERO) if square > tiny else ZERO
+            size = math.sqrt(max(square, tiny))
+            # at the centre, where nothing points outward, up does
+            dy = dy if square > tiny else size
+            f = max(r / size - ONE, ZERO)
             x[k] += dx * f
-            x[W + k] += dy * f if square > tiny else r
+            x[W + k] += dy * f
             x[2 * W + k] += dz * f
 
 
