@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures gallery claims bench golden golden-update clean help
+.PHONY: demo test lint types check figures claims bench golden golden-update clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -19,7 +19,7 @@ help:
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
-	$(RUN) render hair -o out/demo --frames 1-48 --animate gif --overwrite
+	$(RUN) render hair -o out/demo --animate gif --overwrite
 	@echo "See out/demo/frame_0001.png and out/demo/animation.gif"
 
 test: $(READY)
@@ -39,7 +39,7 @@ figures: $(READY)
 	@for name in $(FIGURES); do \
 	  $(RUN) render $$name -o out/$$name --overwrite --quiet || exit $$?; echo "$$name"; \
 	done
-	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 3 --overwrite
+	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 2 --width 900 --overwrite
 
 claims: $(READY)
 	$(RUN) claims

@@ -35,7 +35,7 @@ from .fields import (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Time:
     """The clock. Frame 1 is at time 0; frame f is at (f - 1) / fps."""
 
@@ -47,7 +47,7 @@ class Time:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class PoseKey:
     """A position and an orientation at one moment."""
 
@@ -57,7 +57,7 @@ class PoseKey:
     ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SphereShape:
     """Roots spread evenly by area over a sphere about the emitter's origin, or over its cap about +y."""
 
@@ -66,7 +66,7 @@ class SphereShape:
     cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class DiscShape:
     """Roots spread evenly over a disc in the xz plane, facing +y."""
 
@@ -74,7 +74,7 @@ class DiscShape:
     radius: float = number(1.0, above=0, unit="m", doc="radius")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class PlaneShape:
     """Roots spread evenly over a rectangle in the xz plane, facing +y."""
 
@@ -83,7 +83,7 @@ class PlaneShape:
     depth: float = number(2.0, above=0, unit="m", doc="extent along z")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
 
@@ -114,7 +114,7 @@ class Emitter:
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SphereSolid:
     """A ball."""
 
@@ -129,7 +129,7 @@ class SphereSolid:
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CapsuleSolid:
     """A rounded cylinder along its own y axis."""
 
@@ -145,7 +145,7 @@ class CapsuleSolid:
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class PlaneSolid:
     """Everything below a plane through `position`, whose normal is its own +y axis: a ground."""
 
@@ -162,7 +162,7 @@ class PlaneSolid:
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class BoxSolid:
     """A cuboid."""
 
@@ -181,7 +181,7 @@ Solid = SphereSolid | CapsuleSolid | PlaneSolid | BoxSolid
 SOLIDS = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CameraKey:
     """The camera at one moment. What is left out is taken from the camera itself."""
 
@@ -193,7 +193,7 @@ class CameraKey:
     ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Camera:
     """The point of view."""
 
@@ -207,7 +207,7 @@ class Camera:
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Image:
     """The picture."""
 
@@ -218,7 +218,7 @@ class Image:
     exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Shadow:
     """The strands' shadow map of one light (thesis §3, corrected)."""
 
@@ -229,7 +229,7 @@ class Shadow:
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class DirectionalLight:
     """Light from infinitely far, like the sun."""
 
@@ -240,7 +240,7 @@ class DirectionalLight:
     shadow: Shadow = model(Shadow, doc="the strands' shadow map")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class PointLight:
     """Light from a point, falling off with the square of the distance."""
 
@@ -255,7 +255,7 @@ Light = DirectionalLight | PointLight
 LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Material:
     """How strands take light: Marschner et al. 2003 with R, TT and TRT lobes, and a diffuse stand-in for the light that
     is scattered between strands, which that model leaves out."""
@@ -279,7 +279,7 @@ class Material:
     taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Curves:
     """How a chain of particles becomes a smooth line (thesis §3)."""
 
@@ -297,7 +297,7 @@ class Curves:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Detail:
     """Level of detail: far away fewer strands are drawn, each one wider by the inverse of the fraction kept."""
 
@@ -306,7 +306,7 @@ class Detail:
     widen: bool = boolean(True, doc="widen by 1 / fraction, so that the covered area stays")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Rod:
     """The strands' matter and how the solver `rod` moves them. Twist is not represented.
 
@@ -338,7 +338,7 @@ class Rod:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class RuleUse:
     """One entry of a preset's list of rules: a rule's registered name and its own validated parameters."""
 
@@ -347,7 +347,7 @@ class RuleUse:
     path: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Scene:
     """A whole preset. ``panels`` holds complete scenes, to be drawn side by side, and is empty for a single picture."""
 
