@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import threading
 import time
@@ -150,6 +151,10 @@ class FrameWriter:
         raise self._failure
 
     def _work(self) -> None:
+        # Kernels run on every core and wait for their slowest thread: this one takes what they leave. Linux keeps a
+        # priority for each thread.
+        with suppress(OSError, AttributeError):
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
         while (item := self._queue.get()) is not None:
             try:
                 self._write(*item)
