@@ -54,7 +54,7 @@ def test_exact_values():
 
 
 def test_results_keep_order():
-    x, y = sample(ap.exp2, np.linspace(-3, 3, 6001))
+    _, y = sample(ap.exp2, np.linspace(-3, 3, 6001))
     assert (np.diff(y) >= 0).all()
     _, y = sample(ap.acos, np.linspace(-1, 1, 2001))
     assert (np.diff(y) <= 0).all()
