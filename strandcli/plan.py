@@ -115,6 +115,8 @@ def _motion(plan: Plan, scene: Scene, frames: Sequence[int], draw: bool) -> None
     listed = {use.name for use in scene.rules}
     for use in scene.rules:
         why = idle(use, scene)
+        if scene.solver == "rod" and use.name in ("elasticity", "stiffness"):
+            why = "rods keep their lengths exactly and bend by their material"
         (plan.left_out if why else plan.used).append(Stage(f"rule {use.name}", why or "the preset lists it"))
     for name in registry():
         if name not in listed:

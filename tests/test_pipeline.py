@@ -11,6 +11,7 @@ from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING, UNLIT
 
 from strandcli import runtime
+from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.panels import GAP, join
 from strandcli.pipeline import Frame, render
@@ -64,7 +65,7 @@ def test_the_number_of_threads_does_not_show(everything: Scene, frames: list[Fra
 
 def test_a_strand_does_not_depend_on_the_others(everything: Scene) -> None:
     many = moved(everything, 3, plain=False)
-    for count in (1, 64, 65, 300):
+    for count in (1, W, W + 1, 300):
         np.testing.assert_array_equal(moved(changed(everything, strands=count), 3, plain=False), many[:count])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from strand_kit import frames_of
 
+from strandcli.constants import W
 from strandcli.draw.kernels import film
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import registry
@@ -47,7 +48,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "one strand along the light": {
         "emitter.strands": 1, "emitter.direction": [-0.5, -1, -0.5], "emitter.jitter": 0, "rules": [],
     },
-    "a strand over a block": {"emitter.strands": 65},
+    "a strand over a block": {"emitter.strands": W + 1},
     "lengths down to nothing": {"emitter.length_variation": 1, "emitter.strands": 500},
     "jitter all round": {"emitter.jitter": 180},
     "a cap without area": {"emitter.shape.cap": 1e-9},

@@ -9,13 +9,15 @@ import pytest
 from reference.rules import depth
 from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
 
+from strandcli.blocks import unpack
+from strandcli.constants import W
 from strandcli.errors import SimulationError
 from strandcli.scene import Scene
 from strandcli.scene.motion import emitter_pose
 
 TURNING = """
 emitter:
-  strands: 90
+  strands: 135
   particles: 5
   length: 0.6
   length_variation: 0.3
@@ -49,7 +51,7 @@ def test_roots_and_directions_turn_with_the_emitter(rules: str) -> None:
         roots = solver.particles()[:, 0]
         np.testing.assert_allclose(roots, groom.roots @ rotation.T + centre, atol=2e-6)
         np.testing.assert_allclose(np.linalg.norm(roots - centre, axis=1), 0.4, atol=2e-6)
-        lanes = solver.positions[:, :2].reshape(-1, 2, 3, 64).transpose(0, 3, 1, 2).reshape(-1, 2, 3)[:90]
+        lanes = unpack(solver.positions[:, :2], 135)
         segment = groom.lengths[:, None] / 4
         np.testing.assert_allclose((lanes[:, 1] - lanes[:, 0]) / segment, groom.directions @ rotation.T, atol=2e-5)
         if rules.endswith("elasticity"):
@@ -200,11 +202,11 @@ def test_errors_are_measured() -> None:
     scene = scene_of(HANGING % (3, 10, 1, "collision") + "solids: [{kind: sphere, radius: 1, position: [3, 0, 0]}]\n")
     solver = solver_of(scene, plain=True)
     assert solver.errors(1) == {"stretch_max": 0.0, "penetration_max": 0.0, "residual_max": None, "nonfinite": 0}
-    solver.positions[:, 3, :64] = 2.25  # the tip's x; the parent's is 0.5
+    solver.positions[:, 3, :W] = 2.25  # the tip's x; the parent's is 0.5
     errors = solver.errors(1)
     assert errors["stretch_max"] == pytest.approx(2.5)
     assert errors["penetration_max"] == pytest.approx(0.25)
-    solver.positions[0, 3, 64:66] = np.nan
+    solver.positions[0, 3, W : W + 2] = np.nan
     assert solver.errors(1)["nonfinite"] == 2
     assert solver_of(scene_of(HANGING % (3, 10, 1, "gravity")), plain=True).errors(1)["penetration_max"] is None
 
@@ -222,8 +224,8 @@ def test_depth_inside_each_kind_of_solid_is_measured(solid: str) -> None:
     """A strand along x from the origin, whose second and third particles are at x = 1.7 and 2.3 of each solid."""
     scene = scene_of(HANGING % (3, 10, 1, "collision") + f"solids: [{solid}]\n")
     solver = solver_of(scene, plain=True)
-    solver.positions[:, 2, :64], solver.positions[:, 3, :64] = 1.7, 2.3
-    solver.positions[:, 2:, 64:128] = 0.0 if "plane" in solid else 0.1
+    solver.positions[:, 2, :W], solver.positions[:, 3, :W] = 1.7, 2.3
+    solver.positions[:, 2:, W : 2 * W] = 0.0 if "plane" in solid else 0.1
     exact = depth(solver.particles()[0, 1:], scene.solids[0], scene.emitter, 0.0).max()
     assert exact > 0.1
     assert solver.errors(1)["penetration_max"] == pytest.approx(exact, abs=1e-6)

@@ -7,9 +7,11 @@ import pytest
 from reference.rules import depth
 from strand_kit import moved, scene_of, solver_of, twin_of
 
+from strandcli.constants import W
+
 SCENE = """
 emitter:
-  strands: 70
+  strands: 135
   particles: 5
   length: 0.8
   length_variation: 0.4
@@ -138,7 +140,7 @@ def test_gusts_stay_within_the_strength_and_differ_by_seed() -> None:
 def test_stiffness_takes_over_part_of_the_direction_before_at_most_all_of_it(strength: float) -> None:
     """The first segment's departure from L d shrinks by 1 - min(k, 1) in a step, k = (l - 1) s dt²."""
     solver = solver_of(scene_of(ONE % (2, 0.5, "[0, 1, 0]", f"stiffness: {{strength: {strength}}}")), plain=True)
-    solver.positions[0, 2, :64] += np.float32(0.1)
+    solver.positions[0, 2, :W] += np.float32(0.1)
     solver.step(0.1, 0.1)
     left = solver.particles()[0, 1] - [0, 0.5, 0]
     np.testing.assert_allclose(left, [0.1 * (1 - min(strength * 0.01, 1)), 0, 0], atol=1e-7)
@@ -148,7 +150,7 @@ def test_stiffness_takes_over_part_of_the_direction_before_at_most_all_of_it(str
 def test_unclamped_stiffness_diverges_from_k_2(k: float, grows: bool) -> None:
     rules = f"stiffness: {{strength: {100 * k}, clamp: false}}"
     solver = solver_of(scene_of(ONE % (2, 0.5, "[0, 1, 0]", rules)), plain=True)
-    solver.positions[0, 2, :64] += np.float32(0.1)
+    solver.positions[0, 2, :W] += np.float32(0.1)
     for _ in range(10):
         solver.step(0.1, 0.1)
     left = np.linalg.norm(solver.particles()[0, 1] - [0, 0.5, 0])

@@ -7,6 +7,7 @@ import pytest
 from reference.rules import depth
 from strand_kit import scene_of, solver_of
 
+from strandcli.constants import W
 from strandcli.scene import Scene
 from strandcli.simulate.thesis import ThesisSolver
 
@@ -39,7 +40,7 @@ def deepest(points: np.ndarray, scene: Scene) -> float:
 def solver_across(scene: Scene, beside: tuple[float, float]) -> ThesisSolver:
     """A solver whose strand is exactly where it is said to be: through the very middle, too."""
     solver = solver_of(scene, plain=True)
-    solver.positions[:, :, 64:128], solver.positions[:, :, 128:] = beside
+    solver.positions[:, :, W : 2 * W], solver.positions[:, :, 2 * W :] = beside
     return solver
 
 
