@@ -136,7 +136,7 @@ def linear(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
 @pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES.keys())
 def test_a_picture_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
     scene = scene_of(EVERYTHING, changes)
-    frames = frames_of(scene, 1, 3)
+    frames = frames_of(scene, 1, 3, threads=1)  # pictures so small are not worth a second thread
     width, height = scene.image.size
     for frame, light in zip(frames, linear, strict=True):
         assert frame.image is not None
@@ -155,8 +155,8 @@ def test_a_picture_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]
 def test_the_same_scene_at_another_scale_is_the_same_picture(scale: float) -> None:
     """But for what rounding moves over the border of a pixel. Nothing moves here."""
     still = {"rules": [], "lights.1.intensity": 0}  # a point's light falls with the square of the scale
-    usual = frames_of(scene_of(EVERYTHING, CHANGES["scale 1000"] | still), 1)[0].image
-    other = frames_of(scene_of(EVERYTHING, CHANGES[f"scale {scale:g}"] | still), 1)[0].image
+    usual = frames_of(scene_of(EVERYTHING, CHANGES["scale 1000"] | still), 1, threads=1)[0].image
+    other = frames_of(scene_of(EVERYTHING, CHANGES[f"scale {scale:g}"] | still), 1, threads=1)[0].image
     assert usual is not None
     assert other is not None
     assert len(np.unique(usual)) > 50
@@ -177,7 +177,7 @@ def test_the_same_scene_at_another_scale_is_the_same_picture(scale: float) -> No
 )
 def test_scenes_that_leave_stages_out(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
     changes = {"lights": [{"kind": "directional", "shadow": {"model": "off"}}]} | changes
-    (frame,) = frames_of(scene_of(UNLIT, changes), 2)
+    (frame,) = frames_of(scene_of(UNLIT, changes), 2, threads=1)
     assert frame.image is not None
     assert frame.image.shape == (16, 20, 3)
     assert np.isfinite(linear[0]).all()

@@ -63,10 +63,9 @@ def test_kernels_are_compiled_once_and_then_loaded(warm: tuple[Path, list[str]])
     assert again[1] == "0"
 
 
-@pytest.mark.parametrize("pattern", ["*.nbi", "*.nbc", "*.nb?"])
+@pytest.mark.parametrize("pattern", ["*.nbi", "*.nbc"])
 def test_truncated_cache_files_are_compiled_anew(warm: tuple[Path, list[str]], pattern: str) -> None:
     cache, (positions, *_) = warm
-    run(cache)
     damaged = list(cache.rglob(pattern))
     assert damaged
     for path in damaged:
