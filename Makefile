@@ -23,7 +23,7 @@ demo: $(READY)
 	@echo "See out/demo/frame_0001.png and out/demo/animation.gif"
 
 test: $(READY)
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest $(or $(ARGS),-n 2 --dist loadfile)
 
 lint: $(READY)
 	$(BIN)/ruff check .
