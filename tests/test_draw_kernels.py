@@ -1,0 +1,100 @@
+"""Kernels compute in single precision throughout: one stray integer or literal would turn whole loops to double."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from strand_kit import scene_of, solver_of
+from test_pipeline_extremes import EVERYTHING
+
+from strandcli.constants import W
+from strandcli.draw.kernels import curves, film, marschner, project, raster, shade, shadow, solids
+from strandcli.jit import function
+from strandcli.simulate.rules import Moment
+
+ONE = np.float32(1)
+ROW = np.ones(24, np.float32)
+TABLE = np.ones((4, 24), np.float32)
+KEYS = np.zeros(64, np.uint64)
+BLOCK = np.ones((5, 3 * W), np.float32)
+PLACES = np.zeros(4, np.int64)
+SOLIDS = (TABLE, TABLE, TABLE, TABLE)
+
+CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "difference": (curves.difference, (BLOCK, 0, 1, 4)),
+    "printed": (curves.printed, (BLOCK, 0, 1, 4)),
+    "reach": (curves.reach, (*[ONE] * 7, ROW)),
+    "into": (curves.into, (ONE, ONE, ONE, ROW)),
+    "cubic": (curves.cubic, (ONE, ONE, ONE)),
+    "slack": (curves.slack, (ONE, ONE, ONE)),
+    "forward": (project.forward, (TABLE, ROW, 1, 0, 4, ONE, ONE, ONE)),
+    "place": (project.place, (TABLE, 1, ONE, ONE, ONE)),
+    "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
+    "ribbon": (raster.ribbon, (*[ONE] * 7, 0, 8, 8, np.uint64(1), KEYS)),
+    "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
+    "shadow line": (shadow.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
+    "through": (shadow.through, (ONE, ONE, ONE)),
+    "transmittance": (
+        shadow.transmittance, (ONE, ONE, ONE, ROW, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
+    ),
+    "toward": (shade.toward, (ROW, ONE, ONE, ONE)),
+    "look_up": (shade.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
+    "sphere": (solids.sphere, (ROW, *[ONE] * 6)),
+    "capsule": (solids.capsule, (ROW, *[ONE] * 6)),
+    "plane": (solids.plane, (ROW, *[ONE] * 6)),
+    "box": (solids.box, (ROW, *[ONE] * 6)),
+    "normal": (solids.normal, (*SOLIDS, 1, ONE, ONE, ONE)),
+    "lit": (solids.lit, (*SOLIDS, *[ONE] * 8)),
+    "ray": (solids.ray, (ROW, ONE, ONE)),
+    "encode": (film.encode, (ONE, np.zeros(65536, np.uint8))),
+    "marschner": (
+        marschner.marschner,
+        (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),
+    ),
+    "kajiya_diffuse": (marschner.kajiya_diffuse, (ONE,) * 6),
+}  # fmt: skip
+
+
+def doubles(kernel: Any) -> list[str]:
+    """Lines of Numba's typed listings in which arithmetic gives a double."""
+    lines = [line for one in kernel.overloads.values() for line in str(one.type_annotation).splitlines()]
+    assert lines
+    return [line.strip() for line in lines if "$binop" in line and line.rstrip().endswith(":: float64")]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_no_kernel_of_drawing_slips_into_double_precision(name: str) -> None:
+    kernel, arguments = CALLS[name]
+    kernel(*arguments)
+    assert doubles(kernel) == []
+
+
+def test_no_rule_slips_into_double_precision() -> None:
+    scene = scene_of(EVERYTHING)
+    solver = solver_of(scene)
+    rows = solver.positions[0]
+    moment = Moment(0.1, 0.1, scene)
+    step: Any = solver._step  # type: ignore[attr-defined]
+    for number, one in enumerate(solver.passes):  # type: ignore[attr-defined]
+        kernel: Callable[..., None] = step.py_func.__globals__[f"pass_{number}"]
+        if one.stage == "root":
+            kernel(rows[0], rows[1], rows[0].copy(), rows[1].copy(), one.prepare(moment))
+        else:
+            kernel(rows[2], rows[1], rows[0], rows[1], solver.lengths[0], one.prepare(moment), 1, 5)
+        assert doubles(kernel) == [], one.function
+    assert number > 8
+
+
+def test_a_slip_would_be_seen() -> None:
+    kernel = function(twice)
+    kernel(ONE)
+    assert doubles(kernel)
+
+
+def twice(x: Any) -> Any:
+    """An integer too many."""
+    two = 2
+    return x * two
