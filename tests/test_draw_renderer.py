@@ -140,6 +140,22 @@ def test_strands_are_hidden_by_what_stands_before_them_and_hide_what_stands_behi
     assert fragments("{kind: box, size: [9, 9, 0.1], position: [0, 0, 1], visible: false}") == free
 
 
+def test_solids_shade_strands() -> None:
+    """The sun from the right; a box to the right of the lower half, out of the picture."""
+    text = HAIR.replace("particles: 3", "particles: 9") % (1, 0.0001, [-1, 0, 0])
+    box = "solids: [{kind: box, size: [1, 4, 1], position: [4, -2, 0]}]\n"
+    free, shaded = (frames_of(scene_of(text + more), 1)[0].image for more in ("solids: []\n", box))
+    assert free is not None
+    assert shaded is not None
+    line = np.flatnonzero(free.max((0, 2)))
+    assert len(line) == 1
+    radiance = np.array([0.5, 0.3, 0.2]) * (0.1 + 0.6 * 4 / np.pi)
+    assert np.abs(free[:, line[0]] - encoded(radiance)).max() < 0.8
+    np.testing.assert_array_equal(shaded[:10, line[0]], free[:10, line[0]])
+    # light is known at vertices 0.5 m apart: between the last lit and the first dark one it fades
+    assert np.abs(shaded[16:, line[0]] - encoded(0.1 * np.array([0.5, 0.3, 0.2]))).max() < 0.8
+
+
 def test_the_background_shows_where_nothing_is_and_where_the_ground_fades() -> None:
     text = """
 emitter: {strands: 1, particles: 2, length: 0.001}
