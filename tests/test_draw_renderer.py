@@ -143,7 +143,7 @@ def test_strands_are_hidden_by_what_stands_before_them_and_hide_what_stands_behi
 def test_solids_shade_strands() -> None:
     """The sun from the right; a box to the right of the lower half, out of the picture."""
     text = HAIR.replace("particles: 3", "particles: 9") % (1, 0.0001, [-1, 0, 0])
-    box = "solids: [{kind: box, size: [1, 4, 1], position: [4, -2, 0]}]\n"
+    box = "solids: [{kind: box, size: [1, 4, 1], position: [4, -2.1, 0]}]\n"
     free, shaded = (frames_of(scene_of(text + more), 1)[0].image for more in ("solids: []\n", box))
     assert free is not None
     assert shaded is not None
