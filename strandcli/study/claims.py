@@ -117,14 +117,15 @@ def rest(scene: Scene) -> NDArray[np.float32]:
 
 
 def _tunnelling() -> dict[str, Any]:
-    """Strands that fall onto a thin capsule: the share that end up cut by it."""
+    """Strands that reach level through a thin capsule: the share still cut by it once they have come to rest."""
     shares = {}
+    axis = np.array([-2, 0.86, 0.5]), np.array([2, 0.86, 0.5])
     for segments in (False, True):
         scene = load(
             "headline",
             settings={
                 "emitter.shape": {"kind": "plane", "width": 2.0, "depth": 0.2},
-                "emitter.position": [0, 1, 0],
+                "emitter.position": [0, 0.85, 0],
                 "emitter.keys": [],
                 "emitter.direction": [0, 0, 1],
                 "emitter.strands": 1024,
@@ -132,23 +133,18 @@ def _tunnelling() -> dict[str, Any]:
                 "emitter.length": 1.5,
                 "emitter.length_variation": 0.3,
                 "solids": [
-                    {"kind": "capsule", "radius": 0.03, "length": 4, "position": [0, 0.85, 0.5], "rotation": [0, 0, 90]}
+                    {"kind": "capsule", "radius": 0.03, "length": 4, "position": [0, 0.86, 0.5], "rotation": [0, 0, 90]}
                 ],
-                "time.preroll": 3.0,
+                "time.preroll": 1.0,
                 "time.fps": 60,
-                "rules": [
-                    "gravity",
-                    {"stiffness": {"strength": 5.0}},
-                    {"collision": {"segments": segments}},
-                    "elasticity",
-                ],
+                "rules": [{"collision": {"segments": segments}}, "elasticity"],
             },
         )
-        shares[segments] = cut_share(rest(scene), np.array([-2, 0.85, 0.5]), np.array([2, 0.85, 0.5]), 0.03)
+        shares[segments] = cut_share(rest(scene), *axis, 0.03)
     return {
-        "claim": "strands cut by a capsule of radius 0.03 under segments of 0.3: points against segments",
+        "claim": "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
         "source": "admitted for points, no figure",
-        "ours": f"{100 * shares[False]:.1f} % with points, {100 * shares[True]:.1f} % with segments: true",
+        "ours": f"{100 * shares[False]:.0f} % with points, {100 * shares[True]:.0f} % with segments: true",
         "points": shares[False],
         "segments": shares[True],
     }
