@@ -1,7 +1,8 @@
 """Several frames at once: each is begun in its turn and finished on a thread of its own.
 
-A frame's kernels are many and short, and on two threads each waits for its slower half: frames side by side, one thread
-each, keep every core busy. Begin (simulate) is a relay that one thread runs at a time; finish (draw) is where they part.
+A frame's kernels are many and short, and on two threads each waits for its slower half: frames side by side, one
+thread each, keep every core busy. Begin (simulate) is a relay that one thread runs at a time; finish (draw) is where
+they part.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ def in_order(
     start: Callable[[], None] = lambda: None,
 ) -> Iterator[Result]:
     """Results in the order of ``items``: ``begin`` sees them one after the other, then whichever worker is free
-    finishes the job. ``start`` is called on each worker's thread first. No more than two frames a worker are begun ahead
-    of the caller.
+    finishes the job. ``start`` is called on each worker's thread first. No more than two frames a worker are begun
+    ahead of the caller.
 
     Raises what ``begin`` or a worker raised, when that item's turn comes. Leaving early stops the threads.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from ...jit import parallel, prange
 from . import solids
 from .light import toward
-from .raster import EMPTY, LOW
+from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
 
 ZERO = np.float32(0.0)
@@ -26,7 +26,8 @@ def surfaces(
     """Lambertian radiance of the solids that are seen.
 
     keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
-    image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in `shade_strands.strands`.
+    image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
+    `shade_strands.strands`.
     """
     focal = view[13]
     for row in prange(height):
@@ -38,7 +39,10 @@ def surfaces(
             which = np.int64((key & LOW) - solids.FIRST)
             right = (np.float32(column) + HALF - view[15]) / focal
             ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
-            t = solids.place_of(key, view)
+            if view[12] > ZERO:  # the key tells: one over the depth
+                t = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+            else:
+                t = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
             x = ox + t * dx
             y = oy + t * dy
             z = oz + t * dz

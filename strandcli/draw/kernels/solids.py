@@ -244,16 +244,10 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
 def key_at(t, view, flat, far, identity):
     """The z-buffer's key of a solid at depth t, `raster.EMPTY` where t is not in front of the eye; flat: 1 for an
     orthographic view, far: one over its depth range."""
+    # what lies behind an orthographic view's range is as far as its end
     q = (ONE - flat) / t + flat * max(ONE - (t - view[14]) * far, ZERO)
     key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
     return key if view[14] < t < INF else EMPTY
-
-
-@function
-def place_of(key, view):
-    """Depth t that a key was made of, to single precision."""
-    q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
-    return ONE / q if view[12] > ZERO else view[14] + (ONE - q) * view[19]
 
 
 @function
