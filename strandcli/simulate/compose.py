@@ -66,7 +66,10 @@ def source(passes: Sequence[Pass]) -> str:
 
     Raises `UsageError` for a function that an import statement cannot reach (a method, a closure, a lambda).
     """
-    imports, loops, roots, particles = [], [], [], []
+    imports: list[str] = []
+    loops: list[str] = []
+    roots: list[str] = []
+    particles: list[str] = []
     lanes: list[tuple[int, Pass]] = []  # neighbours that become one loop
 
     def close() -> None:
