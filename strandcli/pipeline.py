@@ -187,6 +187,7 @@ class _Draughtsman:
         at = (frame.number - 1) / film.scene.time.fps
         drawing = self._renderer.draw(begun.positions, film.solver.lengths, at, numba.get_num_threads())
         frame.image = drawing.image
+        frame.report["threads"] = numba.get_num_threads()
         frame.report["seconds"] |= drawing.seconds
         frame.report["counts"] |= drawing.counts
         frame.report["error"]["curve_px_max"] = drawing.curve_px_max

@@ -76,11 +76,13 @@ def command(
 def table(data: Mapping[str, Any]) -> str:
     """The figures for people: a row a stage, then what they add up to."""
     wide, high = data["size"]
+    at_once = data.get("frames_at_once", 1)
     lines = [
         f"{data['strands']:,} strands x {data['particles']} particles, {wide}x{high}, {data['frames']} frames, "
         f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
         "",
-        f"{'stage':<12}{'median ms':>12}{'min ms':>12}{'max ms':>12}",
+        f"{'stage':<12}{'median ms':>12}{'min ms':>12}{'max ms':>12}"
+        + (f"   {at_once} frames at once, each on its share of threads" if at_once > 1 else ""),
     ]
     for name, times in data["stages"].items():
         lines.append(f"{name:<12}{_ms(times['median_ms']):>12}{_ms(times['min_ms']):>12}{_ms(times['max_ms']):>12}")
@@ -91,6 +93,9 @@ def table(data: Mapping[str, Any]) -> str:
     for name in ("particle_step_ns", "segment_ns"):
         if data.get(name) is not None:
             lines.append(f"{name:<20}{data[name]:>14.3g}")
+    for name, unit, of in (("rules", "particle_step_ns", "a particle and step"), ("lines", "fragment_ns", "a fragment")):
+        if name in data:
+            lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")
     for name, value in data["error"].items():
         if value is not None:
             lines.append(f"{name:<20}{value:>14.3g}")

@@ -1,7 +1,9 @@
 """`strandcli bench`: where a frame's time goes, with the errors that it buys.
 
-The scene is the preset `headline`. Times are medians over frames after a first one that is not counted, because it
-compiles, touches fresh memory and fills caches. Two more figures stand on their own, so that they can be compared with
+The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
+because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.crew`), stages
+take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
+frames. Two more figures stand on their own, so that they can be compared with
 bounds for one loop alone: `rules` (six rules and two spheres) and `lines` (one-pixel lines with colours into a
 z-buffer).
 """
@@ -60,6 +62,7 @@ def run(
     stages = {name: spread(values) for name, values in timed["seconds"].items()}
     counts = timed["counts"]
     drawn = stages["raster"]["median_ms"]
+    at_once = runtime.machine()["threads"] // timed["share"]
     return {
         "strands": strands,
         "particles": particles,
@@ -69,11 +72,12 @@ def run(
         "quality": quality,
         "level": scene.curves.level,
         "compile_seconds": runtime.compile_seconds(),
+        "frames_at_once": at_once,
         "stages": stages,
         "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
         "counts": {"segments": counts["segments"], "fragments": counts["fragments"]},
-        "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles),
-        "segment_ns": 1e6 * drawn / counts["segments"],
+        "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
+        "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
         "rules": time_rules(strands, particles),
         "lines": time_lines(strands, 37, *size),
@@ -92,6 +96,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
     ends = []
     error: dict[str, Any] = {}
     counts: dict[str, int] = {}
+    share = 1
     with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
         with FrameWriter(Path(folder), numbers, scene.image.size) as writer:
             for frame in pipeline.render(scene, numbers, threads=threads, notify=notify):
@@ -99,14 +104,15 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
                 writer.submit(frame.number, frame.image)
                 ends.append(time.perf_counter())
                 counts = frame.report["counts"]
+                share = frame.report["threads"]
                 _worst(error, frame.report["error"])
                 if frame.number > 1:
                     for name, value in frame.report["seconds"].items():
                         seconds.setdefault(name, []).append(value)
         ends[-1] = time.perf_counter()  # the last files were still being written
         seconds["write"] = [one.seconds for one in writer.written.values() if one.frame > 1 and one.seconds is not None]
-    # over all but the first frame: several are drawn at once, so that gaps between them say little
-    return {"seconds": seconds, "counts": counts, "error": error, "frame_ms": 1e3 * (ends[-1] - ends[0]) / frames}
+    frame_ms = 1e3 * (ends[-1] - ends[0]) / frames
+    return {"seconds": seconds, "counts": counts, "error": error, "frame_ms": frame_ms, "share": share}
 
 
 def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, float]:
