@@ -39,9 +39,9 @@ def maps_of(light: Light, *lines: Polylines, workers: int = 2) -> ShadowMaps:
 
 
 def through(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
-    row = pack_lights((light,), maps, BOX)[0]
+    packed = pack_lights((light,), maps, BOX)
     x, y, z = np.asarray(point, np.float32)
-    return float(transmittance(x, y, z, row, maps.texels, maps.starts, maps.sizes, maps.packed))
+    return float(transmittance(x, y, z, packed, 0, maps.texels, maps.starts, maps.sizes, maps.packed))
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP, INSIDE], ids=["sun", "lamp", "inside"])

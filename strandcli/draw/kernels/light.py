@@ -15,13 +15,13 @@ FAR = np.float32(1e30)
 
 
 @function
-def toward(light, x, y, z):
-    """Unit direction to a light, its distance, and its irradiance's falloff at a point."""
-    if light[0] == ZERO:
-        return light[1], light[2], light[3], FAR, ONE
-    lx = light[1] - x
-    ly = light[2] - y
-    lz = light[3] - z
+def toward(lights, i, x, y, z):
+    """Unit direction to light number i, its distance, and its irradiance's falloff at a point."""
+    if lights[i, 0] == ZERO:
+        return lights[i, 1], lights[i, 2], lights[i, 3], FAR, ONE
+    lx = lights[i, 1] - x
+    ly = lights[i, 2] - y
+    lz = lights[i, 3] - z
     square = max(lx * lx + ly * ly + lz * lz, TINY)
     size = math.sqrt(square)
     return lx / size, ly / size, lz / size, size, ONE / square

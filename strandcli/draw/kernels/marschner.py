@@ -108,24 +108,16 @@ def azimuthal(
     w10 = x - w11
     w01 = y - w11
     w00 = ONE - x - w01
-    a = nodes[i, j]
-    b = nodes[i, j + 1]
-    c = nodes[i + 1, j]
-    d = nodes[i + 1, j + 1]
-    r = m_r * (w00 * a[R] + w01 * b[R] + w10 * c[R] + w11 * d[R])
-    tt_r = m_tt * (w00 * a[TT] + w01 * b[TT] + w10 * c[TT] + w11 * d[TT])
-    tt_g = m_tt * (w00 * a[TT + 1] + w01 * b[TT + 1] + w10 * c[TT + 1] + w11 * d[TT + 1])
-    tt_b = m_tt * (w00 * a[TT + 2] + w01 * b[TT + 2] + w10 * c[TT + 2] + w11 * d[TT + 2])
-    trt_r = m_trt * (w00 * a[TRT] + w01 * b[TRT] + w10 * c[TRT] + w11 * d[TRT])
-    trt_g = m_trt * (w00 * a[TRT + 1] + w01 * b[TRT + 1] + w10 * c[TRT + 1] + w11 * d[TRT + 1])
-    trt_b = m_trt * (w00 * a[TRT + 2] + w01 * b[TRT + 2] + w10 * c[TRT + 2] + w11 * d[TRT + 2])
+    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
+    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
+    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
+    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
+    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
+    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
+    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
     if paths is not None:
-        a = paths[i, j]
-        b = paths[i, j + 1]
-        c = paths[i + 1, j]
-        d = paths[i + 1, j + 1]
-        l_tt = w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
-        l_trt = w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
+        l_tt = mix(paths, i, j, 0, w00, w01, w10, w11)
+        l_trt = mix(paths, i, j, 1, w00, w01, w10, w11)
         tt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_tt))
         tt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_tt))
         tt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_tt))
@@ -133,6 +125,13 @@ def azimuthal(
         trt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_trt))
         trt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_trt))
     return r + tt_r + trt_r, r + tt_g + trt_g, r + tt_b + trt_b
+
+
+@function
+def mix(table, i, j, c, w00, w01, w10, w11):  # type: ignore[no-untyped-def]
+    """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
+    views are counted by an atomic instruction."""
+    return w00 * table[i, j, c] + w01 * table[i, j + 1, c] + w10 * table[i + 1, j, c] + w11 * table[i + 1, j + 1, c]
 
 
 @function

@@ -14,7 +14,7 @@ from ...constants import W
 from ...jit import function, parallel, prange
 from . import solids
 from .light import toward
-from .marschner import azimuthal, kajiya_diffuse, longitudinal
+from .marschner import azimuthal, kajiya_diffuse, longitudinal, mix
 from .shadow import between, held, texel_of, through
 
 ZERO = np.float32(0.0)
@@ -117,24 +117,23 @@ def batch(
     """Radiance of the first n vertices of a batch."""
     frames(work, n, view)
     for i in range(lights.shape[0]):
-        light = lights[i]
-        aim(work, n, light)
+        aim(work, n, lights, i)
         if spheres is not None:
             hide(work, n, spheres, capsules, planes, boxes, skin)
         if maps is not None:
-            for one in range(int(light[7]), int(light[7] + light[8])):
-                shade(work, n, views[one], maps, starts[one], sizes[one], light[9])
+            for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+                shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, 9])
         if diffuse > ZERO:
             for k in range(n):
                 d = diffuse * kajiya_diffuse(
                     work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
                 )
                 d *= work[ARRIVES + k]
-                work[RADIANCE + k] += light[4] * (d * work[COLOUR + k])
-                work[RADIANCE + W + k] += light[5] * (d * work[COLOUR + W + k])
-                work[RADIANCE + 2 * W + k] += light[6] * (d * work[COLOUR + 2 * W + k])
+                work[RADIANCE + k] += lights[i, 4] * (d * work[COLOUR + k])
+                work[RADIANCE + W + k] += lights[i, 5] * (d * work[COLOUR + W + k])
+                work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
         if lobes is not None:
-            shine(work, n, light, lobes, nodes, paths)
+            shine(work, n, lights, i, lobes, nodes, paths)
 
 
 @function
@@ -160,10 +159,10 @@ def frames(work, n, view):
 
 
 @function
-def aim(work, n, light):
+def aim(work, n, lights, i):
     """Directions to a light, and its falloff."""
     for k in range(n):
-        x, y, z, reach, falloff = toward(light, work[X + k], work[Y + k], work[Z + k])
+        x, y, z, reach, falloff = toward(lights, i, work[X + k], work[Y + k], work[Z + k])
         work[LX + k] = x
         work[LY + k] = y
         work[LZ + k] = z
@@ -178,7 +177,7 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
     for s in range(spheres.shape[0]):
         for k in range(n):
             work[ARRIVES + k] *= solids.past_sphere(
-                spheres[s], work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
+                spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[REACH + k], skin,
             )  # fmt: skip
     if capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0:
@@ -191,14 +190,14 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
 
 
 @function
-def shade(work, n, view, maps, start, size, bias):
+def shade(work, n, views, one, maps, start, size, bias):
     """What strands leave of a light, by one map: only where no map before held the vertex."""
     if size < 2:
         return
     edge = np.float32(size - 1)
     for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], view)
-        fresh = held(u, v, d, view, edge) & (work[INSIDE + k] == ZERO)
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
         work[U + k] = u if fresh else ZERO
         work[V + k] = v if fresh else ZERO
         work[DEPTH + k] = d - bias if fresh else -ONE
@@ -228,7 +227,7 @@ def shade(work, n, view, maps, start, size, bias):
 
 
 @function
-def shine(work, n, light, lobes, nodes, paths):
+def shine(work, n, lights, i, lobes, nodes, paths):
     """Highlights."""
     for k in range(n):
         x, y, r, tt, trt = longitudinal(
@@ -247,9 +246,9 @@ def shine(work, n, light, lobes, nodes, paths):
                 work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], nodes, paths,
                 work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
             )  # fmt: skip
-            work[RADIANCE + k] += arrives * light[4] * r
-            work[RADIANCE + W + k] += arrives * light[5] * g
-            work[RADIANCE + 2 * W + k] += arrives * light[6] * b
+            work[RADIANCE + k] += arrives * lights[i, 4] * r
+            work[RADIANCE + W + k] += arrives * lights[i, 5] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
 
 
 @function
@@ -265,15 +264,11 @@ def look_up(tint, along, tone):
     w10 = a - w11
     w01 = b - w11
     w00 = ONE - a - w01
-    p = tint[i, j]
-    q = tint[i, j + 1]
-    r = tint[i + 1, j]
-    s = tint[i + 1, j + 1]
     return (
-        w00 * p[0] + w01 * q[0] + w10 * r[0] + w11 * s[0],
-        w00 * p[1] + w01 * q[1] + w10 * r[1] + w11 * s[1],
-        w00 * p[2] + w01 * q[2] + w10 * r[2] + w11 * s[2],
-        w00 * p[3] + w01 * q[3] + w10 * r[3] + w11 * s[3],
-        w00 * p[4] + w01 * q[4] + w10 * r[4] + w11 * s[4],
-        w00 * p[5] + w01 * q[5] + w10 * r[5] + w11 * s[5],
+        mix(tint, i, j, 0, w00, w01, w10, w11),
+        mix(tint, i, j, 1, w00, w01, w10, w11),
+        mix(tint, i, j, 2, w00, w01, w10, w11),
+        mix(tint, i, j, 3, w00, w01, w10, w11),
+        mix(tint, i, j, 4, w00, w01, w10, w11),
+        mix(tint, i, j, 5, w00, w01, w10, w11),
     )

@@ -51,8 +51,7 @@ def surfaces(
             g = ambient[1]
             b = ambient[2]
             for i in range(lights.shape[0]):
-                light = lights[i]
-                lx, ly, lz, reach, falloff = toward(light, x, y, z)
+                lx, ly, lz, reach, falloff = toward(lights, i, x, y, z)
                 cosine = nx * lx + ny * ly + nz * lz
                 if cosine <= ZERO:
                     continue
@@ -62,10 +61,10 @@ def surfaces(
                 pz = z + nz * skin
                 falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
                 if maps is not None and falloff > ZERO:
-                    falloff *= transmittance(x, y, z, light, maps, starts, sizes, views)
-                r += falloff * light[4]
-                g += falloff * light[5]
-                b += falloff * light[6]
+                    falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
+                r += falloff * lights[i, 4]
+                g += falloff * lights[i, 5]
+                b += falloff * lights[i, 6]
             there = ONE
             if paint[which, 3] > ZERO:
                 ax = x - paint[which, 4]

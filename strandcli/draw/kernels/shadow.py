@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from ...jit import function, parallel, prange
-from .curves import into
 from .raster import FIXED, POINT
 
 HALF = np.float32(0.5)
@@ -89,23 +88,26 @@ def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
 
 
 @function
-def transmittance(x, y, z, light, maps, starts, sizes, views):
+def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
     """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
     light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
 
-    x, y, z metres; light (16,) as in `shade_strands.strands`: [7], [8] its first map and their number, [9] bias in
-    metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,) int64, views
-    (M, 24). A point that no map of the light holds is lit.
+    x, y, z metres; lights (n, 16) as in `shade_strands.strands`: of light i [7], [8] its first map and their number,
+    [9] bias in metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,)
+    int64, views (M, 24). A point that no map of the light holds is lit.
     """
-    for one in range(int(light[7]), int(light[7] + light[8])):
-        u, v, d = texel_of(x, y, z, views[one])
-        if not held(u, v, d, views[one], np.float32(sizes[one] - 1)):
+    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+        u, v, d = texel_of(x, y, z, views, one)
+        if not held(u, v, d, views, one, np.float32(sizes[one] - 1)):
             continue
         low_u = np.floor(u)
         low_v = np.floor(v)
         texel = np.uint64(starts[one] + np.int64(low_v) * sizes[one] + np.int64(low_u))
         below = texel + np.uint64(sizes[one])
-        d -= light[9]
+        farthest = max(max(maps[texel, 1], maps[texel + NEXT, 1]), max(maps[below, 1], maps[below + NEXT, 1]))
+        if farthest < ZERO:  # no strand in any of the four
+            return ONE
+        d -= lights[i, 9]
         return between(
             u - low_u, v - low_v,
             through(d, maps[texel, 0], maps[texel, 1]), through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
@@ -115,17 +117,19 @@ def transmittance(x, y, z, light, maps, starts, sizes, views):
 
 
 @function
-def texel_of(x, y, z, view):
+def texel_of(x, y, z, views, one):
     """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
-    sx, sy, d = into(x, y, z, view)
-    scale = view[13] / d if view[12] > ZERO else view[13]
-    return view[15] + scale * sx - HALF, view[16] - scale * sy - HALF, d
+    sx = views[one, 0] * x + views[one, 1] * y + views[one, 2] * z + views[one, 3]
+    sy = views[one, 4] * x + views[one, 5] * y + views[one, 6] * z + views[one, 7]
+    d = views[one, 8] * x + views[one, 9] * y + views[one, 10] * z + views[one, 11]
+    scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
+    return views[one, 15] + scale * sx - HALF, views[one, 16] - scale * sy - HALF, d
 
 
 @function
-def held(u, v, d, view, edge):
+def held(u, v, d, views, one, edge):
     """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
-    return (d >= view[14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
+    return (d >= views[one, 14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
 
 
 @function

@@ -23,11 +23,12 @@ FIRST = np.uint64(0xFFF00000)
 
 
 @function
-def sphere(p, ox, oy, oz, dx, dy, dz):
-    """Distance along the ray, in units of |d|, to a sphere's outside; inf where it is missed or begins inside."""
-    cx = ox - p[0]
-    cy = oy - p[1]
-    cz = oz - p[2]
+def sphere(p, m, ox, oy, oz, dx, dy, dz):
+    """Distance along the ray, in units of |d|, to the outside of sphere number m; inf where it is missed or begins
+    inside. (A row of p would be a view, and views are counted by an atomic instruction: an index is not.)"""
+    cx = ox - p[m, 0]
+    cy = oy - p[m, 1]
+    cz = oz - p[m, 2]
     a = dx * dx + dy * dy + dz * dz
     b = cx * dx + cy * dy + cz * dz
     # the distance of the centre from the ray, not b² − a c: that cancels for a far and small sphere (Haines 2019)
@@ -35,81 +36,79 @@ def sphere(p, ox, oy, oz, dx, dy, dz):
     ex = cx + t * dx
     ey = cy + t * dy
     ez = cz + t * dz
-    left = p[3] * p[3] - (ex * ex + ey * ey + ez * ez)
+    left = p[m, 3] * p[m, 3] - (ex * ex + ey * ey + ez * ez)
     hit = t - math.sqrt(max(left, ZERO) / a)
     return hit if (left >= ZERO) & (t >= ZERO) else INF
 
 
 @function
-def capsule(p, ox, oy, oz, dx, dy, dz):
-    """As `sphere`, for a capsule: the open cylinder, then its two ends."""
-    cx = ox - p[0]
-    cy = oy - p[1]
-    cz = oz - p[2]
-    bx = p[3]
-    by = p[4]
-    bz = p[5]
-    r = p[6]
+def capsule(p, m, ox, oy, oz, dx, dy, dz):
+    """As `sphere`, for a capsule: the open cylinder, then its two ends; without branches."""
+    cx = ox - p[m, 0]
+    cy = oy - p[m, 1]
+    cz = oz - p[m, 2]
+    bx = p[m, 3]
+    by = p[m, 4]
+    bz = p[m, 5]
+    r = p[m, 6]
     bb = bx * bx + by * by + bz * bz
     dd = dx * dx + dy * dy + dz * dz
-    best = INF
-    if bb > TINY:
-        bd = bx * dx + by * dy + bz * dz
-        bo = bx * cx + by * cy + bz * cz
-        a = bb * dd - bd * bd
-        if a > TINY:
-            # from the ray's nearest point to the axis, as for a sphere
-            t = (bo * bd - bb * (cx * dx + cy * dy + cz * dz)) / a
-            y = (bo + t * bd) / bb
-            ex = cx + t * dx - y * bx
-            ey = cy + t * dy - y * by
-            ez = cz + t * dz - y * bz
-            left = r * r - (ex * ex + ey * ey + ez * ez)
-            if left >= ZERO:
-                t -= math.sqrt(left * bb / a)
-                if ZERO < bo + t * bd < bb:
-                    best = t
-    for _ in range(2):
-        t = -(cx * dx + cy * dy + cz * dz) / dd
-        ex = cx + t * dx
-        ey = cy + t * dy
-        ez = cz + t * dz
-        left = r * r - (ex * ex + ey * ey + ez * ez)
-        if left >= ZERO:
-            best = min(best, t - math.sqrt(left / dd))
-        cx -= bx
-        cy -= by
-        cz -= bz
-    return best
+    bd = bx * dx + by * dy + bz * dz
+    bo = bx * cx + by * cy + bz * cz
+    a = bb * dd - bd * bd
+    askew = max(a, TINY)
+    # from the ray's nearest point to the axis, as for a sphere
+    t = (bo * bd - bb * (cx * dx + cy * dy + cz * dz)) / askew
+    y = (bo + t * bd) / max(bb, TINY)
+    ex = cx + t * dx - y * bx
+    ey = cy + t * dy - y * by
+    ez = cz + t * dz - y * bz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    t -= math.sqrt(max(left, ZERO) * bb / askew)
+    along = bo + t * bd
+    side = t if (left >= ZERO) & (bb > TINY) & (a > TINY) & (along > ZERO) & (along < bb) else INF
+    begin = end_of(r, cx, cy, cz, dx, dy, dz, dd)
+    return min(side, min(begin, end_of(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
 
 
 @function
-def plane(p, ox, oy, oz, dx, dy, dz):
+def end_of(r, cx, cy, cz, dx, dy, dz, dd):
+    """Distance to a capsule's end, a ball from whose centre the ray begins at c."""
+    t = -(cx * dx + cy * dy + cz * dz) / dd
+    ex = cx + t * dx
+    ey = cy + t * dy
+    ez = cz + t * dz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    return t - math.sqrt(max(left, ZERO) / dd) if left >= ZERO else INF
+
+
+@function
+def plane(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for the upper side of a plane."""
-    down = p[0] * dx + p[1] * dy + p[2] * dz
-    over = p[0] * ox + p[1] * oy + p[2] * oz - p[3]
+    down = p[m, 0] * dx + p[m, 1] * dy + p[m, 2] * dz
+    over = p[m, 0] * ox + p[m, 1] * oy + p[m, 2] * oz - p[m, 3]
     if down >= ZERO or over < ZERO:
         return INF
     return -over / down
 
 
 @function
-def box(p, ox, oy, oz, dx, dy, dz):
+def box(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
-    cx = ox - p[0]
-    cy = oy - p[1]
-    cz = oz - p[2]
+    cx = ox - p[m, 0]
+    cy = oy - p[m, 1]
+    cz = oz - p[m, 2]
     enter = -INF
     leave = INF
     for k in range(3):
-        o = p[3 + k] * cx + p[6 + k] * cy + p[9 + k] * cz
-        d = p[3 + k] * dx + p[6 + k] * dy + p[9 + k] * dz
+        o = p[m, 3 + k] * cx + p[m, 6 + k] * cy + p[m, 9 + k] * cz
+        d = p[m, 3 + k] * dx + p[m, 6 + k] * dy + p[m, 9 + k] * dz
         if abs(d) < TINY:
-            if abs(o) > p[12 + k]:
+            if abs(o) > p[m, 12 + k]:
                 return INF
             continue
-        near = (-p[12 + k] - o) / d
-        far = (p[12 + k] - o) / d
+        near = (-p[m, 12 + k] - o) / d
+        far = (p[m, 12 + k] - o) / d
         enter = max(enter, min(near, far))
         leave = min(leave, max(near, far))
     if enter > leave:
@@ -122,42 +121,41 @@ def normal(spheres, capsules, planes, boxes, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
     m = which
     if m < spheres.shape[0]:
-        p = spheres[m]
-        nx = x - p[0]
-        ny = y - p[1]
-        nz = z - p[2]
+        nx = x - spheres[m, 0]
+        ny = y - spheres[m, 1]
+        nz = z - spheres[m, 2]
     elif m < spheres.shape[0] + capsules.shape[0]:
-        p = capsules[m - spheres.shape[0]]
-        nx = x - p[0]
-        ny = y - p[1]
-        nz = z - p[2]
-        t = min(max((nx * p[3] + ny * p[4] + nz * p[5]) * p[7], ZERO), ONE)
-        nx -= t * p[3]
-        ny -= t * p[4]
-        nz -= t * p[5]
+        m -= spheres.shape[0]
+        nx = x - capsules[m, 0]
+        ny = y - capsules[m, 1]
+        nz = z - capsules[m, 2]
+        t = min(max((nx * capsules[m, 3] + ny * capsules[m, 4] + nz * capsules[m, 5]) * capsules[m, 7], ZERO), ONE)
+        nx -= t * capsules[m, 3]
+        ny -= t * capsules[m, 4]
+        nz -= t * capsules[m, 5]
     elif m < spheres.shape[0] + capsules.shape[0] + planes.shape[0]:
-        p = planes[m - spheres.shape[0] - capsules.shape[0]]
-        nx = p[0]
-        ny = p[1]
-        nz = p[2]
+        m -= spheres.shape[0] + capsules.shape[0]
+        nx = planes[m, 0]
+        ny = planes[m, 1]
+        nz = planes[m, 2]
     else:
-        p = boxes[m - spheres.shape[0] - capsules.shape[0] - planes.shape[0]]
-        cx = x - p[0]
-        cy = y - p[1]
-        cz = z - p[2]
+        m -= spheres.shape[0] + capsules.shape[0] + planes.shape[0]
+        cx = x - boxes[m, 0]
+        cy = y - boxes[m, 1]
+        cz = z - boxes[m, 2]
         face = 0
         most = -INF
         side = ONE
         for k in range(3):
-            u = p[3 + k] * cx + p[6 + k] * cy + p[9 + k] * cz
-            over = abs(u) - p[12 + k]
+            u = boxes[m, 3 + k] * cx + boxes[m, 6 + k] * cy + boxes[m, 9 + k] * cz
+            over = abs(u) - boxes[m, 12 + k]
             if over > most:
                 most = over
                 face = k
                 side = ONE if u > ZERO else -ONE
-        nx = side * p[3 + face]
-        ny = side * p[6 + face]
-        nz = side * p[9 + face]
+        nx = side * boxes[m, 3 + face]
+        ny = side * boxes[m, 6 + face]
+        nz = side * boxes[m, 9 + face]
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size
 
@@ -170,21 +168,40 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     only what a ray meets or is inside of after `skin` hides the light.
     """
     for s in range(spheres.shape[0]):
-        if past_sphere(spheres[s], x, y, z, lx, ly, lz, reach, skin) == ZERO:
+        if past_sphere(spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
     return past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
 
 
 @function
-def past_sphere(p, x, y, z, lx, ly, lz, reach, skin):
+def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for one sphere, without branches."""
-    cx = p[0] - x - skin * lx
-    cy = p[1] - y - skin * ly
-    cz = p[2] - z - skin * lz
+    cx = p[m, 0] - x - skin * lx
+    cy = p[m, 1] - y - skin * ly
+    cz = p[m, 2] - z - skin * lz
     t = cx * lx + cy * ly + cz * lz
-    left = (p[3] - skin) * (p[3] - skin) - (cx * cx + cy * cy + cz * cz - t * t)
+    left = (p[m, 3] - skin) * (p[m, 3] - skin) - (cx * cx + cy * cy + cz * cz - t * t)
     near = t - math.sqrt(max(left, ZERO))
-    return ZERO if (t > ZERO) & (p[3] > skin) & (left > ZERO) & (near < reach) else ONE
+    return ZERO if (t > ZERO) & (p[m, 3] > skin) & (left > ZERO) & (near < reach) else ONE
+
+
+@function
+def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
+    # the ball about it
+    hx = HALF * p[m, 3]
+    hy = HALF * p[m, 4]
+    hz = HALF * p[m, 5]
+    cx = p[m, 0] + hx - x
+    cy = p[m, 1] + hy - y
+    cz = p[m, 2] + hz - z
+    t = cx * lx + cy * ly + cz * lz
+    # (a + b)² <= 2 (a² + b²)
+    square = hx * hx + hy * hy + hz * hz + p[m, 6] * p[m, 6]
+    if cx * cx + cy * cy + cz * cz - t * t > square + square:
+        return ONE
+    t = capsule(p, m, x, y, z, lx, ly, lz)
+    return ZERO if (skin < t) & (t < reach) else ONE
 
 
 @function
@@ -194,15 +211,14 @@ def past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     y += skin * ly
     z += skin * lz
     for s in range(capsules.shape[0]):
-        t = capsule(capsules[s], x, y, z, lx, ly, lz)
-        if skin < t < reach:
+        if past_capsule(capsules, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
     for s in range(planes.shape[0]):
-        t = plane(planes[s], x, y, z, lx, ly, lz)
+        t = plane(planes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
             return ZERO
     for s in range(boxes.shape[0]):
-        t = box(boxes[s], x, y, z, lx, ly, lz)
+        t = box(boxes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
             return ZERO
     return ONE
@@ -213,7 +229,8 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
     """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none.
 
     frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
-    included); keys (height * width,) uint64. A row of a sphere is one loop without branches, which becomes vector code.
+    included); keys (height * width,) uint64. A row of a sphere or
+    a capsule is one loop without branches, which becomes vector code.
     """
     flat = ONE - view[12]
     far = ONE / view[19]
@@ -228,10 +245,15 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
             part = row[frames[m, 0] : frames[m, 1]]
             begin = np.float32(frames[m, 0]) + HALF - view[15]
             if m < spheres.shape[0]:
-                p = spheres[m]
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
-                    key = key_at(sphere(p, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    key = key_at(sphere(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    part[x] = min(part[x], key)
+            elif m < spheres.shape[0] + capsules.shape[0]:
+                own = m - spheres.shape[0]
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    key = key_at(capsule(capsules, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             else:
                 for x in range(part.shape[0]):
@@ -255,14 +277,14 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid number `which`: its parameter, inf where it does not."""
     m = which
     if m < spheres.shape[0]:
-        return sphere(spheres[m], ox, oy, oz, dx, dy, dz)
+        return sphere(spheres, m, ox, oy, oz, dx, dy, dz)
     m -= spheres.shape[0]
     if m < capsules.shape[0]:
-        return capsule(capsules[m], ox, oy, oz, dx, dy, dz)
+        return capsule(capsules, m, ox, oy, oz, dx, dy, dz)
     m -= capsules.shape[0]
     if m < planes.shape[0]:
-        return plane(planes[m], ox, oy, oz, dx, dy, dz)
-    return box(boxes[m - planes.shape[0]], ox, oy, oz, dx, dy, dz)
+        return plane(planes, m, ox, oy, oz, dx, dy, dz)
+    return box(boxes, m - planes.shape[0], ox, oy, oz, dx, dy, dz)
 
 
 @function
