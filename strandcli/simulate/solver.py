@@ -22,7 +22,7 @@ class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
     ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
-    ``lengths`` (blocks, W) are the rest lengths of segments. Raises `UsageError` for a groom that `groom.check` refuses.
+    ``lengths`` (blocks, W) are the rest lengths of segments. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:

@@ -52,10 +52,8 @@ def prepared(
 
 def pulled(rules: tuple[RuleUse, ...], pull: float) -> tuple[RuleUse, ...]:
     """The same rules with another gravity."""
-    return tuple(
-        replace(use, parameters=replace(use.parameters, acceleration=(0.0, -pull, 0.0))) if use.name == "gravity" else use
-        for use in rules
-    )
+    gravity = registry()["gravity"].Parameters(acceleration=(0.0, -pull, 0.0))
+    return tuple(replace(use, parameters=gravity) if use.name == "gravity" else use for use in rules)
 
 
 def only(solver: str, which: str, why: str) -> None:
@@ -130,7 +128,7 @@ def energy(rod: Any, pull: float) -> float:
 
 
 def check_swing(solver: str) -> Metrics:
-    """A pendulum of one segment and two seconds, ten degrees aside, ten cycles at 60 Hz: what a cycle keeps, by BDF2."""
+    """A pendulum of one segment and two seconds, ten degrees aside, ten cycles at 60 Hz with BDF2."""
     only(solver, "rod", MASSLESS)
     tilt = np.radians(10.0)
     way = (float(np.sin(tilt)), -float(np.cos(tilt)), 0.0)

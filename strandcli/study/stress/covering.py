@@ -41,7 +41,7 @@ def covering(axes: Mapping[str, Sequence[str]]) -> list[Row]:
         for pair in pairs_of(row):
             open_pairs.pop(pair, None)
     if not rows and axes:  # a single axis has no pairs
-        rows = [{axis: value for axis in axes} for value in next(iter(axes.values()))]
+        rows = [dict.fromkeys(axes, value) for value in next(iter(axes.values()))]
     return rows
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.model import Scene
+from ...scene.model import Scene, SphereSolid
 from ...scene.motion import solid_pose
 from ...simulate import solver_of
 from .axes import Case
@@ -90,7 +90,7 @@ class Meter:
         """``segments`` (strands,) rest lengths of a segment, ``length`` that of a strand: depths are told in it, where
         strands are ``touching`` the scene's spheres."""
         self.segments, self.length, self.scene = segments, length, scene
-        self.spheres = [one for one in scene.solids if one.kind == "sphere" and touching]
+        self.spheres = [one for one in scene.solids if isinstance(one, SphereSolid) and touching]
         self.overlapping = len(self.spheres) > 1
         self.stretch = np.zeros(len(segments))
         self.depth = np.zeros(len(segments))
@@ -99,7 +99,7 @@ class Meter:
 
     def look(self, particles: NDArray[np.float32], time: float, residual: float | None) -> None:
         """Measure (strands, particles, 3) at a time."""
-        finite = np.isfinite(particles).all((1, 2))
+        finite: NDArray[np.bool_] = np.asarray(np.isfinite(particles).all((1, 2)))
         self.bad += ~finite
         x = np.where(finite[:, None, None], particles, np.float32(0)).astype(np.float64)
         rounding = ROUNDING * np.abs(x).max((1, 2))

@@ -68,7 +68,7 @@ def refused_groom(solver: str, *, part: str, value: float) -> str:
     broken = np.array(getattr(groom, part))
     broken[1] = value
     try:
-        solver_of(scene)(scene, replace(groom, **{part: broken}))
+        solver_of(scene)(scene, replace(groom, **{part: broken}))  # type: ignore[arg-type]
     except UsageError as error:
         return str(error) if "strand 1" in str(error) else ""
     return ""
@@ -98,6 +98,7 @@ INPUTS: dict[str, Callable[[str], str]] = {
             ("lengths", "zero", 0.0),
         )
     },
-    **{f"input=cache-{label}": partial(refused_cache, value=value) for label, value in (("nan", np.nan), ("inf", np.inf))},
+    "input=cache-nan": partial(refused_cache, value=np.nan),
+    "input=cache-inf": partial(refused_cache, value=np.inf),
 }  # fmt: skip
 """By the name that follows the solver's."""

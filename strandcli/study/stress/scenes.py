@@ -64,7 +64,7 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
     rules: list[tuple[str, dict[str, Any]]] = [
         ("emitter_motion", {}),
         ("gravity", {"acceleration": (0.0, -max(pull, NOTHING), 0.0)}),
-        ("wind", _wind(wind * L, float(times[0]))),
+        ("wind", wind_of(wind * L, float(times[0]))),
     ]
     solids = solids_of(case, times)
     if case.solver == "thesis":
@@ -83,7 +83,9 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
             drag=1.0 if wind else 0.0, damping=0.0,
         ),
         time=Time(fps=float(1 / times[0]), frames=1000),
-        emitter=Emitter(strands=case.value("strands"), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)),
+        emitter=Emitter(
+            strands=case.value("strands"), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)
+        ),
         rules=tuple(RuleUse(name, registry()[name].Parameters(**given), name) for name, given in rules),
         solids=moved(solids, (case.value("offset") * L, 0.0, 0.0)),
     )  # fmt: skip
@@ -136,8 +138,8 @@ def _units(draw: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.floa
     return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
 
 
-def _wind(strength: float, step: float) -> dict[str, Any]:
-    """Swings half round and from nothing to its whole strength from one step to the next."""
+def wind_of(strength: float, step: float) -> dict[str, Any]:
+    """Parameters of a wind that swings half round, and from nothing to its full strength, between two steps."""
     return {
         "direction": (0.0, 0.0, 1.0), "strength": max(strength, NOTHING), "per_length": False,
         "gust": 1.0 if strength else 0.0, "sway": 90.0 if strength else 0.0, "period": 2 * step / 1.618,

@@ -1,19 +1,16 @@
 """What each metric may be, and what comes of it: pass, expected_failure, fail or not_represented.
 
 The thresholds are those of the solver's design: of lengths, contact and iterations for every scene of the matrix, of
-physics for the checks made for them. Nobody's failure is expected but by name, in ``expected.toml``, with its reason.
+physics for the checks made for them. Nobody's failure is expected but by name and with its reason (`expected`).
 """
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from . import expected
 from .axes import Case
 
 RESIDUAL = 1e-3
@@ -118,38 +115,14 @@ def judge(
         failed = (*failed, "exception")
     if not failed:
         return Verdict(name, parameters, metrics, "pass")
-    reasons = {key: expected(name, key) for key in failed}
+    reasons = {key: expected.reason(name, key) for key in failed}
     if all(reasons.values()):
-        return Verdict(name, parameters, metrics, "expected_failure", "; ".join(dict.fromkeys(map(str, reasons.values()))), failed)
-    told = [error or "exception" if key == "exception" else _told(key, metrics[key]) for key in failed if not reasons[key]]
+        why = "; ".join(dict.fromkeys(reasons.values()))
+        return Verdict(name, parameters, metrics, "expected_failure", why, failed)
+    told = [error if key == "exception" else _told(key, metrics[key]) for key in failed if not reasons[key]]
     return Verdict(name, parameters, metrics, "fail", "; ".join(told), failed)
 
 
 def _told(metric: str, value: float) -> str:
     word, limit = LIMITS[metric]
     return f"{metric} {value:.3g}, must be {word} {limit:g}"
-
-
-@dataclass(frozen=True)
-class Expectation:
-    """A class of failures that are known: which metrics of which cases, and why."""
-
-    reason: str
-    metrics: tuple[str, ...]
-    cases: tuple[str, ...]
-
-
-@cache
-def expectations() -> tuple[Expectation, ...]:
-    """The classes of ``expected.toml``."""
-    data = tomllib.loads(files(__package__).joinpath("expected.toml").read_text(encoding="utf-8"))
-    return tuple(Expectation(one["reason"], tuple(one["metrics"]), tuple(one["cases"])) for one in data["class"])
-
-
-@cache
-def expected(name: str, metric: str) -> str:
-    """Why this failure was expected; "" where it was not."""
-    for one in expectations():
-        if metric in one.metrics and any(fnmatchcase(name, pattern) for pattern in one.cases):
-            return one.reason
-    return ""
