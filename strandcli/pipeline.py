@@ -113,7 +113,7 @@ def _run(
             error = solver.errors(passed)
             trouble = None if told else examine(solver, passed, error, simulated=given is None)
             if trouble is not None and not conduct.keep_going:
-                raise SimulationError(f"{trouble.message}, or keep going without such strands (--keep-going)", trouble)
+                raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
             if trouble is not None:
                 told = True
                 if conduct.warn is not None:
