@@ -51,6 +51,7 @@ def render(
     ``positions`` hands in what was simulated before, by frame number. Raises `SimulationError` at the first frame that
     has gone wrong (see `simulate.health`), drawn or not, and `UsageError` for a number of threads that the machine does
     not have. With ``keep_going`` the trouble is told to ``warn`` once, and strands that cannot be drawn are left out.
+    ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`).
     """
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))
     runtime.start(threads, notify)
@@ -86,6 +87,7 @@ def _run(
     import numba
 
     from .simulate import solver_of
+    from .simulate.advice import warnings
     from .simulate.health import examine
 
     groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
@@ -98,6 +100,9 @@ def _run(
     notify = conduct.notify
     if notify is not None and given is None and (scene.time.preroll > 0 or (frames and frames[0] > 1)):
         notify(f"simulating up to frame {frames[0]}")
+    if given is None and conduct.warn is not None:
+        for words in warnings(scene, groom):
+            conduct.warn(f"{scene.label}: {words}" if scene.label else words)
     told = False
     done = 0
     for number in frames:
