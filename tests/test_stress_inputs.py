@@ -105,7 +105,7 @@ def test_a_solid_that_swallows_roots_is_named_with_how_many(kind: str) -> None:
     depths = advice.depth(groom.roots.astype(np.float64), scene.solids[0], scene.emitter)
     count = int((depths > 0.25).sum())
     assert words.startswith(f"solids.0 (it): swallows the roots of {count} of 200 strands, up to ")
-    assert deepest - 0.15 < depths.max() <= deepest  # the deepest of 200 roots spread over the sphere
+    assert deepest - 0.15 < depths.max() < deepest + 1e-6  # the deepest of 200 roots spread over the sphere
     assert advice.warnings(scene_of(text.replace("SOME", "far")), groom) == []
 
 
