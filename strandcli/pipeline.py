@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from . import runtime
 from .blocks import lanes, pack, unpack
+from .crew import in_order, share_out
 from .errors import SimulationError
 from .groom.emit import emit
-from .plan import needed_strands
+from .plan import needed_strands, pictures_that_fit
 from .scene.model import Scene
 
 Notify = Callable[[str], None]
@@ -58,10 +59,8 @@ def render(
     if scene.panels:
         from .panels import side_by_side
 
-        parts = [
-            _run(panel, wanted, positions, draw, keep_positions, Conduct(keep_going, notify, warn))
-            for panel in scene.panels
-        ]
+        conduct = Conduct(keep_going, notify, warn)
+        parts = [_run(panel, wanted, positions, draw, keep_positions, conduct, several=False) for panel in scene.panels]
         yield from side_by_side(scene, parts)
         return
     yield from _run(scene, wanted, positions, draw, keep_positions, Conduct(keep_going, notify, warn))
@@ -83,76 +82,159 @@ def _run(
     draw: bool,
     keep_positions: bool,
     conduct: Conduct,
+    several: bool = True,
 ) -> Iterator[Frame]:
     import numba
 
-    from .simulate import solver_of
-    from .simulate.advice import warnings
-    from .simulate.health import examine
-
-    groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
-    solver = solver_of(scene)(scene, groom)
-    renderer = None
-    if draw:
-        from .draw.renderer import Renderer
-
-        renderer = Renderer(scene, groom)
+    film = _Film(scene, frames, given, draw, keep_positions, conduct)
     notify = conduct.notify
     if notify is not None and given is None and (scene.time.preroll > 0 or (frames and frames[0] > 1)):
         notify(f"simulating up to frame {frames[0]}")
-    if given is None and conduct.warn is not None:
-        for words in warnings(scene, groom):
-            conduct.warn(f"{scene.label}: {words}" if scene.label else words)
-    told = False
-    done = 0
-    for number in frames:
-        spent = 0.0
+    if not draw:
+        for number in frames:
+            yield film.begin(number).frame
+        return
+    # All threads on one frame: the first compiles or loads kernels, the second tells what a frame costs.
+    draughtsman = film.draughtsman()
+    seconds: dict[str, float] = {}
+    for number in frames[:2]:
+        frame = draughtsman(film.begin(number))
+        seconds = frame.report["seconds"]
+        yield frame
+    rest = frames[2:]
+    at_once = _frames_at_once(scene, rest, seconds) if several and rest else 1
+    if at_once == 1:
+        for number in rest:
+            yield draughtsman(film.begin(number))
+        return
+    film.snapshots = True
+    crew = [draughtsman, *(film.draughtsman() for _ in range(at_once - 1))]
+    share = numba.get_num_threads() // at_once
+    yield from in_order(rest, film.begin, crew, start=lambda: numba.set_num_threads(share))
+
+
+def _frames_at_once(scene: Scene, frames: Sequence[int], seconds: dict[str, float]) -> int:
+    import numba
+
+    if numba.threading_layer() == "workqueue":  # it cannot be entered from two threads
+        return 1
+    relay = seconds["simulate"] or 0.0
+    rest = sum(took for stage, took in seconds.items() if stage != "simulate")
+    return share_out(numba.get_num_threads(), len(frames), relay, rest, pictures_that_fit(scene, frames))
+
+
+@dataclass
+class _Begun:
+    """A frame whose strands are where they belong, to be drawn."""
+
+    frame: Frame
+    positions: NDArray[np.float32]
+    lengths: NDArray[np.float32]
+    tones: NDArray[np.float32]
+
+
+class _Film:
+    """The strands of a scene, moved from frame to frame."""
+
+    def __init__(
+        self, scene: Scene, frames: Sequence[int], given: Positions | None, draw: bool, keep_positions: bool,
+        conduct: Conduct,
+    ) -> None:  # fmt: skip
+        from .simulate import solver_of
+        from .simulate.advice import warnings
+
+        self.scene = scene
+        self.groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
+        self.solver = solver_of(scene)(scene, self.groom)
+        self.given = given
+        self.draw = draw
+        self.keep_positions = keep_positions
+        self.conduct = conduct
+        self._done = 0
+        self._wrong = False
+        if given is None:
+            for words in warnings(scene, self.groom):
+                self._warn(f"{scene.label}: {words}" if scene.label else words)
+        self.snapshots = False
+        """Whether strands move on while a frame is drawn."""
+
+    def begin(self, number: int) -> _Begun:
+        """Move on to a frame, and look at what came out."""
+        solver = self.solver
+        seconds: dict[str, float | None] = {"simulate": None if self.given is not None else 0.0}
         # frames that nobody asked for are looked at too: a run that has gone wrong stops there
-        for passed in [number] if given is not None else range(done + 1, number + 1):
+        for passed in [number] if self.given is not None else range(self._done + 1, number + 1):
             began = time.perf_counter()
-            if given is None:
+            if self.given is None:
                 solver.advance(passed)
+                seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
             else:
-                solver.take(passed, given(passed))
-            spent += time.perf_counter() - began
+                solver.take(passed, self.given(passed))
             error = solver.errors(passed)
-            trouble = None if told else examine(solver, passed, error, simulated=given is None)
-            if trouble is not None and not conduct.keep_going:
-                raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
-            if trouble is not None:
-                told = True
-                if conduct.warn is not None:
-                    conduct.warn(f"{trouble.message}; going on")
-        done = number
-        seconds: dict[str, float | None] = {"simulate": None if given is not None else spent}
-        counts = {"strands": groom.strands, "particles": groom.strands * scene.emitter.particles}
-        image = None
-        if renderer is not None:
-            at = (number - 1) / scene.time.fps
-            drawing = _draw(renderer, solver, groom, at, numba.get_num_threads(), told)
-            image = drawing.image
-            seconds |= drawing.seconds
-            counts |= drawing.counts
-            error["curve_px_max"] = drawing.curve_px_max
-        report = {"frame": number, "seconds": seconds, "counts": counts, "error": error}
-        kept = unpack(solver.positions[:, 1:], groom.strands) if keep_positions else None
-        yield Frame(number, image, kept, report)
+            self._examine(passed, error)
+        self._done = number
+        counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
+        kept = unpack(solver.positions[:, 1:], self.groom.strands) if self.keep_positions else None
+        frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
+        if self._wrong and self.draw:
+            return self._sound(frame)
+        positions = solver.positions.copy() if self.snapshots else solver.positions
+        return _Begun(frame, positions, solver.lengths, self.groom.tones)
+
+    def _examine(self, number: int, error: dict[str, Any]) -> None:
+        """Stop, or go on, where a frame with these errors has gone wrong."""
+        from .simulate.health import examine
+
+        if self._wrong:
+            return
+        trouble = examine(self.solver, number, error, simulated=self.given is None)
+        if trouble is None:
+            return
+        if not self.conduct.keep_going:
+            raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
+        self._wrong = True
+        self._warn(f"{trouble.message}; going on")
+
+    def _warn(self, words: str) -> None:
+        if self.conduct.warn is not None:
+            self.conduct.warn(words)
+
+    def _sound(self, frame: Frame) -> _Begun:
+        """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
+        from .draw.detail import drawn_fraction
+        from .simulate.health import drawable
+
+        solver, strands = self.solver, self.groom.strands
+        share = drawn_fraction(self.scene, (frame.number - 1) / self.scene.time.fps)[0]
+        first = min(max(round(self.scene.emitter.strands * share), 1), strands)
+        kept = np.flatnonzero(drawable(solver)[:first])
+        if not len(kept):
+            raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
+        frame.report["counts"]["left_out"] = first - len(kept)
+        positions = pack(unpack(solver.positions, strands)[kept])
+        return _Begun(frame, positions, lanes(solver.lengths.reshape(-1)[kept, None]), self.groom.tones[kept])
+
+    def draughtsman(self) -> _Draughtsman:
+        """One that draws, with memory of its own."""
+        return _Draughtsman(self)
 
 
-def _draw(renderer: Any, solver: Any, groom: Any, at: float, workers: int, wary: bool) -> Any:
-    """The drawing of a frame; where the run has gone wrong before, of the strands alone that can be drawn."""
-    if not wary:
-        return renderer.draw(solver.positions, solver.lengths, at, workers)
-    from .draw.detail import drawn_fraction
-    from .simulate.health import drawable
+class _Draughtsman:
+    def __init__(self, film: _Film) -> None:
+        from .draw.renderer import Renderer
 
-    # level of detail draws the first so many of all strands: those of them that are left
-    first = min(max(round(renderer.scene.emitter.strands * drawn_fraction(renderer.scene, at)[0]), 1), groom.strands)
-    kept = np.flatnonzero(drawable(solver)[:first])
-    if not len(kept):
-        raise SimulationError("no strand is left that could be drawn; end the run before, or mend the preset")
-    renderer.tones = groom.tones[kept]
-    lengths = solver.lengths.reshape(-1)[kept]
-    drawing = renderer.draw(pack(unpack(solver.positions, groom.strands)[kept]), lanes(lengths[:, None]), at, workers)
-    drawing.counts["left_out"] = first - len(kept)
-    return drawing
+        self._film = film
+        self._renderer = Renderer(film.scene, film.groom)
+
+    def __call__(self, begun: _Begun) -> Frame:
+        import numba
+
+        film, frame = self._film, begun.frame
+        at = (frame.number - 1) / film.scene.time.fps
+        self._renderer.tones = begun.tones
+        drawing = self._renderer.draw(begun.positions, begun.lengths, at, numba.get_num_threads())
+        frame.image = drawing.image
+        frame.report["seconds"] |= drawing.seconds
+        frame.report["counts"] |= drawing.counts
+        frame.report["error"]["curve_px_max"] = drawing.curve_px_max
+        return frame

@@ -191,21 +191,31 @@ def needs_shadow_maps(scene: Scene) -> bool:
     return any(light.shadow.model != "off" and light.intensity > 0 and any(light.colour) for light in scene.lights)
 
 
+def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:
+    """How many frames may be drawn at once: more than one may at most double what the run takes, and use up half of
+    what is free."""
+    plan = make_plan(scene, frames)
+    free = available_memory()
+    spare = plan.memory_bytes if free is None else min(plan.memory_bytes, free // 2)
+    state = plan.strands * 12 * (scene.emitter.particles + 1)  # of which each has a copy
+    return 1 + spare // (_picture_bytes(plan, scene) + state)
+
+
 def _memory(plan: Plan, scene: Scene, draw: bool) -> int:
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160)
-    if not draw:
-        return total + plan.strands * n * 24
+    return total + (_picture_bytes(plan, scene) if draw else plan.strands * n * 24)
+
+
+def _picture_bytes(plan: Plan, scene: Scene) -> int:
     per_strand = plan.segments_max // max(plan.strands, 1) + 1
     vertices = min(plan.strands * per_strand, PORTION + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
-    total += vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
-    total += plan.strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+    total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
+    total += plan.strands * (8 + 8 + 2 * (scene.emitter.particles - 1) + 4 + 8 + 32)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             total += 8 * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
-    total += plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8
-    return total
-
+    return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8

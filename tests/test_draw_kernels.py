@@ -11,7 +11,7 @@ from strand_kit import scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING
 
 from strandcli.constants import W
-from strandcli.draw.kernels import curves, film, marschner, project, raster, shade, shadow, solids
+from strandcli.draw.kernels import curves, film, light, marschner, project, raster, shade_strands, shadow, solids
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
 
@@ -30,7 +30,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "into": (curves.into, (ONE, ONE, ONE, ROW)),
     "cubic": (curves.cubic, (ONE, ONE, ONE)),
     "slack": (curves.slack, (ONE, ONE, ONE)),
-    "forward": (project.forward, (TABLE, ROW, 1, 0, 4, ONE, ONE, ONE)),
+    "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "place": (project.place, (TABLE, 1, ONE, ONE, ONE)),
     "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
     "ribbon": (raster.ribbon, (*[ONE] * 7, 0, 8, 8, np.uint64(1), KEYS)),
@@ -40,8 +40,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "transmittance": (
         shadow.transmittance, (ONE, ONE, ONE, ROW, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
     ),
-    "toward": (shade.toward, (ROW, ONE, ONE, ONE)),
-    "look_up": (shade.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
+    "toward": (light.toward, (ROW, ONE, ONE, ONE)),
+    "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
     "sphere": (solids.sphere, (ROW, *[ONE] * 6)),
     "capsule": (solids.capsule, (ROW, *[ONE] * 6)),
     "plane": (solids.plane, (ROW, *[ONE] * 6)),

@@ -25,6 +25,10 @@ class Polylines:
     """Greatest distance of a piece from its curve in pixels; None where it was not asked for."""
     per: int = 0
     """Vertices a strand where all have the same number, else 0."""
+    segment: float = 0.0
+    """Rest length of the longest segment between particles, metres; only where all strands have the same number."""
+    pieces: int = 1
+    """Pieces a segment there."""
     stride: int = 1
     """Light is computed at every so-manieth vertex: fine curves are lit at `LIT_PIECES` places a segment."""
 
@@ -82,4 +86,4 @@ def flatten(
     )
     if pieces is not None:
         return Polylines(first, world, error)
-    return Polylines(first, world, None, (n - 1) * most + 1, max(most // LIT_PIECES, 1))
+    return Polylines(first, world, None, (n - 1) * most + 1, float(lengths.max()), most, max(most // LIT_PIECES, 1))

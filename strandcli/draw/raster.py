@@ -16,8 +16,7 @@ from .kernels.solids import FIRST
 from .scratch import Scratch
 
 ROWS = 64
-"""Height of a band. It does not follow the number of workers: lines step from the top of their band, so another height
-could round them to other pixels, and pictures would depend on the number of threads."""
+"""Height of a band."""
 
 
 class Bands(NamedTuple):
@@ -29,17 +28,25 @@ class Bands(NamedTuple):
     workers: int
 
 
-def to_screen(lines: Polylines, view: View, scratch: Scratch, name: str = "screen") -> NDArray[np.float32]:
-    """(V, 3): x and y in pixels, and a number that grows toward the eye (see `kernels.project.points`)."""
-    screen = scratch.take(name, lines.world.shape, np.float32)
-    project.points(lines.first, lines.world, view.pack(), screen)
+def to_screen(
+    lines: Polylines, view: View, scratch: Scratch, name: str = "screen", stride: int = 1
+) -> NDArray[np.float32]:
+    """(V, 3): x and y in pixels, and a number that grows toward the eye (see `kernels.project.points`); of each strand
+    every ``stride``-th vertex, ends included."""
+    strands = len(lines.first) - 1
+    screen = scratch.take(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
+    project.points(lines.first, lines.world, stride, view.pack(), screen)
     return screen
 
 
 def into_bands(
     first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
 ) -> Bands:
-    """Sort strands into bands of `ROWS` rows."""
+    """Sort strands into bands of `ROWS` rows; a worker alone has one band, and nothing to sort. What is drawn does not
+    depend on the bands."""
+    if workers == 1:
+        strands = len(first) - 1
+        return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
     ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
     kernel.bands(first, screen, height, ROWS, np.float32(margin), ranges)
     begin = np.zeros(-(-height // ROWS) + 1, np.int64)

@@ -21,7 +21,7 @@ from .camera import View, camera_view
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
 from .film import gradient, srgb_curve
-from .kernels import film, project, shade, solids
+from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, plan_maps
@@ -191,10 +191,10 @@ class Renderer:
         count = len(lines.world)
         marks = self.scratch.take("marks", count, np.uint8)
         marks.fill(0)
-        self._seen = shade.mark(keys, base, count, lines.per, lines.stride, marks)
+        self._seen = film.mark(keys, base, count, lines.per, lines.stride, marks)
         colours = self.scratch.take("colours", (count, 3), np.float32)
         p = self.palette
-        shade.strands(
+        shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
             np.array(self.scene.ambient, np.float32), p.lobes, p.nodes, p.paths, lights, *self._maps(maps),
             *(packed or (None,) * 4), self._skin(), colours,
@@ -205,7 +205,7 @@ class Renderer:
         self, keys: NDArray[np.uint64], view: View, lights: NDArray[np.float32], maps: ShadowMaps | None,
         packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
     ) -> None:  # fmt: skip
-        shade.surfaces(
+        shade_surfaces.surfaces(
             keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
             paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
         )  # fmt: skip

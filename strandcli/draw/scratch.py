@@ -24,3 +24,10 @@ class Scratch:
             have = np.empty(size + size // 8, dtype)
             self._buffers[name] = have
         return have[:size].reshape(wanted)
+
+    def arange(self, count: int) -> NDArray[np.int32]:
+        """(count,) int32: 0, 1, … Not to be written to."""
+        have = self._buffers.get("arange")
+        if have is None or len(have) < count:
+            have = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
+        return have[:count]

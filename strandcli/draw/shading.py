@@ -47,7 +47,7 @@ def tint_table(material: Material, base: tuple[NDArray[np.float64], float] | Non
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(n, 16) float32 as in `kernels.shade.strands`; lights that are dark are left out."""
+    """(n, 16) float32 as in `kernels.shade_strands.strands`; lights that are dark are left out."""
     rows: list[list[Any]] = []
     for i, light in enumerate(lights):
         if light.intensity <= 0 or not any(light.colour):

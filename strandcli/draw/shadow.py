@@ -33,11 +33,14 @@ class ShadowMaps:
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines into every map."""
         for view, start, size in zip(self.views, self.starts, self.sizes, strict=True):
-            screen = to_screen(lines, view, scratch, "light_screen")
-            bands = into_bands(lines.first, screen, int(size), 1.0, workers, scratch)
+            stride = coarseness(lines, view)
+            screen = to_screen(lines, view, scratch, "light_screen", stride)
+            ends = np.arange(len(lines.first), dtype=np.int64)
+            first = (lines.first - ends) // stride + ends
+            bands = into_bands(first, screen, int(size), 1.0, workers, scratch)
             far = np.float32(0.0 if view.perspective else view.far - view.near)
             kernel.fill(
-                lines.first, screen, bands.members, bands.begin, int(size), bands.rows, workers, far,
+                first, screen, bands.members, bands.begin, int(size), bands.rows, workers, far,
                 np.float32(view.near), self.texels[start : start + size * size],
             )  # fmt: skip
 
@@ -63,6 +66,17 @@ def plan_maps(lights: tuple[Light, ...], bounds: NDArray[np.float64], scratch: S
     texels[:, 0] = np.inf
     texels[:, 1] = -np.inf
     return ShadowMaps(views, np.stack([view.pack() for view in views]), starts[:-1], sizes, texels, owners)
+
+
+def coarseness(lines: Polylines, view: View) -> int:
+    """How many pieces of a curve a map may draw as one line: a segment that turns by a radian then leaves the curve by
+    at most half a texel. A cubic's chords are off by length · turn / 8, which falls with the square of their number."""
+    nearest = view.near if view.perspective else 1.0
+    texels = lines.segment * view.focal / nearest
+    needed = 1
+    while needed < lines.pieces and texels / (8 * needed * needed) > 0.5:
+        needed *= 2
+    return lines.pieces // needed
 
 
 def wants_map(light: Any) -> bool:

@@ -13,34 +13,64 @@ ONE = np.float32(1.0)
 LAST = np.float32(65535.0)
 
 
+@function
+def mark(keys, base, count, per, stride, marks):
+    """Note the vertices that the light has to be known at: the ends of what is seen.
+
+    keys (P,) uint64; base: number that was added to vertex indices; per: vertices a strand where all have the same
+    number, else 0; stride: every which vertex is lit, 1 unless `per` says where a strand begins; marks (count,) uint8,
+    zero before.
+    Returns how many pixels hold one of these segments.
+    """
+    seen = 0
+    for p in range(keys.shape[0]):
+        if keys[p] != EMPTY:
+            v = np.int64(keys[p] & LOW) - base
+            if 0 <= v < count - 1:
+                if stride > 1:
+                    v -= (v % per) % stride
+                marks[v] = 1
+                marks[v + stride] = 1
+                seen += 1
+    return seen
+
+
 @parallel
 def colours(keys, base, screen, per, stride, vertex, image):
     """Colour of the strands that are seen, linear between two lit vertices.
 
     keys (height * width,) uint64; base: number that was added to vertex indices; screen (V, 3) as projected; vertex
-    (V, 3) radiance at lit vertices; per, stride: which these are, as in `shade.mark`; image (height, width, 3).
+    (V, 3) radiance at lit vertices; per, stride: which these are, as in `mark`; image (height, width, 3).
     """
     height, width, _ = image.shape
-    count = screen.shape[0]
+    last = np.uint64(screen.shape[0] - 1)
+    share = ONE / np.float32(stride)
     for y in prange(height):
+        # first which, then what: without branches in between, one pixel's memory is fetched while others compute
+        columns = np.empty(width, np.int64)
+        vertices = np.empty(width, np.int64)
+        n = 0
         for x in range(width):
-            key = keys[y * width + x]
-            if key == EMPTY:
-                continue
-            v = np.int64(key & LOW) - base
-            if not 0 <= v < count - 1:
-                continue
-            dx = screen[v + 1, 0] - screen[v, 0]
-            dy = screen[v + 1, 1] - screen[v, 1]
-            if abs(dx) >= abs(dy):
-                t = (np.float32(x) + HALF - screen[v, 0]) / dx if dx != ZERO else ZERO
-            else:
-                t = (np.float32(y) + HALF - screen[v, 1]) / dy
+            v = (keys[y * width + x] & LOW) - np.uint64(base)
+            columns[n] = x
+            vertices[n] = np.int64(v)
+            n += np.int64(v < last)
+        across = np.float32(y) + HALF
+        for k in range(n):
+            x = columns[k]
+            v = vertices[k]
+            x0 = screen[v, 0]
+            y0 = screen[v, 1]
+            dx = screen[v + 1, 0] - x0
+            dy = screen[v + 1, 1] - y0
+            flat = abs(dx) >= abs(dy)
+            way = dx if flat else dy
+            t = (np.float32(x) + HALF - x0 if flat else across - y0) / (way if way != ZERO else ONE)
             t = min(max(t, ZERO), ONE)
             if stride > 1:
-                past = (v % per) % stride
+                past = np.int64((np.uint32(v) % np.uint32(per)) % np.uint32(stride))
                 v -= past
-                t = (np.float32(past) + t) / np.float32(stride)
+                t = (np.float32(past) + t) * share
             for c in range(3):
                 image[y, x, c] = vertex[v, c] + t * (vertex[v + stride, c] - vertex[v, c])
 

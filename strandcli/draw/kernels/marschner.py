@@ -56,6 +56,19 @@ def marschner(
     is taken, ``extra_*`` is not read, and the code for it is not compiled. Directions need not be exactly of unit
     length: sines are clamped, and where t is parallel to l or v the undefined φ takes some value in [0, π].
     """
+    x, y, m_r, m_tt, m_trt = longitudinal(tx, ty, tz, lx, ly, lz, vx, vy, vz, lobes)
+    return azimuthal(x, y, m_r, m_tt, m_trt, nodes, paths, extra_r, extra_g, extra_b)
+
+
+@function
+def longitudinal(
+    tx: np.float32, ty: np.float32, tz: np.float32,
+    lx: np.float32, ly: np.float32, lz: np.float32,
+    vx: np.float32, vy: np.float32, vz: np.float32,
+    lobes: np.ndarray,
+) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:  # fmt: skip
+    """The part of `marschner` that reads no table, without branches, so that a loop over it becomes vector code: the
+    place (x, y) in the tables, and M_p cos θ_l / cos² θ_d of the three paths."""
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
     sin_v = clamp(tx * vx + ty * vy + tz * vz, -ONE, ONE)
     cos_l = np.sqrt(ONE - sin_l * sin_l)
@@ -65,20 +78,10 @@ def marschner(
     theta_l = asin(sin_l)
     theta_v = asin(sin_v)
     phi = acos(clamp((lx * vx + ly * vy + lz * vz - sines) / max(cosines, TINY), -ONE, ONE))
-
-    # Cell and weights. The last node's index is approached, never reached, so the cell's far corner exists.
+    # the last node's index is approached, never reached, so the cell's far corner exists
     x = clamp(abs(theta_v - theta_l) * lobes[THETA_SCALE], ZERO, lobes[THETA_LAST])
     y = clamp(phi * lobes[PHI_SCALE], ZERO, lobes[PHI_LAST])
-    i = int(x)
-    j = int(y)
-    x -= np.float32(i)
-    y -= np.float32(j)
-    w11 = x * y
-    w10 = x - w11
-    w01 = y - w11
-    w00 = ONE - x - w01
-
-    # Twice θ_h serves as the argument of the Gaussians; their widths and shifts are scaled to suit.
+    # twice θ_h serves as the argument of the Gaussians; their widths and shifts are scaled to suit
     total = theta_l + theta_v
     d_r = total - lobes[SHIFT_R]
     d_tt = total - lobes[SHIFT_TT]
@@ -88,7 +91,23 @@ def marschner(
     m_r = scale * exp2(d_r * d_r * lobes[FALL_R])
     m_tt = scale * exp2(d_tt * d_tt * lobes[FALL_TT])
     m_trt = scale * exp2(d_trt * d_trt * lobes[FALL_TRT])
+    return x, y, m_r, m_tt, m_trt
 
+
+@function
+def azimuthal(
+    x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32,
+    nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
+) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
+    """The rest of `marschner`: the tables at (x, y), weighted with what `longitudinal` gave."""
+    i = int(x)
+    j = int(y)
+    x -= np.float32(i)
+    y -= np.float32(j)
+    w11 = x * y
+    w10 = x - w11
+    w01 = y - w11
+    w00 = ONE - x - w01
     a = nodes[i, j]
     b = nodes[i, j + 1]
     c = nodes[i + 1, j]

@@ -28,10 +28,11 @@ def widths(first, screen, view, thickness, taper, least, out):
 
 
 @parallel
-def points(first, world, view, screen):
+def points(first, world, stride, view, screen):
     """Project polylines.
 
-    first (S + 1,) int64; world (V, 3) metres; view (24,) float32, built by `strandcli.draw.camera.View.pack`: three
+    first (S + 1,) int64; world (V, 3) metres; stride: of each strand every which vertex, where all have a multiple of
+    that and one; view (24,) float32, built by `strandcli.draw.camera.View.pack`: three
     rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
     depth 1 for perspective); [14] near; [15], [16] half width and height in pixels; [17], [18] margins; [19] depth
     range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
@@ -46,38 +47,42 @@ def points(first, world, view, screen):
         for s in prange(first.shape[0] - 1):
             begin = first[s]
             end = first[s + 1]
-            for v in range(begin, end):
+            at = (begin - s) // stride + s - 1
+            for v in range(begin, end, stride):
+                at += 1
                 x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
                 if z < near:
-                    front, x, y = forward(world, view, v, begin, end, x, y, z)
+                    front, x, y = forward(world, view, v, stride, begin, end, x, y, z)
                     if not front:
-                        place(screen, v, ZERO, ZERO, ZERO)
+                        place(screen, at, ZERO, ZERO, ZERO)
                         continue
                     z = near
                 q = ONE / z
-                place(screen, v, cx + focal * x * q, cy - focal * y * q, q)
+                place(screen, at, cx + focal * x * q, cy - focal * y * q, q)
     else:
         far = ONE / view[19]
         for s in prange(first.shape[0] - 1):
             begin = first[s]
             end = first[s + 1]
-            for v in range(begin, end):
+            at = (begin - s) // stride + s - 1
+            for v in range(begin, end, stride):
+                at += 1
                 x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
                 if z < near:
-                    front, x, y = forward(world, view, v, begin, end, x, y, z)
+                    front, x, y = forward(world, view, v, stride, begin, end, x, y, z)
                     if not front:
-                        place(screen, v, ZERO, ZERO, ZERO)
+                        place(screen, at, ZERO, ZERO, ZERO)
                         continue
                     z = near
-                place(screen, v, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
+                place(screen, at, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
 
 
 @function
-def forward(world, view, v, begin, end, x, y, z):
+def forward(world, view, v, stride, begin, end, x, y, z):
     """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
     them crosses that plane."""
     near = view[14]
-    for w in (v - 1, v + 1):
+    for w in (v - stride, v + stride):
         if begin <= w < end:
             x1, y1, z1 = into(world[w, 0], world[w, 1], world[w, 2], view)
             if z1 >= near:

@@ -121,52 +121,46 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
 
 @function
 def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
-    """One segment into the rows top <= y < bottom. Positions across the longer axis step in fixed point, 24 bits behind
-    the point: a shift finds the pixel."""
-    if abs(x1 - x0) >= abs(y1 - y0):
-        if x1 < x0:
-            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        begin = max(np.ceil(x0 - HALF), ZERO)
-        low = np.int64(begin)
-        high = np.int64(min(np.ceil(x1 - HALF), np.float32(width)))
-        if low >= high:
-            return
-        per = ONE / (x1 - x0)
-        slope = (y1 - y0) * per
-        rise = (q1 - q0) * per
-        at = begin + HALF - x0
-        y = np.int64((y0 + slope * at) * FIXED)
-        step = np.int64(slope * FIXED)
-        q = q0 + rise * at
-        for x in range(low, high):
-            row = y >> POINT
-            if row >= top and row < bottom:
-                deposit(q, identity, np.uint64(row * width + x), keys)
-            y += step
-            q += rise
-    else:
-        if y1 < y0:
-            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        begin = max(np.ceil(y0 - HALF), np.float32(top))
-        low = np.int64(begin)
-        high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
-        if low >= high:
-            return
-        per = ONE / (y1 - y0)
-        slope = (x1 - x0) * per
-        rise = (q1 - q0) * per
-        at = begin + HALF - y0
-        x = np.int64((x0 + slope * at) * FIXED)
-        step = np.int64(slope * FIXED)
-        q = q0 + rise * at
-        row = low * width
-        for _ in range(low, high):
-            column = x >> POINT
-            if column >= 0 and column < width:
-                deposit(q, identity, np.uint64(row + column), keys)
-            row += width
-            x += step
-            q += rise
+    """One segment into the rows top <= y < bottom.
+
+    Which axis is longer, and which end comes first along it, is as good as random: both are chosen by selects, so that
+    there is one loop and no branch to be guessed. Positions across the longer axis step in fixed point, 24 bits behind
+    the point, whole steps from the first centre on the screen, so that the band's place does not matter.
+    """
+    wide = abs(x1 - x0) >= abs(y1 - y0)
+    a0 = x0 if wide else y0
+    b0 = y0 if wide else x0
+    a1 = x1 if wide else y1
+    b1 = y1 if wide else x1
+    back = a1 < a0
+    first = a1 if back else a0
+    last = a0 if back else a1
+    across = b1 if back else b0
+    q = q1 if back else q0
+    begin = max(np.ceil(first - HALF), ZERO)
+    high = np.int64(min(np.ceil(last - HALF), np.float32(width if wide else bottom)))
+    low = max(np.int64(begin), 0 if wide else top)
+    if low >= high:
+        return
+    per = ONE / (a1 - a0)
+    slope = (b1 - b0) * per
+    rise = (q1 - q0) * per
+    at = begin + HALF - first
+    past = low - np.int64(begin)
+    step = np.int64(slope * FIXED)
+    b = np.int64((across + slope * at) * FIXED) + past * step
+    q += rise * at
+    along = 1 if wide else width
+    over = width if wide else 1
+    least = top if wide else 0
+    most = (bottom if wide else width) - least
+    at_a = low * along
+    for k in range(past, past + high - low):
+        row = b >> POINT
+        if np.uint64(row - least) < np.uint64(most):
+            deposit(q + rise * np.float32(k), identity, np.uint64(at_a + row * over), keys)
+        at_a += along
+        b += step
 
 
 @function
@@ -201,9 +195,9 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
     else:
         if y1 < y0:
             x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
-        first = max(np.ceil(y0 - HALF), np.float32(top))
-        low = np.int64(first)
+        first = max(np.ceil(y0 - HALF), ZERO)
         high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
+        low = max(np.int64(first), top)
         if low >= high:
             return
         per = ONE / (y1 - y0)
@@ -214,17 +208,15 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
         x = x0 + slope * at
         q = q0 + rise * at
         for y in range(low, high):
-            begin = np.int64(max(np.ceil(x - half - HALF), ZERO))
-            end = np.int64(min(np.ceil(x + half - HALF), np.float32(width)))
+            past = np.float32(y) - first
+            begin = np.int64(max(np.ceil(x + slope * past - half - HALF), ZERO))
+            end = np.int64(min(np.ceil(x + slope * past + half - HALF), np.float32(width)))
             for column in range(begin, end):
-                deposit(q, identity, np.uint64(y * width + column), keys)
-            x += slope
-            q += rise
+                deposit(q + rise * past, identity, np.uint64(y * width + column), keys)
 
 
 @function
 def deposit(q, identity, pixel, keys):
     """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
-    if key < keys[pixel]:
-        keys[pixel] = key
+    keys[pixel] = min(key, keys[pixel])  # a store always: which is nearer cannot be predicted

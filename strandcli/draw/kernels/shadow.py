@@ -81,10 +81,8 @@ def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
         column = x >> POINT
         if row >= top and row < bottom and column >= 0 and column < size:
             t = np.uint64(row * size + column)
-            if d < texels[t, 0]:
-                texels[t, 0] = d
-            if d > texels[t, 1]:
-                texels[t, 1] = d
+            texels[t, 0] = min(texels[t, 0], d)
+            texels[t, 1] = max(texels[t, 1], d)
         x += step_x
         y += step_y
         d += rise
@@ -95,37 +93,47 @@ def transmittance(x, y, z, light, maps, starts, sizes, views):
     """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
     light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
 
-    x, y, z metres; light (16,) as in `shade.strands`: [7], [8] its first map and their number, [9] bias in metres in
-    front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,) int64, views (M, 24).
-    A point that no map of the light holds is lit.
+    x, y, z metres; light (16,) as in `shade_strands.strands`: [7], [8] its first map and their number, [9] bias in
+    metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,) int64, views
+    (M, 24). A point that no map of the light holds is lit.
     """
-    bias = light[9]
     for one in range(int(light[7]), int(light[7] + light[8])):
-        view = views[one]
-        size = sizes[one]
-        sx, sy, d = into(x, y, z, view)
-        if d < view[14]:
-            continue
-        scale = view[13] / d if view[12] > ZERO else view[13]
-        u = view[15] + scale * sx - HALF
-        v = view[16] - scale * sy - HALF
-        # the outermost texels are empty, so what lies beyond them is lit
-        edge = np.float32(size - 1)
-        if not (u >= ZERO and v >= ZERO and u < edge and v < edge):
+        u, v, d = texel_of(x, y, z, views[one])
+        if not held(u, v, d, views[one], np.float32(sizes[one] - 1)):
             continue
         low_u = np.floor(u)
         low_v = np.floor(v)
-        u -= low_u
-        v -= low_v
-        texel = np.uint64(starts[one] + np.int64(low_v) * size + np.int64(low_u))
-        below = texel + np.uint64(size)
-        d -= bias
-        upper = through(d, maps[texel, 0], maps[texel, 1])
-        upper += u * (through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]) - upper)
-        lower = through(d, maps[below, 0], maps[below, 1])
-        lower += u * (through(d, maps[below + NEXT, 0], maps[below + NEXT, 1]) - lower)
-        return upper + v * (lower - upper)
+        texel = np.uint64(starts[one] + np.int64(low_v) * sizes[one] + np.int64(low_u))
+        below = texel + np.uint64(sizes[one])
+        d -= light[9]
+        return between(
+            u - low_u, v - low_v,
+            through(d, maps[texel, 0], maps[texel, 1]), through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
+            through(d, maps[below, 0], maps[below, 1]), through(d, maps[below + NEXT, 0], maps[below + NEXT, 1]),
+        )  # fmt: skip
     return ONE
+
+
+@function
+def texel_of(x, y, z, view):
+    """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
+    sx, sy, d = into(x, y, z, view)
+    scale = view[13] / d if view[12] > ZERO else view[13]
+    return view[15] + scale * sx - HALF, view[16] - scale * sy - HALF, d
+
+
+@function
+def held(u, v, d, view, edge):
+    """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
+    return (d >= view[14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
+
+
+@function
+def between(u, v, one, right, below, corner):
+    """Bilinear among four texels."""
+    upper = one + u * (right - one)
+    lower = below + u * (corner - below)
+    return upper + v * (lower - upper)
 
 
 @function

@@ -36,9 +36,8 @@ def sphere(p, ox, oy, oz, dx, dy, dz):
     ey = cy + t * dy
     ez = cz + t * dz
     left = p[3] * p[3] - (ex * ex + ey * ey + ez * ez)
-    if left < ZERO or t < ZERO:
-        return INF
-    return t - math.sqrt(left / a)
+    hit = t - math.sqrt(max(left, ZERO) / a)
+    return hit if (left >= ZERO) & (t >= ZERO) else INF
 
 
 @function
@@ -170,19 +169,30 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     Points within `skin` under a surface count as on it, so that a root is not shaded by the solid that it grows from:
     only what a ray meets or is inside of after `skin` hides the light.
     """
+    for s in range(spheres.shape[0]):
+        if past_sphere(spheres[s], x, y, z, lx, ly, lz, reach, skin) == ZERO:
+            return ZERO
+    return past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
+
+
+@function
+def past_sphere(p, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for one sphere, without branches."""
+    cx = p[0] - x - skin * lx
+    cy = p[1] - y - skin * ly
+    cz = p[2] - z - skin * lz
+    t = cx * lx + cy * ly + cz * lz
+    left = (p[3] - skin) * (p[3] - skin) - (cx * cx + cy * cy + cz * cz - t * t)
+    near = t - math.sqrt(max(left, ZERO))
+    return ZERO if (t > ZERO) & (p[3] > skin) & (left > ZERO) & (near < reach) else ONE
+
+
+@function
+def past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for all that are not spheres."""
     x += skin * lx
     y += skin * ly
     z += skin * lz
-    for s in range(spheres.shape[0]):
-        p = spheres[s]
-        cx = p[0] - x
-        cy = p[1] - y
-        cz = p[2] - z
-        t = cx * lx + cy * ly + cz * lz
-        if t > ZERO and p[3] > skin:
-            left = (p[3] - skin) * (p[3] - skin) - (cx * cx + cy * cy + cz * cz - t * t)
-            if left > ZERO and t - math.sqrt(left) < reach:
-                return ZERO
     for s in range(capsules.shape[0]):
         t = capsule(capsules[s], x, y, z, lx, ly, lz)
         if skin < t < reach:
@@ -203,27 +213,41 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
     """Fill the z-buffer with solids, and with `raster.EMPTY` where there are none.
 
     frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
-    included); keys (height * width,) uint64.
+    included); keys (height * width,) uint64. A row of a sphere is one loop without branches, which becomes vector code.
     """
-    focal = view[13]
+    flat = ONE - view[12]
+    far = ONE / view[19]
     for y in prange(height):
-        line = y * width
-        for x in range(width):
-            keys[np.uint64(line + x)] = EMPTY
-        up = (view[16] - np.float32(y) - HALF) / focal
+        row = keys[y * width : (y + 1) * width]
+        row[:] = EMPTY
+        up = (view[16] - np.float32(y) - HALF) / view[13]
         for m in range(frames.shape[0]):
             if y < frames[m, 2] or y >= frames[m, 3]:
                 continue
-            for x in range(frames[m, 0], frames[m, 1]):
-                right = (np.float32(x) + HALF - view[15]) / focal
-                ox, oy, oz, dx, dy, dz = ray(view, right, up)
-                t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
-                if t > view[14] and t < INF:
-                    q = ONE / t if view[12] > ZERO else ONE - (t - view[14]) / view[19]
-                    bits = LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))
-                    key = (bits << SHIFT) | (FIRST + np.uint64(m))
-                    if key < keys[np.uint64(line + x)]:
-                        keys[np.uint64(line + x)] = key
+            identity = FIRST + np.uint64(m)
+            part = row[frames[m, 0] : frames[m, 1]]
+            begin = np.float32(frames[m, 0]) + HALF - view[15]
+            if m < spheres.shape[0]:
+                p = spheres[m]
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    key = key_at(sphere(p, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    part[x] = min(part[x], key)
+            else:
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
+                    part[x] = min(part[x], key_at(t, view, flat, far, identity))
+
+
+@function
+def key_at(t, view, flat, far, identity):
+    """The z-buffer's key of a solid at depth t, `raster.EMPTY` where t is not in front of the eye; flat: 1 for an
+    orthographic view, far: one over its depth range."""
+    # what lies behind an orthographic view's range is as far as its end
+    q = (ONE - flat) / t + flat * max(ONE - (t - view[14]) * far, ZERO)
+    key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
+    return key if view[14] < t < INF else EMPTY
 
 
 @function
@@ -244,10 +268,17 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
 @function
 def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
-    direction's length is such that its parameter is the depth."""
+    direction's length is such that its parameter is the depth. No branch: view[12] is 1 for perspective, else 0."""
     ax = view[0] * right + view[4] * up
     ay = view[1] * right + view[5] * up
     az = view[2] * right + view[6] * up
-    if view[12] > ZERO:
-        return view[20], view[21], view[22], view[8] + ax, view[9] + ay, view[10] + az
-    return view[20] + ax, view[21] + ay, view[22] + az, view[8], view[9], view[10]
+    spread = view[12]
+    shift = ONE - spread
+    return (
+        view[20] + shift * ax,
+        view[21] + shift * ay,
+        view[22] + shift * az,
+        view[8] + spread * ax,
+        view[9] + spread * ay,
+        view[10] + spread * az,
+    )

@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import parallel, prange
+from ...jit import function, parallel, prange
 from .contact import deepest
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
+INF = np.float32(np.inf)
 
 
 @parallel
@@ -48,11 +49,30 @@ def depth(positions, spheres, capsules, planes, boxes, out):
 
     positions as above; solids as packed by `strandcli.solids.pack`, (m, columns) each; out (blocks,) float32.
     """
+    none = spheres[:0]
+    others = capsules.shape[0] + planes.shape[0] + boxes.shape[0]
     for b in prange(positions.shape[0]):
         block = positions[b]
         most = ZERO
-        for i in range(2, block.shape[0]):
-            x = block[i]
-            for k in range(W):
-                most = max(most, deepest(spheres, capsules, planes, boxes, x[k], x[W + k], x[2 * W + k])[0])
+        for m in range(spheres.shape[0]):
+            most = max(most, depth_in(spheres[m], block))
+        if others > 0:
+            for i in range(2, block.shape[0]):
+                x = block[i]
+                for k in range(W):
+                    most = max(most, deepest(none, capsules, planes, boxes, x[k], x[W + k], x[2 * W + k])[0])
         out[b] = most
+
+
+@function
+def depth_in(sphere, block):
+    """Greatest depth of a block's particles inside one sphere: of each lane the nearest to the centre, then of all."""
+    least = np.full(W, INF)
+    for i in range(2, block.shape[0]):
+        x = block[i]
+        for k in range(W):
+            dx = x[k] - sphere[0]
+            dy = x[W + k] - sphere[1]
+            dz = x[2 * W + k] - sphere[2]
+            least[k] = min(least[k], dx * dx + dy * dy + dz * dz)
+    return sphere[3] - math.sqrt(least.min())

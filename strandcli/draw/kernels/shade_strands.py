@@ -1,0 +1,279 @@
+"""Light on strands: every light with its strand shadow and the solids' shadows, and what comes from everywhere.
+
+Vertices that are seen are gathered in batches of W, strand after strand, into an array of rows; what needs no table is
+one loop over a row, which becomes vector code, and only what reads maps and tables goes vertex by vertex.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...constants import W
+from ...jit import function, parallel, prange
+from . import solids
+from .light import toward
+from .marschner import azimuthal, kajiya_diffuse, longitudinal
+from .shadow import between, held, texel_of, through
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
+NEXT = np.uint64(1)
+STRANDS = 128
+"""Strands a task."""
+
+# Rows of a batch, W numbers each, in one array: a compiler that knows how far apart they are need not fear that they
+# overlap. Position, tangent, direction to the eye, colour, absorption beyond the tables', radiance; then of one light
+# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights.
+X, Y, Z, TX, TY, TZ, EX, EY, EZ = (i * W for i in range(9))
+COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
+LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
+U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
+TEXELS = 27 * W
+R, TT, TRT = TEXELS, TEXELS + W, TEXELS + 2 * W
+ROWS = 35
+
+
+@parallel
+def strands(
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, nodes, paths,
+    lights, maps, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+):  # fmt: skip
+    """Radiance toward the camera at the marked vertices.
+
+    first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
+    colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
+    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, None where not needed;
+    lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
+    or intensity in W/sr; [7:10] shadow maps (`shadow.transmittance`); maps (T, 2), or None for no maps at all; starts,
+    sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
+    """
+    count = first.shape[0] - 1
+    for task in prange((count + STRANDS - 1) // STRANDS):
+        work = np.empty(ROWS * W, np.float32)
+        work[EXTRA:RADIANCE] = ZERO
+        which = np.empty(W, np.int64)
+        n = 0
+        for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
+            begin = first[s]
+            end = first[s + 1]
+            per = ONE / np.float32(max(end - begin - 1, 1))
+            for v in range(begin, end):
+                if marks is not None and marks[v] == 0:
+                    continue
+                gather(world, v, begin, end, tones[s], per, colour, tint, ambient, work, n)
+                which[n] = v
+                n += 1
+                if n == W:
+                    batch(
+                        work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+                        spheres, capsules, planes, boxes, skin,
+                    )  # fmt: skip
+                    scatter(work, which, n, out)
+                    n = 0
+        batch(
+            work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+            spheres, capsules, planes, boxes, skin,
+        )  # fmt: skip
+        scatter(work, which, n, out)
+
+
+@function
+def gather(world, v, begin, end, tone, per, colour, tint, ambient, work, k):
+    """Put a vertex into place k of a batch."""
+    low = max(v - 1, begin)
+    high = min(v + 1, end - 1)
+    for c in range(3):
+        work[X + c * W + k] = world[v, c]
+        work[TX + c * W + k] = world[high, c] - world[low, c]
+    if tint is None:
+        for c in range(3):
+            work[COLOUR + c * W + k] = colour[c]
+    else:
+        found = look_up(tint, np.float32(v - begin) * per, tone)
+        for c in range(3):
+            work[COLOUR + c * W + k] = found[c]
+            work[EXTRA + c * W + k] = found[c + 3]
+    for c in range(3):
+        work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
+
+
+@function
+def scatter(work, which, n, out):
+    """Radiance back to the vertices of a batch."""
+    for k in range(n):
+        for c in range(3):
+            out[which[k], c] = work[RADIANCE + c * W + k]
+
+
+@function
+def batch(
+    work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+    spheres, capsules, planes, boxes, skin,
+):  # fmt: skip
+    """Radiance of the first n vertices of a batch."""
+    frames(work, n, view)
+    for i in range(lights.shape[0]):
+        light = lights[i]
+        aim(work, n, light)
+        if spheres is not None:
+            hide(work, n, spheres, capsules, planes, boxes, skin)
+        if maps is not None:
+            for one in range(int(light[7]), int(light[7] + light[8])):
+                shade(work, n, views[one], maps, starts[one], sizes[one], light[9])
+        if diffuse > ZERO:
+            for k in range(n):
+                d = diffuse * kajiya_diffuse(
+                    work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
+                )
+                d *= work[ARRIVES + k]
+                work[RADIANCE + k] += light[4] * (d * work[COLOUR + k])
+                work[RADIANCE + W + k] += light[5] * (d * work[COLOUR + W + k])
+                work[RADIANCE + 2 * W + k] += light[6] * (d * work[COLOUR + 2 * W + k])
+        if lobes is not None:
+            shine(work, n, light, lobes, nodes, paths)
+
+
+@function
+def frames(work, n, view):
+    """Unit tangents, and unit directions to the eye."""
+    perspective = view[12]
+    straight = perspective - ONE  # an orthographic eye is everywhere against the view
+    for k in range(n):
+        x = work[TX + k]
+        y = work[TY + k]
+        z = work[TZ + k]
+        size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+        work[TX + k] = x * size
+        work[TY + k] = y * size
+        work[TZ + k] = z * size
+        x = perspective * (view[20] - work[X + k]) + straight * view[8]
+        y = perspective * (view[21] - work[Y + k]) + straight * view[9]
+        z = perspective * (view[22] - work[Z + k]) + straight * view[10]
+        size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+        work[EX + k] = x * size
+        work[EY + k] = y * size
+        work[EZ + k] = z * size
+
+
+@function
+def aim(work, n, light):
+    """Directions to a light, and its falloff."""
+    for k in range(n):
+        x, y, z, reach, falloff = toward(light, work[X + k], work[Y + k], work[Z + k])
+        work[LX + k] = x
+        work[LY + k] = y
+        work[LZ + k] = z
+        work[REACH + k] = reach
+        work[ARRIVES + k] = falloff
+        work[INSIDE + k] = ZERO
+
+
+@function
+def hide(work, n, spheres, capsules, planes, boxes, skin):
+    """No light where a solid stands between."""
+    for s in range(spheres.shape[0]):
+        for k in range(n):
+            work[ARRIVES + k] *= solids.past_sphere(
+                spheres[s], work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
+                work[REACH + k], skin,
+            )  # fmt: skip
+    if capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0:
+        for k in range(n):
+            if work[ARRIVES + k] > ZERO:
+                work[ARRIVES + k] *= solids.past_others(
+                    capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k],
+                    work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
+                )  # fmt: skip
+
+
+@function
+def shade(work, n, view, maps, start, size, bias):
+    """What strands leave of a light, by one map: only where no map before held the vertex."""
+    if size < 2:
+        return
+    edge = np.float32(size - 1)
+    for k in range(n):
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], view)
+        fresh = held(u, v, d, view, edge) & (work[INSIDE + k] == ZERO)
+        work[U + k] = u if fresh else ZERO
+        work[V + k] = v if fresh else ZERO
+        work[DEPTH + k] = d - bias if fresh else -ONE
+        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+    for k in range(n):
+        texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
+        below = texel + np.uint64(size)
+        work[TEXELS + k] = maps[texel, 0]
+        work[TEXELS + W + k] = maps[texel, 1]
+        work[TEXELS + 2 * W + k] = maps[texel + NEXT, 0]
+        work[TEXELS + 3 * W + k] = maps[texel + NEXT, 1]
+        work[TEXELS + 4 * W + k] = maps[below, 0]
+        work[TEXELS + 5 * W + k] = maps[below, 1]
+        work[TEXELS + 6 * W + k] = maps[below + NEXT, 0]
+        work[TEXELS + 7 * W + k] = maps[below + NEXT, 1]
+    for k in range(n):
+        d = work[DEPTH + k]
+        left = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            through(d, work[TEXELS + k], work[TEXELS + W + k]),
+            through(d, work[TEXELS + 2 * W + k], work[TEXELS + 3 * W + k]),
+            through(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
+            through(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
+        )
+        work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
+
+
+@function
+def shine(work, n, light, lobes, nodes, paths):
+    """Highlights."""
+    for k in range(n):
+        x, y, r, tt, trt = longitudinal(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], lobes,
+        )  # fmt: skip
+        work[U + k] = x
+        work[V + k] = y
+        work[R + k] = r
+        work[TT + k] = tt
+        work[TRT + k] = trt
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = azimuthal(
+                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], nodes, paths,
+                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * light[4] * r
+            work[RADIANCE + W + k] += arrives * light[5] * g
+            work[RADIANCE + 2 * W + k] += arrives * light[6] * b
+
+
+@function
+def look_up(tint, along, tone):
+    """Bilinear in a table (A, B, 6) over along in [0, 1] and tone in [−1, 1]."""
+    a = along * np.float32(tint.shape[0] - 1)
+    b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
+    i = min(int(a), tint.shape[0] - 2)
+    j = min(int(b), tint.shape[1] - 2)
+    a -= np.float32(i)
+    b -= np.float32(j)
+    w11 = a * b
+    w10 = a - w11
+    w01 = b - w11
+    w00 = ONE - a - w01
+    p = tint[i, j]
+    q = tint[i, j + 1]
+    r = tint[i + 1, j]
+    s = tint[i + 1, j + 1]
+    return (
+        w00 * p[0] + w01 * q[0] + w10 * r[0] + w11 * s[0],
+        w00 * p[1] + w01 * q[1] + w10 * r[1] + w11 * s[1],
+        w00 * p[2] + w01 * q[2] + w10 * r[2] + w11 * s[2],
+        w00 * p[3] + w01 * q[3] + w10 * r[3] + w11 * s[3],
+        w00 * p[4] + w01 * q[4] + w10 * r[4] + w11 * s[4],
+        w00 * p[5] + w01 * q[5] + w10 * r[5] + w11 * s[5],
+    )

@@ -1,0 +1,78 @@
+"""Light on solids."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import parallel, prange
+from . import solids
+from .light import toward
+from .raster import EMPTY, LOW, SHIFT
+from .shadow import transmittance
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+INV_PI = np.float32(1 / math.pi)
+
+
+@parallel
+def surfaces(
+    keys, width, height, view, ambient, lights, maps, starts, sizes, views,
+    spheres, capsules, planes, boxes, paint, skin, image,
+):  # fmt: skip
+    """Lambertian radiance of the solids that are seen.
+
+    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
+    image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
+    `shade_strands.strands`.
+    """
+    focal = view[13]
+    for row in prange(height):
+        up = (view[16] - np.float32(row) - HALF) / focal
+        for column in range(width):
+            key = keys[row * width + column]
+            if key == EMPTY or (key & LOW) < solids.FIRST:
+                continue
+            which = np.int64((key & LOW) - solids.FIRST)
+            right = (np.float32(column) + HALF - view[15]) / focal
+            ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+            if view[12] > ZERO:  # the key tells: one over the depth
+                t = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+            else:
+                t = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+            x = ox + t * dx
+            y = oy + t * dy
+            z = oz + t * dz
+            nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, x, y, z)
+            r = ambient[0]
+            g = ambient[1]
+            b = ambient[2]
+            for i in range(lights.shape[0]):
+                light = lights[i]
+                lx, ly, lz, reach, falloff = toward(light, x, y, z)
+                cosine = nx * lx + ny * ly + nz * lz
+                if cosine <= ZERO:
+                    continue
+                falloff *= cosine * INV_PI
+                px = x + nx * skin
+                py = y + ny * skin
+                pz = z + nz * skin
+                falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
+                if maps is not None and falloff > ZERO:
+                    falloff *= transmittance(x, y, z, light, maps, starts, sizes, views)
+                r += falloff * light[4]
+                g += falloff * light[5]
+                b += falloff * light[6]
+            there = ONE
+            if paint[which, 3] > ZERO:
+                ax = x - paint[which, 4]
+                ay = y - paint[which, 5]
+                az = z - paint[which, 6]
+                there = max(ONE - math.sqrt(ax * ax + ay * ay + az * az) / paint[which, 3], ZERO)
+                there = there * there * (np.float32(3.0) - np.float32(2.0) * there)
+            image[row, column, 0] += there * (r * paint[which, 0] - image[row, column, 0])
+            image[row, column, 1] += there * (g * paint[which, 1] - image[row, column, 1])
+            image[row, column, 2] += there * (b * paint[which, 2] - image[row, column, 2])
