@@ -47,5 +47,5 @@ rooted = SimpleNamespace(
     name="rooted", order=25.0, Parameters=Moments, passes=_passes(root_of_x, (1e30, 0.0), (0.0, 0.0))
 )
 """Makes every strand NaN that reaches beyond x = 0."""
-growing = SimpleNamespace(name="growing", order=25.0, Parameters=Moments, passes=_passes(grow, (1.0,), (1.7,)))
-"""Stretches every segment by 70 % a step."""
+growing = SimpleNamespace(name="growing", order=25.0, Parameters=Moments, passes=_passes(grow, (1.0,), (300.0,)))
+"""Stretches every segment to 300 times its length."""

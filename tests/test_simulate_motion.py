@@ -173,7 +173,7 @@ DIVERGING = """
 emitter: {strands: 70, particles: 5}
 time: {fps: 10, frames: 40}
 image: {size: [16, 12]}
-rules: [gravity, stiffness: {strength: 58, clamp: false}]
+rules: [gravity, stiffness: {strength: 5000, clamp: false}]
 """
 
 
@@ -189,7 +189,7 @@ def test_a_simulation_that_diverges_ends_in_an_error_and_not_in_a_picture() -> N
     assert 5 < len(frames) < 40
     assert np.isfinite(frames[-1].positions).all()
     assert frames[-1].report["error"]["nonfinite"] == 0
-    assert re.match(rf"frame {len(frames) + 1}: strand \d+ is stretched by [\d.e+]+ %, more than 10000 %", str(ends))
+    assert re.match(rf"frame {len(frames) + 1}: strand 0, particle \d is no longer finite", str(ends))
     with pytest.raises(SimulationError, match=rf"^frame {len(frames) + 1}: strand \d+") as caught:
         frames_of(scene_of(DIVERGING), 40)  # it stops where it went wrong, not where it is looked at
     assert "thrown off by rule stiffness; " in str(caught.value)

@@ -15,8 +15,9 @@ from ..scene.fields import LARGEST
 from . import blame
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
-"""Greatest error of a segment's length, as a share. The source's strands stretch where a preset leaves elasticity out,
-but not to a hundred times their length; a rod's lengths are exact but for rounding, which is allowed for."""
+"""Greatest error of a segment's length, as a share. The source's strands are judged where a preset lists elasticity,
+and stretch all the same where a rule after it moves them; a rod's lengths are exact but for rounding, which is allowed
+for."""
 RESIDUAL_MOST = 1.0
 """Greatest error that a solver's iterations may leave: an edge that is off by its own length."""
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
@@ -53,8 +54,9 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
             f"{where}: strand {strand}, particle {particle} is no longer finite{others}: {cause}; {remedy}",
             frame, strand, cause,
         )  # fmt: skip
-    most = STRETCH_MOST.get(scene.solver, 1.0)
-    if not error["stretch_max"] <= most:
+    most = STRETCH_MOST[scene.solver]
+    held = scene.solver != "thesis" or any(use.name == "elasticity" for use in scene.rules)
+    if held and not error["stretch_max"] <= most:
         stretch = stretches(solver)
         strand = int(np.argmax(stretch))
         if not stretch[strand] <= most:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -147,12 +148,18 @@ def _results(work: Sequence[Task], processes: int, notify: Notify | None) -> Ite
     for task in _one_of_each(work):
         perform(task)
     fresh = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, fresh, initializer=runtime.start, initargs=(1,)) as pool:
+    with ProcessPoolExecutor(processes, fresh, initializer=_begin) as pool:
         try:
             yield from pool.map(perform, work, chunksize=CHUNK)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
+
+
+def _begin() -> None:
+    """What a process does first: one thread, and an interruption is its parent's to handle."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    runtime.start(1)
 
 
 def _one_of_each(work: Iterable[Task]) -> list[Task]:
