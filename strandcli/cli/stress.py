@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +70,7 @@ def command(
         click.echo(f"{result.accept()}: rewritten", err=True)
         return
     if as_json:
-        options.print_json(_finite(result.as_dict()))
+        _print_json(result)
     elif case and not quiet:
         click.echo("\n".join(detail(one) for one in result.verdicts))
     elif not quiet:
@@ -159,7 +160,16 @@ def _ranked(value: float, word: str) -> float:
     return value
 
 
-def _finite(data: dict[str, Any]) -> Any:
+def _print_json(result: Result) -> None:
+    """Machine data alone on stdout, a line a case: there are tens of thousands."""
     from ..output.report import finite
 
-    return finite(data)
+    data = finite(result.as_dict())
+    cases = data.pop("cases")
+
+    def text(value: Any) -> str:
+        return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+    lines = ",\n".join(f"  {text(case)}" for case in cases)
+    rest = ",\n".join(f"{text(key)}: {text(value)}" for key, value in data.items())
+    click.echo(f'{{{rest},\n"cases": [\n{lines}\n]}}')
