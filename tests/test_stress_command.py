@@ -101,3 +101,13 @@ def test_rules_that_a_preset_brings_are_run(command: Runner, monkeypatch: pytest
     result = command("stress", "own.yaml", "--case", "thesis/preset/dt=10")
     assert result.code == 3
     assert "nonfinite" in result.err
+
+
+def test_several_processes_come_to_the_same_verdicts() -> None:
+    work = run.tasks(["thesis"], quick=True)
+    assert len(work) >= 4 * run.CHUNK  # fewer are not worth a second process
+    counted: list[int] = []
+    shared = run.run(work, processes=2, step=counted.append)
+    alone = run.run(work, processes=1)
+    assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
+    assert sum(counted) == len(alone.verdicts)

@@ -19,6 +19,7 @@ from ...scene.motion import solid_pose
 from ...simulate import solver_of
 from .axes import Case
 from .scenes import groom_of, scene_of, times_of
+from .verdicts import RESIDUAL, judged_by_residual
 
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
 """Error of a distance between two points for each metre of their coordinates, half a unit in the last place each."""
@@ -40,8 +41,6 @@ def run(cases: Sequence[Case]) -> list[Outcome]:
     A solver tells one residual for all its strands: where that is above the threshold, every strand is run once more by
     itself to see which it was.
     """
-    from .verdicts import RESIDUAL, judged_by_residual
-
     found = _together(list(cases))
     shared = max((one.metrics.get("residual", 0.0) for one in found), default=0.0)
     if len(cases) > 1 and judged_by_residual(cases[0]) and not shared <= RESIDUAL:

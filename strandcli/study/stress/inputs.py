@@ -84,7 +84,8 @@ def refused_cache(solver: str, *, value: float) -> str:
         try:
             read_positions(path, positions.shape)
         except UsageError as error:
-            return str(error) if "strand 1" in str(error) else ""
+            told = str(error).replace(str(path), path.name)
+            return told if "strand 1" in told else ""
     return ""
 
 
