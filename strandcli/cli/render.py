@@ -183,7 +183,8 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
 
 def _line(number: int, report: Mapping[str, Any]) -> str:
     stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
-    return f"frame {number}: {', '.join(stages)} ms"
+    errors = [f"{name} {value:.2g}" for name, value in report.get("error", {}).items() if value is not None]
+    return f"frame {number}: {', '.join(stages)} ms; {', '.join(errors)}"
 
 
 def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
