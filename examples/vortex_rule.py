@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from strandcli.constants import W
 from strandcli.scene.fields import number
 from strandcli.simulate.rules import Moment, Pass, register
 
@@ -31,14 +30,11 @@ class Parameters:
     core: float = number(0.3, above=0, unit="m", doc="inside of this distance the pull fades toward the axis")
 
 
-def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p[0]: strength Δt²; p[1]: core². Compiled by strandcli: only the rows of one particle and arithmetic."""
-    for k in range(W):
-        px = x[k]
-        pz = x[2 * W + k]
-        pull = p[0] / (px * px + pz * pz + p[1])
-        x[k] = px + pull * pz
-        x[2 * W + k] = pz - pull * px
+def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
+    """p[0]: strength Δt²; p[1]: core². The new place of a particle at a; b and c are those before it on its strand.
+    Compiled by strandcli: arithmetic only, no branches."""
+    pull = p[0] / (a[0] * a[0] + a[2] * a[2] + p[1])
+    return a[0] + pull * a[2], a[1], a[2] - pull * a[0]
 
 
 def passes(parameters: Parameters, scene: Any) -> list[Pass]:
@@ -47,7 +43,7 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     def prepare(moment: Moment) -> Any:
         return np.array([parameters.strength * moment.step**2, parameters.core**2], np.float32)
 
-    return [Pass(apply, prepare)]
+    return [Pass(apply, prepare, stage="lane", numbers=2)]
 
 
 def main(folder: Path) -> None:

@@ -44,14 +44,23 @@ def join(images: Sequence[NDArray[np.uint8]], labels: Sequence[str]) -> NDArray[
     width = sum(image.shape[1] for image in images) + GAP * (len(images) - 1)
     sheet = Image.new("RGB", (width, height + strip), PAPER)
     pen = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(text)
     left = 0
     for image, label in zip(images, labels, strict=True):
+        font = ImageFont.load_default(fitting_size(label, text, image.shape[1]))
         sheet.paste(Image.fromarray(image), (left, 0))
         if strip:
             pen.text((left + image.shape[1] / 2, height + strip / 2), label, INK, font, anchor="mm")
         left += image.shape[1] + GAP
     return np.asarray(sheet)
+
+
+def fitting_size(label: str, size: int, width: int) -> int:
+    """The height in pixels at which a label is no wider than ``width``: at most ``size``, at least 6."""
+    from PIL import ImageFont
+
+    while size > 6 and ImageFont.load_default(size).getlength(label) > width:
+        size -= 1
+    return size
 
 
 def _merge(parts: Sequence[dict[str, Any]], join: Any) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from .crew import in_order, share_out
 from .errors import SimulationError
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
+from .rehearsal import Rehearsal
 from .scene.model import Scene
 
 Notify = Callable[[str], None]
@@ -84,10 +85,26 @@ def _run(
     conduct: Conduct,
     several: bool = True,
 ) -> Iterator[Frame]:
+    rehearsal = Rehearsal(scene) if draw and frames else None
+    try:
+        film = _Film(scene, frames, given, draw, keep_positions, conduct)
+        yield from _frames(film, frames, draw, several, rehearsal, conduct.notify)
+    finally:
+        if rehearsal is not None:
+            rehearsal.stop()
+
+
+def _frames(
+    film: _Film,
+    frames: Sequence[int],
+    draw: bool,
+    several: bool,
+    rehearsal: Rehearsal | None,
+    notify: Notify | None,
+) -> Iterator[Frame]:
     import numba
 
-    film = _Film(scene, frames, given, draw, keep_positions, conduct)
-    notify = conduct.notify
+    scene, given = film.scene, film.given
     if notify is not None and given is None and (scene.time.preroll > 0 or (frames and frames[0] > 1)):
         notify(f"simulating up to frame {frames[0]}")
     if not draw:
@@ -95,7 +112,7 @@ def _run(
             yield film.begin(number).frame
         return
     # All threads on one frame: the first compiles or loads kernels, the second tells what a frame costs.
-    draughtsman = film.draughtsman()
+    draughtsman = film.draughtsman(rehearsal)
     seconds: dict[str, float] = {}
     for number in frames[:2]:
         frame = draughtsman(film.begin(number))
@@ -214,17 +231,17 @@ class _Film:
         positions = pack(unpack(solver.positions, strands)[kept])
         return _Begun(frame, positions, lanes(solver.lengths.reshape(-1)[kept, None]), self.groom.tones[kept])
 
-    def draughtsman(self) -> _Draughtsman:
+    def draughtsman(self, rehearsal: Rehearsal | None = None) -> _Draughtsman:
         """One that draws, with memory of its own."""
-        return _Draughtsman(self)
+        return _Draughtsman(self, rehearsal)
 
 
 class _Draughtsman:
-    def __init__(self, film: _Film) -> None:
+    def __init__(self, film: _Film, rehearsal: Rehearsal | None) -> None:
         from .draw.renderer import Renderer
 
         self._film = film
-        self._renderer = Renderer(film.scene, film.groom)
+        self._renderer = Renderer(film.scene, film.groom, rehearsal.wait if rehearsal is not None else lambda: None)
 
     def __call__(self, begun: _Begun) -> Frame:
         import numba

@@ -14,14 +14,22 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from . import __version__
 from .errors import UsageError
 
-_state: dict[str, Any] = {"folder": None, "compile_seconds": 0.0, "depth": 0, "began": 0.0, "notify": None}
+_state: dict[str, Any] = {
+    "folder": None,
+    "temporary": False,
+    "compile_seconds": 0.0,
+    "depth": 0,
+    "began": 0.0,
+    "notify": None,
+}
 
 
 def start(threads: int | None = None, notify: Callable[[str], None] | None = None) -> None:
@@ -57,6 +65,24 @@ def cache_folder() -> Path:
     """The private folder that holds compiled and generated kernels."""
     start_once()
     return Path(_state["folder"])
+
+
+def shared_folder() -> Path | None:
+    """That folder where other processes find it again, None where it is a temporary one of this process."""
+    folder = cache_folder()
+    return None if _state["temporary"] else folder
+
+
+@contextmanager
+def counted_as_compiling(what: str) -> Iterator[None]:
+    """Time within counts as compiling."""
+    if _state["notify"] is not None:
+        _state["notify"](f"compiling {what}")
+    began = time.perf_counter()
+    try:
+        yield
+    finally:
+        _state["compile_seconds"] += time.perf_counter() - began
 
 
 def compile_seconds() -> float:
@@ -111,6 +137,7 @@ def _writable_folder() -> Path:
         _forget_old(base, keep=folder)
     except OSError:
         folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
+        _state["temporary"] = True
         import atexit
 
         atexit.register(shutil.rmtree, folder, ignore_errors=True)

@@ -24,11 +24,12 @@ def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = n
         if solid.kind != kind:
             continue
         turned, moved = solid_pose(solid, emitter, time)
-        rotation, centre = np.array(turned), np.array(moved)
         tiny = 1e-30
         if kind == "sphere":
-            rows.append([*centre, solid.radius, tiny])
-        elif kind == "capsule":
+            rows.append([*moved, solid.radius, tiny])
+            continue
+        rotation, centre = np.array(turned), np.array(moved)
+        if kind == "capsule":
             axis = rotation @ np.array([0.0, solid.length, 0.0])
             rows.append([*(centre - axis / 2), *axis, solid.radius, 1 / max(solid.length**2, tiny), tiny])
         elif kind == "plane":

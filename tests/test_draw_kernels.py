@@ -78,12 +78,17 @@ def test_no_rule_slips_into_double_precision() -> None:
     rows = solver.positions[0]
     moment = Moment(0.1, 0.1, scene)
     step: Any = solver._step  # type: ignore[attr-defined]
+    scope = step.py_func.__globals__
     for number, one in enumerate(solver.passes):  # type: ignore[attr-defined]
-        kernel: Callable[..., None] = step.py_func.__globals__[f"pass_{number}"]
+        kernel: Callable[..., Any] = scope[f"pass_{number}"]
+        p = one.prepare(moment)
         if one.stage == "root":
-            kernel(rows[0], rows[1], rows[0].copy(), rows[1].copy(), one.prepare(moment))
+            kernel(rows[0], rows[1], rows[0].copy(), rows[1].copy(), p)
+        elif one.stage == "lane":
+            place = (ONE, ONE, ONE)
+            kernel(place, place, place, ONE, tuple(p[1] if one.per_particle else p))
         else:
-            kernel(rows[2], rows[1], rows[0], rows[1], solver.lengths[0], one.prepare(moment), 1, 5)
+            kernel(rows[2], rows[1], rows[0], rows[1], solver.lengths[0], p, 1, 5)
         assert doubles(kernel) == [], one.function
     assert number > 8
 

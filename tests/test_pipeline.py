@@ -13,7 +13,7 @@ from test_pipeline_extremes import EVERYTHING, UNLIT
 from strandcli import runtime
 from strandcli.constants import W
 from strandcli.errors import UsageError
-from strandcli.panels import GAP, join
+from strandcli.panels import GAP, fitting_size, join
 from strandcli.pipeline import Frame, render
 from strandcli.scene import Scene
 
@@ -172,3 +172,13 @@ def test_the_groom_is_made_once_and_the_solver_starts_from_it(everything: Scene)
     np.testing.assert_allclose(start[:, 0], groom.roots, atol=1e-6)
     tips = groom.roots + groom.directions * groom.lengths[:, None]
     np.testing.assert_allclose(start[:, -1], tips, atol=2e-6)
+
+
+def test_labels_shrink_until_they_fit_their_panel() -> None:
+    from PIL import ImageFont
+
+    for width in (80, 160, 640):
+        for label in ("short", "with stiffness, as the source prints it"):
+            size = fitting_size(label, 20, width)
+            assert ImageFont.load_default(size).getlength(label) <= width or size == 6
+            assert size == 20 or ImageFont.load_default(size + 1).getlength(label) > width

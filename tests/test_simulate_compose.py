@@ -32,7 +32,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strandcli.constants import W
 from strandcli.scene.fields import number
 from strandcli.simulate.rules import Pass
 
@@ -45,9 +44,8 @@ class Parameters:
     strength: float = number(1.0, low=0, unit="m/s²", doc="pull upward")
 
 
-def apply(x, parent, grandparent, root, length, p, i, n):
-    for k in range(W):
-        x[W + k] += p[0]
+def apply(a, b, c, length, p):
+    return a[0], a[1] + p[0], a[2]
 
 
 def idle(parameters, scene):
@@ -55,7 +53,7 @@ def idle(parameters, scene):
 
 
 def passes(parameters, scene):
-    return [Pass(apply, lambda moment: np.array([parameters.strength * moment.step**2], np.float32))]
+    return [Pass(apply, lambda moment: np.array([parameters.strength * moment.step**2], np.float32), "lane", 1)]
 '''
 
 
@@ -67,7 +65,7 @@ def places(text: str, *words: str) -> list[int]:
     """Where each pass is called, in the order of the words that its import is known by."""
     lines = text.splitlines()
     names = [next(line.split(" as function_")[1].split()[0] for line in lines if word in line) for word in words]
-    return [next(i for i, line in enumerate(lines) if line.strip().startswith(f"pass_{name}(")) for name in names]
+    return [next(i for i, line in enumerate(lines) if f"pass_{name}(" in line) for name in names]
 
 
 def test_passes_are_called_in_the_order_of_the_list() -> None:
@@ -102,9 +100,20 @@ def test_what_moves_roots_comes_before_all_particles_wherever_it_is_listed() -> 
     keys = "emitter: {strands: 3, particles: 4, keys: [{time: 0}, {time: 1}]}\nrules: [%s]\n"
     for rules in ("emitter_motion, gravity", "gravity, emitter_motion"):
         text = compose.source(solver_of(scene_of(keys % rules), plain=True).passes)
-        moves, pulls = places(text, "emitter_motion import", "gravity import")
-        loop = next(i for i, line in enumerate(text.splitlines()) if "for i in range(1, n)" in line)
+        (moves,) = places(text, "emitter_motion import")
+        lines = text.splitlines()
+        loop = next(i for i, line in enumerate(lines) if "for i in range(1, n)" in line)
+        pulls = next(i for i, line in enumerate(lines) if line.startswith("            lanes_0("))
         assert moves < loop < pulls
+
+
+def test_neighbours_become_one_loop_and_others_part_them() -> None:
+    text = text_of("gravity, stiffness, wind, collision, elasticity")
+    assert text.count("for k in range(W)") == 2
+    calls = [line.strip().split("(")[0] for line in text.splitlines() if line.startswith("            ")]
+    assert calls[-4:] == ["lanes_0", "pass_3", "pass_4", "lanes_1"]
+    assert "q_1 = (p_1[i, 0], )" in text
+    assert text_of("gravity, stiffness, wind, elasticity").count("for k in range(W)") == 1
 
 
 def test_without_rules_nothing_is_composed_and_nothing_moves() -> None:

@@ -7,6 +7,7 @@ the z-buffer is filled first and holds, for each sample, the segment in front.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -42,8 +43,10 @@ class Drawing:
 class Renderer:
     """Draws frames of one scene; holds what stays the same from frame to frame."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Any, groom: Groom, before_light: Callable[[], None] = lambda: None) -> None:
+        """``before_light`` is called in each frame when all that is seen is known."""
         self.scene = scene
+        self._before_light = before_light
         self.tones = groom.tones
         self.scratch = Scratch()
         self.palette = Palette(scene.material)
@@ -60,7 +63,7 @@ class Renderer:
     def draw(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int) -> Drawing:
         """Draw strands (blocks, n + 1, 3 W) with segment rest lengths (blocks, W) at a time in seconds."""
         scene, scratch = self.scene, self.scratch
-        self._drawing = Drawing(np.empty((scene.image.size[1], scene.image.size[0], 3), np.uint8))
+        self._drawing = Drawing(self._blank())
         self._clock = time.perf_counter()
         fraction, spread = drawn_fraction(scene, at)
         strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
@@ -97,6 +100,7 @@ class Renderer:
             self._lap("curves")
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
             self._lap("raster")
+            self._before_light()
             colours = self._shade(lines, keys, base, begin, end, view, lights, maps, packed)
             self._lap("shade")
             film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
@@ -106,9 +110,7 @@ class Renderer:
         if packed is not None:
             self._surfaces(keys, view, lights, maps, packed, at, image)
             self._lap("shade")
-        film.develop(
-            image, scene.image.supersample, np.float32(2.0**scene.image.exposure), srgb_curve(), self._drawing.image
-        )
+        self._develop(image, self._drawing.image)
         self._drawing.counts = {
             "strands": strands,
             "particles": strands * (positions.shape[1] - 1),
@@ -117,6 +119,23 @@ class Renderer:
         }
         self._lap("film")
         return self._drawing
+
+    def rehearse(self) -> None:
+        """Run what comes after the z-buffer with nothing to be seen, so that it is compiled."""
+        width, height = self.size
+        bounds = np.array([[-1.0] * 3, [1.0] * 3])
+        view = camera_view(self.scene.camera, 0.0, width, height, bounds)
+        maps = plan_maps(self.scene.lights, bounds, self.scratch)
+        lights = pack_lights(self.scene.lights, maps, bounds)
+        lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
+        keys = np.full(width * height, raster.kernel.EMPTY)
+        image = self._backdrop.copy()
+        packed = self._solids(0.0)
+        colours = self._shade(lines, keys, 0, 0, 1, view, lights, maps, packed)
+        film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
+        if packed is not None:
+            self._surfaces(keys, view, lights, maps, packed, 0.0, image)
+        self._develop(image, self._blank())
 
     def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
         """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted."""
@@ -209,6 +228,14 @@ class Renderer:
             keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
             paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
         )  # fmt: skip
+
+    def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:
+        settings = self.scene.image
+        film.develop(image, settings.supersample, np.float32(2.0**settings.exposure), srgb_curve(), out)
+
+    def _blank(self) -> NDArray[np.uint8]:
+        width, height = self.scene.image.size
+        return np.empty((height, width, 3), np.uint8)
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
         return (None,) * 4 if maps is None else (maps.texels, maps.starts, maps.sizes, maps.packed)

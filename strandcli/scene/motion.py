@@ -9,6 +9,7 @@ Sines and cosines are polynomials of our own, because those of the C library dif
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -113,6 +114,7 @@ def multiply(left: Matrix, right: Matrix) -> Matrix:
     return ((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]))
 
 
+@functools.lru_cache(maxsize=256)  # what stands still, and what follows the emitter, asks again and again
 def rotation_matrix(degrees: Vector) -> Matrix:
     """Rz · Ry · Rx of three angles in degrees. Quarter turns are exact."""
     (sx, cx), (sy, cy), (sz, cz) = (sine_cosine(angle) for angle in degrees)

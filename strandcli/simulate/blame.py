@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..groom.emit import Groom, emit
-from .rules import Moment, idle, registry
+from .rules import Moment, Pass, idle, registry
 
 SMALLER_STEPS = "use more time.substeps"
 REMEDIES = {
@@ -98,7 +98,6 @@ def _slowly(
     """One step of a block, rule by rule as `compose` fuses them, all in plain Python; lanes are alike, the first one is
     looked at."""
     rows = np.array(block)
-    n = len(rows) - 1
     arrays = [one.prepare(moment) for _, one in passes]
     lane = [0, W, 2 * W]
     furthest, culprit = 0.0, ("", "")
@@ -107,13 +106,13 @@ def _slowly(
             one.function(rows[0], rows[1], rest[0], rest[1], p)
             if not np.isfinite(rows[:2]).all():
                 return use.path, use.name
-    for i in range(1, n):
+    for i in range(1, len(rows) - 1):
         for (use, one), p in zip(passes, arrays, strict=True):
             if one.stage == "root":
                 continue
             past = rows[i + 1, lane].astype(np.float64)
             try:
-                one.function(rows[i + 1], rows[i], rows[i - 1], rows[1], length, p, i, n)
+                _apply(one, rows, length, p, i)
             except (ValueError, ArithmeticError):  # what is NaN when compiled, such as the root of a negative number
                 return use.path, use.name
             now = rows[i + 1, lane].astype(np.float64)
@@ -123,3 +122,14 @@ def _slowly(
             if way > furthest:
                 furthest, culprit = way, (use.path, use.name)
     return culprit
+
+
+def _apply(one: Pass, rows: NDArray[np.float32], length: NDArray[np.float32], p: Any, i: int) -> None:
+    """One pass on particle i."""
+    if one.stage == "particle":
+        one.function(rows[i + 1], rows[i], rows[i - 1], rows[1], length, p, i, len(rows) - 1)
+        return
+    a, b, c = (tuple(rows[row, [0, W, 2 * W]]) for row in (i + 1, i, i - 1))
+    place = one.function(a, b, c, length[0], tuple((p[i] if one.per_particle else p)[: one.numbers]))
+    for axis in range(3):
+        rows[i + 1, axis * W : (axis + 1) * W] = place[axis]

@@ -24,10 +24,11 @@ from .rules import Pass
 TEMPLATE = '''\
 """One solver step, written by strandcli.simulate.compose for: {title}."""
 
+from strandcli.constants import W
 from strandcli.jit import function, parallel, prange
 
 {imports}
-
+{loops}
 @parallel
 def step(positions, lengths, rest{arguments}):
     """Move every strand by one step, in place.
@@ -47,13 +48,37 @@ def step(positions, lengths, rest{arguments}):
             grandparent = block[i - 1]
 {particles}'''
 
+LOOP = '''
+@function
+def lanes_{number}(x, parent, grandparent, length, i{arguments}):
+    # numbers, not arrays: nothing that the loop writes can be one of them
+{numbers}    for k in range(W):
+        a = (x[k], x[W + k], x[2 * W + k])
+        b = (parent[k], parent[W + k], parent[2 * W + k])
+        c = (grandparent[k], grandparent[W + k], grandparent[2 * W + k])
+{calls}        x[k], x[W + k], x[2 * W + k] = a
+
+'''
+
 
 def source(passes: Sequence[Pass]) -> str:
     """Text of the module that runs these passes; equal scenes give equal text.
 
     Raises `UsageError` for a function that an import statement cannot reach (a method, a closure, a lambda).
     """
-    imports, roots, particles = [], [], []
+    imports: list[str] = []
+    loops: list[str] = []
+    roots: list[str] = []
+    particles: list[str] = []
+    lanes: list[tuple[int, Pass]] = []  # neighbours that become one loop
+
+    def close() -> None:
+        if lanes:
+            arguments = "".join(f", p_{j}" for j, _ in lanes)
+            particles.append(f"            lanes_{len(loops)}(x, parent, grandparent, length, i{arguments})\n")
+            loops.append(_loop(len(loops), lanes, arguments))
+            lanes.clear()
+
     for j, one in enumerate(passes):
         function = one.function
         where, what = function.__module__, function.__qualname__
@@ -62,19 +87,35 @@ def source(passes: Sequence[Pass]) -> str:
         digest = hashlib.sha256(inspect.getsource(sys.modules[where]).encode()).hexdigest()[:12]
         imports.append(
             f"from {where} import {what} as function_{j}  # {digest}\n"
-            f'pass_{j} = function(function_{j})\n'
+            f"pass_{j} = function(function_{j})\n"
         )
-        if one.stage == "root":
+        if one.stage == "lane":
+            lanes.append((j, one))
+        elif one.stage == "root":
             roots.append(f"        pass_{j}(block[0], root, rest[b, 0], rest[b, 1], p_{j})\n")
         else:
+            close()
             particles.append(f"            pass_{j}(x, parent, grandparent, root, length, p_{j}, i, n)\n")
+    close()
     return TEMPLATE.format(
         title=", ".join(f"{one.function.__module__.rpartition('.')[2]}.{one.function.__name__}" for one in passes),
         imports="".join(imports),
+        loops="".join(loops),
         arguments="".join(f", p_{j}" for j in range(len(passes))),
         roots="".join(roots),
         particles="".join(particles) or "            pass\n",
     )
+
+
+def _loop(number: int, lanes: Sequence[tuple[int, Pass]], arguments: str) -> str:
+    """One loop over the lanes, for lane passes that follow each other."""
+    numbers, calls = [], []
+    for j, one in lanes:
+        row = "i, " if one.per_particle else ""
+        read = "".join(f"p_{j}[{row}{k}], " for k in range(one.numbers))
+        numbers.append(f"    q_{j} = ({read})\n")
+        calls.append(f"        a = pass_{j}(a, b, c, length[k], q_{j})\n")
+    return LOOP.format(number=number, arguments=arguments, numbers="".join(numbers), calls="".join(calls))
 
 
 def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:

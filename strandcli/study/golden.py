@@ -87,10 +87,12 @@ class Result:
 def machine_class() -> str:
     """The name of all machines whose pictures agree in every bit: same instruction set, and the same makers of code and
     of elementary functions. Numba's kernels use arithmetic and square roots alone, but roots are placed with NumPy's
-    sines, which depend on its version and on the widest SIMD it finds, and keys are turned with those of the C library.
+    sines, which depend on its version and on the widest SIMD it finds, keys are turned with those of the C library, and
+    Pillow writes the labels of panels.
     """
     import llvmlite.binding as llvm
     import numba
+    import PIL
 
     shown: Any = np.show_config(mode="dicts")
     simd = shown.get("SIMD Extensions", {})
@@ -103,6 +105,7 @@ def machine_class() -> str:
         f"llvm-{llvm.llvm_version_info[0]}",
         f"numpy-{_minor(np.__version__)}",
         f"{libc or 'libc'}-{version or 'unknown'}",
+        f"pillow-{_minor(PIL.__version__)}",
     ]
     return " ".join(parts)
 

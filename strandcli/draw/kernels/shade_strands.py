@@ -56,7 +56,7 @@ def strands(
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA:RADIANCE] = ZERO
         which = np.empty(W, np.int64)
-        n = 0
+        n = np.int64(0)  # a literal would have everything below compiled twice
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             begin = first[s]
             end = first[s + 1]
@@ -73,7 +73,7 @@ def strands(
                         spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
-                    n = 0
+                    n = np.int64(0)
         batch(
             work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
             spheres, capsules, planes, boxes, skin,

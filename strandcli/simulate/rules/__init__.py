@@ -8,8 +8,8 @@ A rule is a module or object with
 * ``passes(parameters, scene)`` — the list of `Pass` that a scene needs: what it does not need is neither run nor
   compiled.
 
-A `Pass` names a plain Python function over the rows of one particle of a block of strands; the composer compiles it
-(see `strandcli.simulate.compose`). Rows hold x of every lane, then y, then z: `x[k], x[W + k], x[2 * W + k]`.
+A `Pass` names a plain Python function that gives a particle its new place; the composer compiles it, and makes one loop
+of those that follow each other (see `strandcli.simulate.compose`).
 
 A rule may also have ``idle(parameters, scene)``, which says in words why it has nothing to do (or returns ""), and
 ``check(parameters, scene)``, which yields (path, message) for faults that only the whole scene shows.

@@ -18,6 +18,7 @@ from ...constants import W
 ZERO = np.float32(0)
 HALF = np.float32(0.5)
 ONE = np.float32(1)
+TWO = np.float32(2)
 REACH = np.float32(0.1)
 CENTRED = np.float32(1e-8)  # squared share of the radius: nearer to the middle, rounding has taken the direction
 SWEEPS = 2
@@ -70,6 +71,24 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
         per = p[s, 7]
         tiny = p[s, 8]
         bb = bx * bx + by * by + bz * bz
+        # a ball about the capsule, and (a + b)² <= 2 (a² + b²): where no segment can touch it, there is nothing to do
+        mx = p[s, 0] + HALF * bx
+        my = p[s, 1] + HALF * by
+        mz = p[s, 2] + HALF * bz
+        reach = HALF * math.sqrt(bb) + r
+        reach *= reach
+        near = 0
+        for k in range(W):
+            dx = x[k] - mx
+            dy = x[W + k] - my
+            dz = x[2 * W + k] - mz
+            ex = x[k] - parent[k]
+            ey = x[W + k] - parent[W + k]
+            ez = x[2 * W + k] - parent[2 * W + k]
+            square = ex * ex + ey * ey + ez * ez
+            near += 1 if dx * dx + dy * dy + dz * dz <= TWO * (reach + square) else 0
+        if near == 0:
+            continue
         for _ in range(SWEEPS):
             for k in range(W):
                 ex = x[k] - parent[k]

@@ -14,6 +14,7 @@ import numpy as np
 from ...constants import W
 
 ZERO = np.float32(0)
+HALF = np.float32(0.5)
 ONE = np.float32(1)
 
 
@@ -61,6 +62,20 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
         r = p[s, 6]
         per = p[s, 7]
         tiny = p[s, 8]
+        # a ball about the capsule: where no lane is in it, there is nothing to do
+        mx = ax + HALF * bx
+        my = ay + HALF * by
+        mz = az + HALF * bz
+        reach = HALF * math.sqrt(bx * bx + by * by + bz * bz) + r
+        reach *= reach
+        near = 0
+        for k in range(W):
+            dx = x[k] - mx
+            dy = x[W + k] - my
+            dz = x[2 * W + k] - mz
+            near += 1 if dx * dx + dy * dy + dz * dz <= reach else 0
+        if near == 0:
+            continue
         # a direction across the axis, for particles on it
         flat = bx * bx + bz * bz
         size = math.sqrt(max(flat, tiny))

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ...constants import W
 from .rule import Moment, Pass
 
 name = "elasticity"
@@ -22,23 +21,15 @@ class Parameters:
     """Segments are inextensible: there is nothing to set."""
 
 
-def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     """p[0]: a squared length below which two particles coincide; p[1]: zero."""
-    tiny = p[0]
-    zero = p[1]
-    for k in range(W):
-        qx = parent[k]
-        qy = parent[W + k]
-        qz = parent[2 * W + k]
-        dx = x[k] - qx
-        dy = x[W + k] - qy
-        dz = x[2 * W + k] - qz
-        size = math.sqrt(max(dx * dx + dy * dy + dz * dz, tiny))
-        # what flew off so far that its square overflows must not come back as a strand of no length: 0 * inf is NaN
-        f = length[k] / size + zero * size
-        x[k] = qx + dx * f
-        x[W + k] = qy + dy * f
-        x[2 * W + k] = qz + dz * f
+    dx = a[0] - b[0]
+    dy = a[1] - b[1]
+    dz = a[2] - b[2]
+    size = math.sqrt(max(dx * dx + dy * dy + dz * dz, p[0]))
+    # what flew off so far that its square overflows must not come back as a strand of no length: 0 * inf is NaN
+    f = length / size + p[1] * size
+    return b[0] + dx * f, b[1] + dy * f, b[2] + dz * f
 
 
 def passes(parameters: Parameters, scene: Any) -> list[Pass]:
@@ -49,4 +40,4 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
         return np.array([1e-36, 0.0], np.float32)
 
-    return [Pass(apply, prepare)]
+    return [Pass(apply, prepare, "lane", 2)]

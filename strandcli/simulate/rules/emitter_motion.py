@@ -51,7 +51,7 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     def prepare(moment: Moment) -> Any:
         import numpy as np
 
-        rotation, translation = emitter_pose(moment.scene.emitter, moment.pose_time)
-        return np.concatenate([np.ravel(rotation), translation]).astype(np.float32)
+        (a, b, c), translation = emitter_pose(moment.scene.emitter, moment.pose_time)
+        return np.array([*a, *b, *c, *translation], np.float32)
 
     return [Pass(apply, prepare, stage="root")]

@@ -1,13 +1,10 @@
 """Gravity: p_i' = p_i + g Δt² (thesis §2). There is no velocity in the source: speed is g Δt."""
 
-
-
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
-from ...constants import W
 from ...scene.fields import Vector, vector
 from .rule import Moment, Pass
 
@@ -22,15 +19,9 @@ class Parameters:
     acceleration: Vector = vector((0.0, -9.81, 0.0), unit="m/s²", doc="acceleration")
 
 
-def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     """p[0:3]: g Δt² in metres."""
-    dx = p[0]
-    dy = p[1]
-    dz = p[2]
-    for k in range(W):
-        x[k] += dx
-        x[W + k] += dy
-        x[2 * W + k] += dz
+    return a[0] + p[0], a[1] + p[1], a[2] + p[2]
 
 
 def idle(parameters: Parameters, scene: Any) -> str:
@@ -46,4 +37,4 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
         return np.array([a * moment.step**2 for a in parameters.acceleration], np.float32)
 
-    return [Pass(apply, prepare)]
+    return [Pass(apply, prepare, "lane", 3)]

@@ -25,19 +25,27 @@ class Moment(NamedTuple):
 
 @dataclass(frozen=True)
 class Pass:
-    """One function of the fused step.
+    """One function of the fused step: plain Python without closures, compiled later.
 
-    ``function`` is plain Python without closures, compiled later. With ``stage="particle"`` its signature is
-    ``(x, parent, grandparent, root, length, p, i, n)``: rows of particle i, of i - 1, of i - 2 (for i = 1 the root
-    minus one segment along the strand's direction, thesis §2), of the root, each ``(3 * W,)`` float32; the segment
-    rest lengths ``(W,)``; the array that ``prepare`` returned; the index and the number of particles. It changes ``x``
-    alone.
-    With ``stage="root"`` it is ``(clamp, root, rest_clamp, rest_root, p)``: the row before the root, the root, and the
-    same two in the emitter's own frame; it changes the first two.
+    ``stage="lane"``, the usual kind: ``(a, b, c, length, p)`` gives back the new place of a particle at a. The three
+    places are tuples of x, y, z in metres: of particle i, of i - 1, of i - 2 (for i = 1 the root minus one segment
+    along the strand's direction, thesis §2); length is the rest length of a segment; p a tuple of ``numbers`` numbers.
+    Neighbouring passes of this kind become one loop, and that vector code, if they do not branch: choose between two
+    values, not between two ways.
 
-    ``prepare(moment)`` returns the float32 array ``p`` for a step.
+    ``stage="particle"``: ``(x, parent, grandparent, root, length, p, i, n)`` changes ``x`` alone and has its own loops
+    over the lanes. Rows of particle i, of i - 1, of i - 2 and of the root, each ``(3 * W,)`` float32: x of every lane,
+    then y, then z; lengths ``(W,)``; the array p; the index and the number of particles.
+
+    ``stage="root"``: ``(clamp, root, rest_clamp, rest_root, p)`` changes the first two: the row before the root and the
+    root, and the same in the emitter's own frame.
+
+    ``prepare(moment)`` returns the float32 array p for a step: ``(numbers,)`` for a lane pass or, with
+    ``per_particle``, ``(n, numbers)``, a row for each particle.
     """
 
-    function: Callable[..., None]
+    function: Callable[..., Any]
     prepare: Callable[[Moment], Any]
     stage: str = "particle"
+    numbers: int = 0
+    per_particle: bool = False

@@ -8,10 +8,10 @@ takes over the whole direction of the one before it, and no more. Unclamped the 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Any
 
-from ...constants import W
 from ...scene.fields import boolean, number
 from .rule import Moment, Pass
 
@@ -27,13 +27,13 @@ class Parameters:
     clamp: bool = boolean(True, doc="keep k at most 1; without it the rule diverges from k = 2")
 
 
-def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p (n,): k of each particle."""
-    s = p[i]
-    for k in range(W):
-        x[k] += s * (parent[k] - grandparent[k] - (x[k] - parent[k]))
-        x[W + k] += s * (parent[W + k] - grandparent[W + k] - (x[W + k] - parent[W + k]))
-        x[2 * W + k] += s * (parent[2 * W + k] - grandparent[2 * W + k] - (x[2 * W + k] - parent[2 * W + k]))
+def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
+    """p[0]: k of this particle."""
+    return (
+        a[0] + p[0] * (b[0] - c[0] - (a[0] - b[0])),
+        a[1] + p[0] * (b[1] - c[1] - (a[1] - b[1])),
+        a[2] + p[0] * (b[2] - c[2] - (a[2] - b[2])),
+    )
 
 
 def idle(parameters: Parameters, scene: Any) -> str:
@@ -43,12 +43,16 @@ def idle(parameters: Parameters, scene: Any) -> str:
 
 def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     """One pass."""
+    import numpy as np
+
+    n = scene.emitter.particles
+
+    @functools.lru_cache(maxsize=8)
+    def factors(step: float) -> Any:
+        k = (n - np.arange(n)) * parameters.strength * step**2
+        return (np.minimum(k, 1.0) if parameters.clamp else k).astype(np.float32)[:, None]
 
     def prepare(moment: Moment) -> Any:
-        import numpy as np
+        return factors(moment.step)
 
-        n = moment.scene.emitter.particles
-        k = (n - np.arange(n)) * parameters.strength * moment.step**2
-        return (np.minimum(k, 1.0) if parameters.clamp else k).astype(np.float32)
-
-    return [Pass(apply, prepare)]
+    return [Pass(apply, prepare, "lane", 1, per_particle=True)]

@@ -6,15 +6,12 @@ phases, and may travel over the strands with a wavelength, as over a field of gr
 that every machine computes the same bits.
 """
 
-
-
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from typing import Any
 
-from ...constants import W
 from ...scene.fields import Vector, boolean, number, vector
 from ...scene.motion import sine_cosine
 from .rule import Moment, Pass
@@ -70,34 +67,28 @@ def waves(u: Any) -> Any:
     return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
 
 
-def apply(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     """p[0:3]: w Δt²; p[3:6]: w / |w|."""
-    for k in range(W):
-        dx = x[k] - parent[k]
-        dy = x[W + k] - parent[W + k]
-        dz = x[2 * W + k] - parent[2 * W + k]
-        cx = p[4] * dz - p[5] * dy
-        cy = p[5] * dx - p[3] * dz
-        cz = p[3] * dy - p[4] * dx
-        m = math.sqrt(cx * cx + cy * cy + cz * cz)
-        x[k] += p[0] * m
-        x[W + k] += p[1] * m
-        x[2 * W + k] += p[2] * m
+    dx = a[0] - b[0]
+    dy = a[1] - b[1]
+    dz = a[2] - b[2]
+    cx = p[4] * dz - p[5] * dy
+    cy = p[5] * dx - p[3] * dz
+    cz = p[3] * dy - p[4] * dx
+    m = math.sqrt(cx * cx + cy * cy + cz * cz)
+    return a[0] + p[0] * m, a[1] + p[1] * m, a[2] + p[2] * m
 
 
-def apply_by_angle(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+def apply_by_angle(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     """As `apply`, with the segment's rest length divided out: only its angle to the wind counts."""
-    for k in range(W):
-        dx = x[k] - parent[k]
-        dy = x[W + k] - parent[W + k]
-        dz = x[2 * W + k] - parent[2 * W + k]
-        cx = p[4] * dz - p[5] * dy
-        cy = p[5] * dx - p[3] * dz
-        cz = p[3] * dy - p[4] * dx
-        m = math.sqrt(cx * cx + cy * cy + cz * cz) / length[k]
-        x[k] += p[0] * m
-        x[W + k] += p[1] * m
-        x[2 * W + k] += p[2] * m
+    dx = a[0] - b[0]
+    dy = a[1] - b[1]
+    dz = a[2] - b[2]
+    cx = p[4] * dz - p[5] * dy
+    cy = p[5] * dx - p[3] * dz
+    cz = p[3] * dy - p[4] * dx
+    m = math.sqrt(cx * cx + cy * cy + cz * cz) / length
+    return a[0] + p[0] * m, a[1] + p[1] * m, a[2] + p[2] * m
 
 
 def downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
@@ -119,15 +110,15 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
     from . import wind_travelling
 
-    shift = phases(scene.seed)
+    shift = phases(scene.seed).tolist()
     travelling = travels(parameters)
 
     def prepare(moment: Moment) -> Any:
-        d = np.array(downwind(parameters, moment.time, shift[3:]))
+        d = downwind(parameters, moment.time, shift[3:])
         strength = parameters.strength * moment.step**2
         if not travelling:
             strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, shift[:3]))
-            return np.array([*(strength * d), *d], np.float32)
+            return np.array([strength * d[0], strength * d[1], strength * d[2], *d], np.float32)
         waves = [
             part
             for (scale, a), phase in zip(WAVES, shift[:3], strict=True)
@@ -136,9 +127,9 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
         by = (1.0, 0.0) if parameters.per_length else (0.0, 1.0)
         # waves travel along the mean direction: with the swaying one, far from the origin, they would race sideways
         mean = np.array(parameters.direction) / np.linalg.norm(parameters.direction)
-        head = [*(strength * d), *d, parameters.gust, *(mean / parameters.wavelength)]
+        head = [*(strength * np.array(d)), *d, parameters.gust, *(mean / parameters.wavelength)]
         return np.array([*head, *waves, *by], np.float32)
 
     if travelling:
         return [Pass(wind_travelling.apply, prepare)]
-    return [Pass(apply if parameters.per_length else apply_by_angle, prepare)]
+    return [Pass(apply if parameters.per_length else apply_by_angle, prepare, "lane", 6)]
