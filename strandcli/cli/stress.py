@@ -61,7 +61,7 @@ def command(
     if listing:
         click.echo("\n".join(names))
         return
-    with Progress(len(names), "stress", hidden=no_progress or quiet, verbose=verbose, unit="case") as progress:
+    with Progress(len(names), "stress", hidden=no_progress or quiet, verbose=verbose, each="case") as progress:
         result = stress.run(
             work, only=only, processes=threads or options.available_cores(), notify=progress.note,
             step=lambda count: progress.step(count=count),
