@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures claims bench golden golden-update clean help
+.PHONY: demo test lint types check figures claims bench stress golden golden-update clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -16,6 +16,7 @@ help:
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
 	@echo "make claims     what the thesis claims, measured on this machine"
 	@echo "make bench      time every stage of a frame"
+	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
@@ -46,6 +47,9 @@ claims: $(READY)
 
 bench: $(READY)
 	$(RUN) bench --strands 10000
+
+stress: $(READY)
+	$(RUN) stress
 
 golden: $(READY)
 	$(RUN) golden check tests/golden

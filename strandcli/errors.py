@@ -6,6 +6,8 @@ one line and never shows a traceback for these.
 
 from __future__ import annotations
 
+from typing import Any
+
 DONE = 0
 FAILED = 1
 USAGE = 2
@@ -40,4 +42,11 @@ class RefusedError(StrandError):
 
 
 class SimulationError(StrandError):
-    """A solver left the numbers that a picture can be made of: names the frame, the strand and a remedy."""
+    """A run has gone wrong: names the frame, the strand, the rule or constraint, and a remedy (exit code 1).
+
+    ``trouble`` is what is known of it, a `strandcli.simulate.health.Trouble`, or None.
+    """
+
+    def __init__(self, message: str, trouble: Any = None) -> None:
+        super().__init__(message)
+        self.trouble = trouble

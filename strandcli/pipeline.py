@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import runtime
-from .blocks import unpack
+from .blocks import lanes, pack, unpack
 from .crew import in_order, share_out
 from .errors import SimulationError
 from .groom.emit import emit
@@ -44,22 +44,36 @@ def render(
     positions: Positions | None = None,
     draw: bool = True,
     keep_positions: bool = False,
+    keep_going: bool = False,
     notify: Notify | None = None,
+    warn: Notify | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 
-    ``positions`` hands in what was simulated before, by frame number. Raises `SimulationError` where a coordinate stops
-    being finite, and `UsageError` for a number of threads that the machine does not have.
+    ``positions`` hands in what was simulated before, by frame number. Raises `SimulationError` at the first frame that
+    has gone wrong (see `simulate.health`), drawn or not, and `UsageError` for a number of threads that the machine does
+    not have. With ``keep_going`` the trouble is told to ``warn`` once, and strands that cannot be drawn are left out.
+    ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`).
     """
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))
     runtime.start(threads, notify)
     if scene.panels:
         from .panels import side_by_side
 
-        parts = [_run(panel, wanted, positions, draw, keep_positions, notify, several=False) for panel in scene.panels]
+        conduct = Conduct(keep_going, notify, warn)
+        parts = [_run(panel, wanted, positions, draw, keep_positions, conduct, several=False) for panel in scene.panels]
         yield from side_by_side(scene, parts)
         return
-    yield from _run(scene, wanted, positions, draw, keep_positions, notify)
+    yield from _run(scene, wanted, positions, draw, keep_positions, Conduct(keep_going, notify, warn))
+
+
+@dataclass(frozen=True)
+class Conduct:
+    """What to do when a run goes wrong, and whom to tell."""
+
+    keep_going: bool = False
+    notify: Notify | None = None
+    warn: Notify | None = None
 
 
 def _run(
@@ -68,13 +82,13 @@ def _run(
     given: Positions | None,
     draw: bool,
     keep_positions: bool,
-    notify: Notify | None,
+    conduct: Conduct,
     several: bool = True,
 ) -> Iterator[Frame]:
     rehearsal = Rehearsal(scene) if draw and frames else None
     try:
-        film = _Film(scene, frames, given, draw, keep_positions)
-        yield from _frames(film, frames, draw, several, rehearsal, notify)
+        film = _Film(scene, frames, given, draw, keep_positions, conduct)
+        yield from _frames(film, frames, draw, several, rehearsal, conduct.notify)
     finally:
         if rehearsal is not None:
             rehearsal.stop()
@@ -132,41 +146,90 @@ class _Begun:
 
     frame: Frame
     positions: NDArray[np.float32]
+    lengths: NDArray[np.float32]
+    tones: NDArray[np.float32]
 
 
 class _Film:
     """The strands of a scene, moved from frame to frame."""
 
     def __init__(
-        self, scene: Scene, frames: Sequence[int], given: Positions | None, draw: bool, keep_positions: bool
-    ) -> None:
+        self, scene: Scene, frames: Sequence[int], given: Positions | None, draw: bool, keep_positions: bool,
+        conduct: Conduct,
+    ) -> None:  # fmt: skip
         from .simulate import solver_of
+        from .simulate.advice import warnings
 
         self.scene = scene
         self.groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
         self.solver = solver_of(scene)(scene, self.groom)
         self.given = given
+        self.draw = draw
         self.keep_positions = keep_positions
+        self.conduct = conduct
+        self._done = 0
+        self._wrong = False
+        if given is None:
+            for words in warnings(scene, self.groom):
+                self._warn(f"{scene.label}: {words}" if scene.label else words)
         self.snapshots = False
         """Whether strands move on while a frame is drawn."""
 
     def begin(self, number: int) -> _Begun:
         """Move on to a frame, and look at what came out."""
         solver = self.solver
-        began = time.perf_counter()
-        if self.given is None:
-            solver.advance(number)
-        else:
-            solver.take(number, self.given(number))
-        seconds = {"simulate": None if self.given is not None else time.perf_counter() - began}
-        error = solver.errors(number)
+        seconds: dict[str, float | None] = {"simulate": None if self.given is not None else 0.0}
+        # frames that nobody asked for are looked at too: a run that has gone wrong stops there
+        for passed in [number] if self.given is not None else range(self._done + 1, number + 1):
+            began = time.perf_counter()
+            if self.given is None:
+                solver.advance(passed)
+                seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
+            else:
+                solver.take(passed, self.given(passed))
+            error = solver.errors(passed)
+            self._examine(passed, error)
+        self._done = number
         counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
-        if error["nonfinite"]:
-            raise SimulationError(_blame(self.scene, solver, number))
         kept = unpack(solver.positions[:, 1:], self.groom.strands) if self.keep_positions else None
-        report = {"frame": number, "seconds": seconds, "counts": counts, "error": error}
+        frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
+        if self._wrong and self.draw:
+            return self._sound(frame)
         positions = solver.positions.copy() if self.snapshots else solver.positions
-        return _Begun(Frame(number, None, kept, report), positions)
+        return _Begun(frame, positions, solver.lengths, self.groom.tones)
+
+    def _examine(self, number: int, error: dict[str, Any]) -> None:
+        """Stop, or go on, where a frame with these errors has gone wrong."""
+        from .simulate.health import examine
+
+        if self._wrong:
+            return
+        trouble = examine(self.solver, number, error, simulated=self.given is None)
+        if trouble is None:
+            return
+        if not self.conduct.keep_going:
+            raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
+        self._wrong = True
+        self._warn(f"{trouble.message}; going on")
+
+    def _warn(self, words: str) -> None:
+        if self.conduct.warn is not None:
+            self.conduct.warn(words)
+
+    def _sound(self, frame: Frame) -> _Begun:
+        """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
+        from .draw.detail import drawn_fraction
+        from .simulate.health import drawable
+
+        solver, strands = self.solver, self.groom.strands
+        share = drawn_fraction(self.scene, (frame.number - 1) / self.scene.time.fps)[0]
+        first = min(max(round(self.scene.emitter.strands * share), 1), strands)
+        kept = np.flatnonzero(drawable(solver)[:first])
+        if not len(kept):
+            raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
+        frame.report["counts"]["left_out"] = first - len(kept)
+        positions = pack(unpack(solver.positions, strands)[kept])
+        return _Begun(frame, positions, lanes(solver.lengths.reshape(-1)[kept, None]), self.groom.tones[kept])
 
     def draughtsman(self, rehearsal: Rehearsal | None = None) -> _Draughtsman:
         """One that draws, with memory of its own."""
@@ -185,21 +248,11 @@ class _Draughtsman:
 
         film, frame = self._film, begun.frame
         at = (frame.number - 1) / film.scene.time.fps
-        drawing = self._renderer.draw(begun.positions, film.solver.lengths, at, numba.get_num_threads())
+        self._renderer.tones = begun.tones
+        drawing = self._renderer.draw(begun.positions, begun.lengths, at, numba.get_num_threads())
         frame.image = drawing.image
         frame.report["threads"] = numba.get_num_threads()
         frame.report["seconds"] |= drawing.seconds
         frame.report["counts"] |= drawing.counts
         frame.report["error"]["curve_px_max"] = drawing.curve_px_max
         return frame
-
-
-def _blame(scene: Scene, solver: Any, number: int) -> str:
-    """Where the first coordinate is that is no longer finite, and what may help."""
-    bad = np.argwhere(~np.isfinite(solver.particles()).all(-1))
-    strand, particle = (int(index) for index in bad[0])
-    rules = ", ".join(use.name for use in scene.rules)
-    return (
-        f"frame {number}: strand {strand}, particle {particle} is no longer finite under the rules {rules}: "
-        "use more time.substeps, a smaller wind.strength or gravity.acceleration, or stiffness with clamp: true"
-    )

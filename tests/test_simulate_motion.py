@@ -189,11 +189,11 @@ def test_a_simulation_that_diverges_ends_in_an_error_and_not_in_a_picture() -> N
     assert 5 < len(frames) < 40
     assert np.isfinite(frames[-1].positions).all()
     assert frames[-1].report["error"]["nonfinite"] == 0
-    assert re.match(rf"frame {len(frames) + 1}: strand 0, particle \d is no longer finite under the rules", str(ends))
-    with pytest.raises(SimulationError, match=r"^frame 40: strand 0") as caught:
-        frames_of(scene_of(DIVERGING), 40)
-    assert "gravity, stiffness: " in str(caught.value)
-    assert "clamp: true" in str(caught.value)
+    assert re.match(rf"frame {len(frames) + 1}: strand 0, particle \d is no longer finite", str(ends))
+    with pytest.raises(SimulationError, match=rf"^frame {len(frames) + 1}: strand \d+") as caught:
+        frames_of(scene_of(DIVERGING), 40)  # it stops where it went wrong, not where it is looked at
+    assert "thrown off by rule stiffness; " in str(caught.value)
+    assert "stiffness.clamp: true" in str(caught.value)
     assert caught.value.exit_code == 1
 
 

@@ -24,6 +24,7 @@ COMMANDS = {
     "schema": ("schema", "Print the JSON Schema of presets, for editors."),
     "bench": ("bench", "Time every stage on the thesis's headline scene."),
     "claims": ("claims", "Measure what the thesis claims, beside its own figures."),
+    "stress": ("stress", "Run the solvers through every extreme and judge them."),
     "golden": ("golden", "Check or update golden images."),
     "compare": ("compare", "Compare two images."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),

@@ -92,6 +92,10 @@ overrides = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",
 )  # fmt: skip
+keep_going = click.option(
+    "--keep-going", is_flag=True,
+    help="Do not stop where a run goes wrong; strands that are no longer finite are left out of the pictures.",
+)  # fmt: skip
 resume = click.option("--resume", is_flag=True, help="Keep the files that are there and whole; make the others.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace files that are there.")
 from_cache = click.option(
@@ -177,15 +181,17 @@ def default_folder(preset: str) -> Path:
     return Path("out", *parts)
 
 
-def open_cache(directory: Path | None, frames: tuple[int, ...], scene: Scene) -> PositionCache | None:
-    """The checked folder of --from-cache."""
+def open_cache(
+    directory: Path | None, frames: tuple[int, ...], scene: Scene, keep_going: bool = False
+) -> PositionCache | None:
+    """The checked folder of --from-cache; with ``keep_going`` its positions need not be finite."""
     if directory is None:
         return None
     from ..output.positions import PositionCache
 
     if scene.panels:
         raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
-    return PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles)
+    return PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles, finite=not keep_going)
 
 
 def print_json(data: Any) -> None:

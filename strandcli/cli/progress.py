@@ -19,12 +19,15 @@ class Progress:
     """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
 
     Nothing is drawn where stderr is no terminal, or with ``hidden``; with ``verbose`` notes are printed as lines then.
-    A thread redraws the line, so that it moves during a long compilation too.
+    A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted.
     """
 
-    def __init__(self, total: int, label: str, *, hidden: bool = False, verbose: bool = False) -> None:
+    def __init__(
+        self, total: int, label: str, *, hidden: bool = False, verbose: bool = False, each: str = "frame"
+    ) -> None:
         self.total = total
         self.label = label
+        self.each = each
         self.stream: TextIO = sys.stderr
         self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
         self.verbose = verbose
@@ -61,13 +64,13 @@ class Progress:
         if text and self.verbose and not self.live:
             click.echo(text, err=True)
 
-    def step(self, text: str = "") -> None:
-        """One more frame is done; ``text`` is its line for --verbose."""
+    def step(self, text: str = "", count: int = 1) -> None:
+        """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
         with self._lock:
             if self.done == 0 or self._note:
                 self._first += self._pause()
             self._note = ""
-            self.done += 1
+            self.done += count
         if text and self.verbose:
             self.line(text)
 
@@ -110,7 +113,7 @@ class Progress:
             return counts
         rate = self.done / elapsed
         left = (self.total - self.done) / rate
-        pace = f"{rate:.1f} frames/s" if rate >= 1 else f"{1 / rate:.1f} s a frame"
+        pace = f"{rate:.1f} {self.each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {self.each}"
         return f"{counts} {pace}, {duration(left)} left"
 
 

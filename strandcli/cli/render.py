@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import StrandError
+from ..errors import SimulationError, StrandError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration
@@ -42,6 +42,7 @@ class KindsType(click.ParamType):
 @options.threads
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
 @options.from_cache
+@options.keep_going
 @options.resume
 @options.overwrite
 @options.talk_options
@@ -52,6 +53,7 @@ def command(
     threads: int | None,
     animate: tuple[str, ...] | None,
     from_cache: Path | None,
+    keep_going: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -62,7 +64,9 @@ def command(
 ) -> None:
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them).
 
-    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole.
+    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
+    wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its
+    length (thesis), or the solver's iterations leave it off by its whole length.
     """
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
@@ -77,7 +81,7 @@ def command(
     from ..output.frames import FrameWriter
     from ..output.report import RunReport, fingerprint
 
-    positions = options.open_cache(from_cache, numbers, scene)
+    positions = options.open_cache(from_cache, numbers, scene, keep_going)
     writer = FrameWriter(
         output or options.default_folder(preset),
         numbers,
@@ -90,7 +94,7 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan)
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
-        data = _run(scene, writer, report, positions, threads, progress)
+        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if as_json:
         options.print_json(data)
@@ -99,9 +103,22 @@ def command(
 
 
 def _run(
-    scene: Scene, writer: FrameWriter, report: RunReport, positions: Any, threads: int | None, progress: Progress
+    scene: Scene,
+    writer: FrameWriter,
+    report: RunReport,
+    positions: Any,
+    threads: int | None,
+    keep_going: bool,
+    quiet: bool,
+    progress: Progress,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
+
+    def warn(message: str) -> None:
+        report.warn(message)
+        if not quiet:
+            progress.line(f"warning: {message}")
+
     from .. import runtime
     from ..output.report import finite, read_report, write_report
 
@@ -116,7 +133,13 @@ def _run(
                 from .. import pipeline
 
                 found = pipeline.render(
-                    scene, writer.wanted, threads=threads, positions=positions, notify=progress.note
+                    scene,
+                    writer.wanted,
+                    threads=threads,
+                    positions=positions,
+                    keep_going=keep_going,
+                    notify=progress.note,
+                    warn=warn,
                 )
                 for frame in found:
                     report.add(frame.number, frame.report)
@@ -125,6 +148,10 @@ def _run(
                     progress.step(_line(frame.number, frame.report))
                     signals.check()
         status = "complete"
+    except SimulationError as error:
+        if error.trouble is not None:
+            report.fail(error.trouble)
+        raise
     except KeyboardInterrupt:
         status = "interrupted"
         raise
@@ -156,7 +183,8 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
 
 def _line(number: int, report: Mapping[str, Any]) -> str:
     stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
-    return f"frame {number}: {', '.join(stages)} ms"
+    errors = [f"{name} {value:.2g}" for name, value in report.get("error", {}).items() if value is not None]
+    return f"frame {number}: {', '.join(stages)} ms; {', '.join(errors)}"
 
 
 def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:

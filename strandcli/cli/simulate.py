@@ -19,6 +19,7 @@ from .progress import Progress
 @options.frames
 @options.scene_options
 @options.threads
+@options.keep_going
 @options.resume
 @options.overwrite
 @options.talk_options
@@ -27,6 +28,7 @@ def command(
     output: Path,
     frames: FrameRange | None,
     threads: int | None,
+    keep_going: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -65,7 +67,14 @@ def command(
                 from .. import pipeline
 
                 for frame in pipeline.render(
-                    scene, writer.wanted, threads=threads, draw=False, keep_positions=True, notify=progress.note
+                    scene,
+                    writer.wanted,
+                    threads=threads,
+                    draw=False,
+                    keep_positions=True,
+                    keep_going=keep_going,
+                    notify=progress.note,
+                    warn=None if quiet else lambda message: progress.line(f"warning: {message}"),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions)

@@ -84,12 +84,15 @@ class PositionsWriter:
 class PositionCache:
     """Positions to draw instead of simulating. Calling it with a frame number gives that frame's array."""
 
-    def __init__(self, directory: Path, frames: Sequence[int], strands: int, particles: int) -> None:
+    def __init__(
+        self, directory: Path, frames: Sequence[int], strands: int, particles: int, *, finite: bool = True
+    ) -> None:
         """Check that the folder holds every frame, of the right shape and type, before anything is drawn.
 
-        Raises ``UsageError`` that names what is missing or wrong.
+        Raises ``UsageError`` that names what is missing or wrong; NaN and infinity are wrong where ``finite``.
         """
         self.directory = directory
+        self.finite = finite
         self.shape = (strands, particles, 3)
         manifest = _read_manifest(directory)
         files = {entry["frame"]: entry["file"] for entry in manifest["frames"]}
@@ -105,11 +108,12 @@ class PositionCache:
             _check_header(path, self.shape)
 
     def __call__(self, frame: int) -> Positions:
-        return read_positions(self.files[frame], self.shape)
+        return read_positions(self.files[frame], self.shape, self.finite)
 
 
-def read_positions(path: Path, shape: tuple[int, int, int]) -> Positions:
-    """The array of one file; ``UsageError`` for anything but finite float32 numbers of exactly this shape."""
+def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True) -> Positions:
+    """The array of one file; ``UsageError`` for anything but float32 numbers of exactly this shape, finite ones
+    unless that does not matter."""
     _check_header(path, shape)
     try:
         with np.load(path, allow_pickle=False) as data:
@@ -117,8 +121,11 @@ def read_positions(path: Path, shape: tuple[int, int, int]) -> Positions:
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise UsageError(f"{path}: cannot be read: {error}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
-    if bad.any():
-        raise UsageError(f"{path}: positions of strand {int(np.argmax(bad))} are not finite ({int(bad.sum())} strands)")
+    if finite and bad.any():
+        raise UsageError(
+            f"{path}: positions of strand {int(np.argmax(bad))} are not finite ({int(bad.sum())} strands); "
+            "simulate them anew, or draw the others with --keep-going"
+        )
     return positions
 
 

@@ -61,11 +61,23 @@ class RunReport:
         self.preset = {"name": preset, "sha256": sha256 or None}
         self.plan = plan_stages(plan)
         self.frames: dict[int, dict[str, Any]] = {}
+        self.failure: dict[str, Any] | None = None
+        self.warnings: list[str] = []
         self._start = time.perf_counter()
 
     def add(self, frame: int, report: Mapping[str, Any]) -> None:
         """Record what the pipeline says of a frame."""
         self.frames[frame] = finite({"frame": frame, **report})
+
+    def fail(self, trouble: Any) -> None:
+        """Record what a run stopped for: a `strandcli.simulate.health.Trouble`."""
+        self.failure = {
+            "frame": trouble.frame, "strand": trouble.strand, "cause": trouble.cause, "message": trouble.message
+        }  # fmt: skip
+
+    def warn(self, message: str) -> None:
+        """Record what a person should know of a run that goes on."""
+        self.warnings.append(message)
 
     def as_dict(
         self,
@@ -96,6 +108,8 @@ class RunReport:
             "schema_version": SCHEMA_VERSION,
             "strandcli": __version__,
             "status": status,
+            **({"failure": self.failure} if self.failure is not None else {}),
+            **({"warnings": self.warnings} if self.warnings else {}),
             "preset": self.preset,
             "machine": dict(machine) if machine is not None else None,
             "plan": self.plan,

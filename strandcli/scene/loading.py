@@ -14,7 +14,7 @@ from .checks import findings
 from .faults import Fault, Mark, SceneError, fault_at, hint, shown
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
-from .rule_type import RuleType, check_of
+from .rule_type import RuleType, check_of, refusal
 from .settings import Unreachable, merge_scenes, place
 from .validate import Reader
 from .yaml_source import LARGEST_FILE, read, read_value
@@ -261,6 +261,9 @@ def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
         if not any(_touches(path, about) for path in reported for about in finding.involves):
             path = next((place for place in finding.places if place in reader.marks), finding.places[0])
             reader.refuse(reader.mark_near(path) or root.mark, path, finding.message)
+    for use in scene.rules:
+        if message := refusal(use.name, scene.solver):
+            reader.refuse(reader.mark_near(use.path) or root.mark, use.path, message)
     if any(_shakes_solids(path) for path in reported):
         return scene, reader.faults
     for use in scene.rules:

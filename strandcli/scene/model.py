@@ -12,7 +12,7 @@ string "#rrggbb" which is read as sRGB.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from . import fields
 from .fields import (
@@ -312,6 +312,14 @@ class Rod:
 
     A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
     """
+
+    ABSENT: ClassVar[dict[str, str]] = {
+        "twist": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
+        "torsion": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
+        "mass": "mass follows from density and radius; write those",
+        "stiffness": "bending stiffness follows from young and radius; write those",
+        "stretch": "rods do not stretch",
+    }
 
     material: str = choice(
         "hair", ("hair", "wool", "grass", "wire"), doc="hair, wool: keratin fibres; grass: a blade; wire: thin steel"

@@ -12,6 +12,22 @@ Check = Callable[[Any, "Scene"], Iterable[tuple[str, str]]]
 """(parameters, scene) -> (path inside the parameters, message) of everything that does not fit the scene."""
 
 
+APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "collision")}
+"""Rules that a solver applies, where it does not apply all."""
+OWN_OF = {"rod": ("elasticity", "stiffness")}
+"""Rules in whose place a solver has something better of its own: they may stand in a preset, and are left out."""
+
+
+def refusal(name: str, solver: str) -> str:
+    """Why a solver cannot have a rule; "" where it can, or leaves it out."""
+    if solver not in APPLIED_BY or name in APPLIED_BY[solver] + OWN_OF[solver]:
+        return ""
+    return (
+        f"the solver {solver} does not apply this rule, only {', '.join(APPLIED_BY[solver])}; take it out, or use "
+        "solver: thesis"
+    )
+
+
 class RuleType(Protocol):
     """A kind of rule: any object or module with these names.
 

@@ -41,7 +41,10 @@ MOST_HINTS = 200
 
 
 class Reader:
-    """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written."""
+    """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written.
+
+    A class may say in ``ABSENT`` why it has no setting of some name that people look for.
+    """
 
     def __init__(self, rules: Mapping[str, RuleType]) -> None:
         self.rules = rules
@@ -74,7 +77,8 @@ class Reader:
             where = f"{path}.{key}" if path else key
             setting = settings.get(key)
             if setting is None:
-                self.refuse(entry.mark, where, self.unknown_key(key, settings, top=not path))
+                absent: str | None = getattr(cls, "ABSENT", {}).get(key)
+                self.refuse(entry.mark, where, absent or self.unknown_key(key, settings, top=not path))
             elif not (isinstance(entry.node, Scalar) and entry.node.null):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         return cls(**values)

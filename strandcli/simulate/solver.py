@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .. import solids
 from ..blocks import lanes, pack, unpack
 from ..constants import W
+from ..groom.check import check
 from ..groom.emit import Groom
 from ..scene.motion import emitter_pose
 from .kernels import measure
@@ -21,10 +22,11 @@ class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
     ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
-    ``lengths`` (blocks, W) are the rest lengths of segments.
+    ``lengths`` (blocks, W) are the rest lengths of segments. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:
+        check(groom)
         self.scene = scene
         self.strands = groom.strands
         n = scene.emitter.particles

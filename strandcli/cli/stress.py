@@ -1,0 +1,175 @@
+"""`strandcli stress`: the stability matrix, with a verdict on every case."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import MismatchError, UsageError
+from . import options
+from .progress import Progress
+
+if TYPE_CHECKING:
+    from ..study.stress.run import Result, Task
+    from ..study.stress.verdicts import Verdict
+
+MOST_TOLD = 20
+"""Failing cases that are named one by one; --json has all."""
+
+
+@click.command()
+@click.argument("preset", required=False)
+@click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Whose matrix.  [default: both]")
+@click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
+@click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
+@click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
+@click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
+@click.option("--accept", is_flag=True, help="Keep the failures of the source's solver as those that are expected.")
+@options.threads
+@options.talk_options
+def command(
+    preset: str | None,
+    solver: str | None,
+    case: str | None,
+    pattern: str | None,
+    listing: bool,
+    quick: bool,
+    accept: bool,
+    threads: int | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+) -> None:
+    """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
+
+    With PRESET, that preset's own scene through every extreme of step, wind and motion instead. Exit code 3 where a
+    case fails that was not expected to; each can be run again by its name with --case.
+    """
+    options.exclusive(quiet=quiet, verbose=verbose)
+    if accept and (case or pattern or preset or solver == "rod"):
+        raise UsageError("--accept: takes the whole matrix of the solver thesis, and none of --case, --filter, PRESET")
+    from ..study.stress import run as stress
+
+    work, only = _chosen(preset, solver, case, pattern, quick, accept)
+    names = [name for task in work for name in task.names if only(name)]
+    if not names:
+        raise UsageError(f"--filter {pattern}: no case has such a name; --list names them all")
+    if listing:
+        click.echo("\n".join(names))
+        return
+    with Progress(len(names), "stress", hidden=no_progress or quiet, verbose=verbose, each="case") as progress:
+        result = stress.run(
+            work, only=only, processes=threads or options.available_cores(), notify=progress.note,
+            step=lambda count: progress.step(count=count),
+        )
+    if accept:
+        click.echo(f"{result.accept()}: rewritten", err=True)
+        return
+    if as_json:
+        _print_json(result)
+    elif case and not quiet:
+        click.echo("\n".join(detail(one) for one in result.verdicts))
+    elif not quiet:
+        click.echo(table(result))
+    failed = [one for one in result.verdicts if one.verdict == "fail"]
+    if failed:
+        told = f"{failed[0].name}: {failed[0].why}"
+        more = "" if case else f"; again with: strandcli stress --case {failed[0].name}"
+        raise MismatchError(f"{len(failed)} of {len(result.verdicts)} cases failed, such as {told}{more}")
+
+
+def _chosen(
+    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, accept: bool
+) -> tuple[Sequence[Task], Any]:
+    """The work to do, and which names of it are wanted."""
+    from ..study.stress import run as stress
+
+    if preset is not None:
+        from ..study.stress import preset as presets
+
+        if case is not None:
+            work: Sequence[Task] = [presets.named(options.load_scene(preset), case)]
+        else:
+            work = presets.tasks(options.load_scene(preset), None if solver in (None, "both") else solver)
+    elif case is not None:
+        work = [stress.named(case)]
+    else:
+        solvers = ("thesis",) if accept else ("rod", "thesis") if solver in (None, "both") else (str(solver),)
+        work = stress.tasks(solvers, quick)
+        if accept:
+            work = list(dict.fromkeys([*work, *stress.tasks(solvers, quick=True)]))
+    if case is not None:
+        wanted = work[0].names if len(work[0].names) == 1 else (stress.canonical(case),)
+        return work, wanted.__contains__
+    return work, stress.matching(pattern) if pattern else lambda name: True
+
+
+def detail(verdict: Verdict) -> str:
+    """One case for people."""
+    lines = [f"{verdict.name}: {verdict.verdict}" + (f" ({verdict.why})" if verdict.why else "")]
+    lines += [f"  {name:<20}{value:>14.4g}" for name, value in verdict.metrics.items()]
+    return "\n".join(lines)
+
+
+def table(result: Result) -> str:
+    """A row for each solver and metric with its worst case, then the failures by name, then how many of what."""
+    from ..study.stress.verdicts import LIMITS, MEANING
+
+    head = ("solver", "metric", "must be", "worst", "cases", "beyond")
+    lines = ["{:<8}{:<20}{:>10}{:>11}{:>8}{:>8}  worst case, and what it is".format(*head)]
+    for solver in result.solvers:
+        mine = [one for one in result.verdicts if one.name.partition("/")[0] == solver]
+        for metric, (word, limit) in LIMITS.items():
+            known = [(one.metrics[metric], one) for one in mine if metric in one.metrics]
+            if not known:
+                continue
+            value, worst = (min if word == ">=" else max)(known, key=lambda pair: _ranked(pair[0], word))
+            beyond = sum(metric in one.failed for _, one in known)
+            must = f"{word} {limit:g}" if word else "told"
+            lines.append(
+                f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  "
+                f"({MEANING[metric]})"
+            )
+        ended = [one for one in mine if "exception" in one.failed]
+        lines.append(f"{solver:<8}{'exception':<20}{'none':>10}{'':>11}{len(mine):>8,}{len(ended):>8,}")
+    failed = [one for one in result.verdicts if one.verdict == "fail"]
+    if failed:
+        lines += ["", "failed:"] + [f"  {one.name}: {one.why}" for one in failed[:MOST_TOLD]]
+        if len(failed) > MOST_TOLD:
+            lines.append(f"  and {len(failed) - MOST_TOLD:,} more, which --json names")
+    absent = [one for one in result.verdicts if one.verdict == "not_represented"]
+    if absent:
+        reasons = dict.fromkeys(f"  {one.name.partition('/')[0]}: {one.why}" for one in absent)
+        lines += ["", "not represented:", *reasons]
+    counts = ", ".join(f"{count:,} {word.replace('_', ' ')}" for word, count in result.summary.items())
+    lines += ["", f"{counts}; {len(result.verdicts):,} cases in {result.seconds:.0f} s"]
+    better = result.passed_after_all
+    if better:
+        lines.append(f"{len(better)} were listed to fail and did not, or in less, such as {better[0]}")
+    return "\n".join(lines)
+
+
+def _ranked(value: float, word: str) -> float:
+    """A value to compare by: NaN is worse than all."""
+    if value != value:
+        return float("-inf") if word == ">=" else float("inf")
+    return value
+
+
+def _print_json(result: Result) -> None:
+    """Machine data alone on stdout, a line a case: there are tens of thousands."""
+    from ..output.report import finite
+
+    data = finite(result.as_dict())
+    cases = data.pop("cases")
+
+    def text(value: Any) -> str:
+        return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+    lines = ",\n".join(f"  {text(case)}" for case in cases)
+    rest = ",\n".join(f"{text(key)}: {text(value)}" for key, value in data.items())
+    click.echo(f'{{{rest},\n"cases": [\n{lines}\n]}}')

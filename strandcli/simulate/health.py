@@ -1,0 +1,108 @@
+"""When a run has gone wrong: the bounds beyond which it stops, and what it says then.
+
+Bounds are far beyond the errors that a sound run reports, and well before numbers overflow.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..constants import W
+from ..scene.fields import LARGEST
+from . import blame
+
+STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
+"""Greatest error of a segment's length, as a share. The source's strands are judged where a preset lists elasticity,
+and stretch all the same where a rule after it moves them; a rod's lengths are exact but for rounding, which is allowed
+for."""
+RESIDUAL_MOST = 1.0
+"""Greatest error that a solver's iterations may leave: an edge that is off by its own length."""
+ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
+"""Error of a distance between two points in single precision, for each metre of their coordinates."""
+
+
+GIVEN = ("so it was given", "simulate it anew")
+
+
+class Trouble(NamedTuple):
+    """What went wrong first, for the person who has to mend it."""
+
+    message: str
+    frame: int
+    strand: int | None
+    """None where it is known to a block of strands alone, or to none."""
+    cause: str
+    """The rule's path, or the constraint that did not hold."""
+
+
+def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = True) -> Trouble | None:
+    """What is wrong with a frame whose errors are these; None where all is well. Where its positions were given and not
+    ``simulated``, no rule is to blame."""
+    scene = solver.scene
+    where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
+    if error["nonfinite"]:
+        particles = solver.particles()
+        bad = ~np.isfinite(particles).all(-1)
+        strand = int(np.argmax(bad.any(1)))
+        particle = int(np.argmax(bad[strand]))
+        cause, remedy = blame.cause(solver, frame, strand) if simulated else GIVEN
+        others = _others(int(bad.any(1).sum()))
+        return Trouble(
+            f"{where}: strand {strand}, particle {particle} is no longer finite{others}: {cause}; {remedy}",
+            frame, strand, cause,
+        )  # fmt: skip
+    most = STRETCH_MOST[scene.solver]
+    held = scene.solver != "thesis" or any(use.name == "elasticity" for use in scene.rules)
+    if held and not error["stretch_max"] <= most:
+        stretch = stretches(solver)
+        strand = int(np.argmax(stretch))
+        if not stretch[strand] <= most:
+            cause, remedy = blame.cause(solver, frame, strand) if simulated else GIVEN
+            return Trouble(
+                f"{where}: strand {strand} is stretched by {100 * stretch[strand]:.3g} %, more than {100 * most:g} %"
+                f"{_others(int((~(stretch <= most)).sum()))}: {cause}; {remedy}",
+                frame, strand, cause,
+            )  # fmt: skip
+    residual = error.get("residual_max")
+    if simulated and residual is not None and not residual <= RESIDUAL_MOST:
+        first, last = suspects(solver)
+        which = f"strand {first}" if first == last else f"one of the strands {first} to {last}"
+        cause = "the constraint that keeps lengths was not met"
+        return Trouble(
+            f"{where}: {which} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} iterations: "
+            f"{cause}; {blame.SMALLER_STEPS}, or a greater rod.iterations",
+            frame, first if first == last else None, cause,
+        )  # fmt: skip
+    return None
+
+
+def stretches(solver: Any) -> NDArray[np.float64]:
+    """(strands,) greatest error of a segment's length as a share of it, beyond what rounding of coordinates costs."""
+    x = solver.particles().astype(np.float64)
+    length = solver.lengths.reshape(-1)[: len(x), None].astype(np.float64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = np.abs(np.linalg.norm(np.diff(x, axis=1), axis=2) - length) - ROUNDING * np.abs(x).max((1, 2))[:, None]
+        return np.asarray((off / length).max(1))
+
+
+def suspects(solver: Any) -> tuple[int, int]:
+    """First and last of the strands that the residual may be of: solvers tell it by blocks."""
+    residuals = getattr(solver, "residuals", None)
+    if residuals is None or len(residuals) != len(solver.positions):
+        return 0, solver.strands - 1
+    block = int(np.argmax(np.where(np.isnan(residuals), np.inf, residuals)))
+    return block * W, min((block + 1) * W, solver.strands) - 1
+
+
+def drawable(solver: Any) -> NDArray[np.bool_]:
+    """(strands,) which strands can be drawn: finite, and within what single precision has squares for."""
+    particles = solver.particles()
+    with np.errstate(invalid="ignore"):
+        return np.asarray((np.abs(particles) <= LARGEST).all((1, 2)))
+
+
+def _others(count: int) -> str:
+    return f" (and {count - 1} more strands)" if count > 1 else ""

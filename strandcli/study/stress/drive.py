@@ -1,0 +1,127 @@
+"""Runs a batch of cases and measures every strand after every step.
+
+What is measured is the output: the positions that are drawn, in single precision. Rounding them to that costs up to
+half a unit in the last place a coordinate, which for short segments far from the origin is more than any threshold:
+so much is allowed for, and no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.model import Scene, SphereSolid
+from ...scene.motion import solid_pose
+from ...simulate import solver_of
+from .axes import Case
+from .scenes import groom_of, scene_of, times_of
+from .verdicts import RESIDUAL, judged_by_residual
+
+ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
+"""Error of a distance between two points for each metre of their coordinates, half a unit in the last place each."""
+
+
+@dataclass
+class Outcome:
+    """What came of one case: each metric's greatest value over all steps; absent where there is none."""
+
+    case: Case
+    metrics: dict[str, float] = field(default_factory=dict)
+    error: str = ""
+    """The exception that ended it, where one did."""
+
+
+def run(cases: Sequence[Case]) -> list[Outcome]:
+    """Outcomes of cases that differ in the start alone.
+
+    A solver tells one residual for all its strands: where that is above the threshold, every strand is run once more by
+    itself to see which it was.
+    """
+    found = _together(list(cases))
+    shared = max((one.metrics.get("residual", 0.0) for one in found), default=0.0)
+    if len(cases) > 1 and judged_by_residual(cases[0]) and not shared <= RESIDUAL:
+        for one in found:
+            alone = _together([one.case])[0]
+            one.metrics["residual"] = alone.metrics.get("residual", float("nan"))
+    return found
+
+
+def _together(cases: list[Case]) -> list[Outcome]:
+    found = [Outcome(case) for case in cases]
+    try:
+        with np.errstate(all="ignore"):
+            _drive(cases, found)
+    except Exception as error:  # whatever a solver raises is what is looked for here
+        for one in found:
+            one.error = f"{type(error).__name__}: {error}"
+    return found
+
+
+def _drive(cases: list[Case], found: list[Outcome]) -> None:
+    case = cases[0]
+    times = times_of(case)
+    scene, groom = scene_of(case, times), groom_of(cases)
+    solver: Any = solver_of(scene)(scene, groom)
+    segments = groom.lengths.astype(np.float64) / case.value("n")
+    meter = Meter(scene, segments, case.value("L"), touching=case.label("contact") != "none")
+    before = solver.particles()
+    solver.step(0.0, 0.0)
+    still = np.array_equal(before, solver.particles())
+    past = 0.0
+    for time in times:
+        solver.step(float(time), float(time) - past)
+        past = float(time)
+        meter.look(solver.particles(), past, solver.residual())
+    for number, one in enumerate(found):
+        lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
+        one.metrics = meter.metrics(lanes)
+        one.metrics["moved_by_nothing"] = float(not still)
+
+
+class Meter:
+    """Keeps the greatest of every measure, strand by strand."""
+
+    def __init__(self, scene: Scene, segments: NDArray[np.float64], length: float, touching: bool) -> None:
+        """``segments`` (strands,) rest lengths of a segment, ``length`` that of a strand: depths are told in it, where
+        strands are ``touching`` the scene's spheres."""
+        self.segments, self.length, self.scene = segments, length, scene
+        self.spheres = [one for one in scene.solids if isinstance(one, SphereSolid) and touching]
+        self.overlapping = len(self.spheres) > 1
+        self.stretch = np.zeros(len(segments))
+        self.depth = np.zeros(len(segments))
+        self.bad = np.zeros(len(segments), np.int64)
+        self.residual: float | None = None
+
+    def look(self, particles: NDArray[np.float32], time: float, residual: float | None) -> None:
+        """Measure (strands, particles, 3) at a time."""
+        finite: NDArray[np.bool_] = np.asarray(np.isfinite(particles).all((1, 2)))
+        self.bad += ~finite
+        x = np.where(finite[:, None, None], particles, np.float32(0)).astype(np.float64)
+        rounding = ROUNDING * np.abs(x).max((1, 2))
+        edges = np.linalg.norm(np.diff(x, axis=1), axis=2)
+        off = np.abs(edges - self.segments[:, None]).max(1) - rounding
+        self.stretch = np.maximum(self.stretch, np.where(finite, off / self.segments, 0))
+        for one in self.spheres:
+            centre = np.array(solid_pose(one, self.scene.emitter, time).translation)
+            depth = one.radius - np.linalg.norm(x[:, 1:] - centre, axis=2).min(1) - rounding
+            self.depth = np.maximum(self.depth, np.where(finite, depth / self.length, 0))
+        if residual is not None:
+            self.residual = residual if self.residual is None else _worse(self.residual, residual)
+
+    def metrics(self, strands: slice) -> dict[str, float]:
+        """The greatest of some strands."""
+        found = {"nonfinite": float(self.bad[strands].sum()), "stretch": float(self.stretch[strands].max())}
+        if self.spheres:
+            found["overlap" if self.overlapping else "penetration"] = float(self.depth[strands].max())
+        if self.residual is not None:
+            found["residual"] = self.residual
+        return found
+
+
+def _worse(a: float, b: float) -> float:
+    """The greater, NaN being worse than anything."""
+    return float("nan") if np.isnan(a) or np.isnan(b) else max(a, b)

@@ -1,0 +1,207 @@
+"""A case as a scene, a groom and the moments of its steps: what a preset and an emitter would have made of it.
+
+Scenes are put together from the typed data itself, because the matrix goes beyond what presets may say (a rigidity of
+zero, a tip of a thousandth). The strand is clamped along +x and gravity points down, so that straight is not its rest.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...groom.emit import Groom
+from ...scene.model import Emitter, PoseKey, Rod, RuleUse, Scene, SphereSolid, Time
+from ...simulate.rules import registry
+from .axes import Case
+
+NOTHING = 1e-300
+"""Zero in single precision, and yet no rule calls itself idle for it: all scenes of a solver then share one compiled
+step, whatever is zero in them."""
+STEPS = 24
+LEAP = 100.0
+SHAKE = 0.1
+HERTZ = 50.0
+
+
+@dataclass(frozen=True)
+class Started(Groom):
+    """A groom whose edges begin anywhere: ``edges`` (strands, segments, 3), unit vectors or zero."""
+
+    edges: NDArray[np.float64] | None = None
+
+    def edge(self, j: int, edges: int) -> NDArray[np.float64]:
+        """(strands, 3): edge j as it begins."""
+        assert self.edges is not None
+        return self.edges[:, min(j, self.edges.shape[1] - 1)]  # solvers may ask for one more than there are
+
+
+def steps_of(case: Case) -> int:
+    """How many steps a case takes: fewer where they are dear."""
+    n = case.value("n")
+    return STEPS if n <= 32 else STEPS // 2 if n <= 100 else STEPS // 4
+
+
+def times_of(case: Case) -> NDArray[np.float64]:
+    """(steps,) the ends of the steps, seconds."""
+    count = steps_of(case)
+    dt = case.value("dt") / case.value("substeps")
+    lengths = np.full(count, dt)
+    if case.label("dt") == "noisy":
+        lengths *= 1 + 0.5 * np.random.Generator(np.random.Philox(key=(7, count))).uniform(-1, 1, count)
+    return np.cumsum(lengths)
+
+
+def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
+    """The scene of a case whose steps end at ``times``."""
+    L, B = case.value("L"), case.value("B")
+    # without rigidity Γ is infinite; its place is then taken by the pull that it means for a B of 1
+    pull = case.value("gamma") * (B or 1.0) * L
+    wind = case.value("wind")
+    rules: list[tuple[str, dict[str, Any]]] = [
+        ("emitter_motion", {}),
+        ("gravity", {"acceleration": (0.0, -max(pull, NOTHING), 0.0)}),
+        ("wind", wind_of(wind * L, float(times[0]))),
+    ]
+    solids = solids_of(case, times)
+    if case.solver == "thesis":
+        # B in 1/s² is the strength of the source's stiffness; it always collides, with a ball that is never there
+        rules.append(("stiffness", {"strength": max(B, NOTHING)}))
+        solids = solids or (_ball((0.0, 1e6 * L, 0.0), L),)
+    if solids:
+        rules.append(("collision", {}))
+    if case.solver == "thesis":
+        rules.append(("elasticity", {}))
+    return Scene(
+        solver=case.solver,
+        # radius 2 and density 1 make B / (ρ A) = E R² / (4 ρ) Young's modulus itself
+        rod=Rod(
+            density=1.0, radius=2.0, young=B * L**4, tip=math.sqrt(case.value("tip")), rest="straight",
+            drag=1.0 if wind else 0.0, damping=0.0,
+        ),
+        time=Time(fps=float(1 / times[0]), frames=1000),
+        emitter=Emitter(
+            strands=case.value("strands"), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)
+        ),
+        rules=tuple(RuleUse(name, registry()[name].Parameters(**given), name) for name, given in rules),
+        solids=moved(solids, (case.value("offset") * L, 0.0, 0.0)),
+    )  # fmt: skip
+
+
+def groom_of(cases: list[Case]) -> Started:
+    """The strands of a batch: one a case where cases are single strands, else those of the one groom."""
+    first = cases[0]
+    n, L, strands = first.value("n"), first.value("L"), first.value("strands")
+    if strands > 1:
+        assert len(cases) == 1
+        draw = np.random.Generator(np.random.Philox(key=(11, strands)))
+        roots = L * draw.uniform(-1, 1, (strands, 3))
+        directions = _units(draw, (strands,)) if first.label("contact") == "none" else _along_x(strands)
+        spread = first.value("lengths") * draw.uniform(-1, 1, strands)
+        if first.label("contact") != "none":
+            roots *= (0.0, 0.0, 0.05)  # side by side in front of the solids
+        edges = _started(first.label("start"), directions, n)
+    else:
+        roots, directions, spread = np.zeros((len(cases), 3)), _along_x(len(cases)), np.zeros(len(cases))
+        edges = np.concatenate([_started(case.label("start"), directions[:1], n) for case in cases])
+    count = len(roots)
+    return Started(
+        roots.astype(np.float32), directions.astype(np.float32), (L * (1 + spread)).astype(np.float32),
+        np.zeros(count, np.float32), edges=edges,
+    )  # fmt: skip
+
+
+def _started(start: str, directions: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    """(strands, n, 3) edges at the start."""
+    edges = np.repeat(directions[:, None], n, 1)
+    if start == "zero":
+        edges[:, n // 2] = 0
+    elif start == "coincident":
+        edges[:] = 0
+    elif start == "folded":
+        edges[:, 1::2] *= -1
+        edges[:, 0] *= -1 if n == 1 else 1
+    elif start == "random":
+        edges = _units(np.random.Generator(np.random.Philox(key=(13, n))), edges.shape[:2])
+    return edges
+
+
+def _along_x(count: int) -> NDArray[np.float64]:
+    return np.tile([1.0, 0.0, 0.0], (count, 1))
+
+
+def _units(draw: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    way = draw.normal(size=(*shape, 3))
+    return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
+
+
+def wind_of(strength: float, step: float) -> dict[str, Any]:
+    """Parameters of a wind that swings half round, and from nothing to its full strength, between two steps."""
+    return {
+        "direction": (0.0, 0.0, 1.0), "strength": max(strength, NOTHING), "per_length": False,
+        "gust": 1.0 if strength else 0.0, "sway": 90.0 if strength else 0.0, "period": 2 * step / 1.618,
+    }  # fmt: skip
+
+
+def keys_of(case: Case, times: NDArray[np.float64]) -> tuple[PoseKey, ...]:
+    """The emitter's motion. Whatever happens at once happens at a third of the run."""
+    L, kind = case.value("L"), case.label("emitter")
+    x = case.value("offset") * L
+    keys = [(0.0, (x, 0.0, 0.0), (0.0, 0.0, 0.0))]
+    late = float(times[len(times) // 3])
+    if kind == "still":
+        keys.append((late, (x, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    elif kind == "teleport":
+        keys.append((late, (x, 0.0, LEAP * L), (0.0, 0.0, 0.0)))
+    elif kind == "flip":
+        keys.append((late, (x, 0.0, 0.0), (0.0, 0.0, 180.0)))
+    else:
+        for step, time in enumerate(times):
+            # steps longer than half a period see it at its turning points, the worst that they can see
+            coarse = case.value("dt") / case.value("substeps") > 0.5 / HERTZ
+            y = (-1.0) ** step if coarse else math.sin(2 * math.pi * HERTZ * time)
+            keys.append((float(time), (x, SHAKE * L * y, 0.0), (0.0, 0.0, 0.0)))
+    return tuple(PoseKey(time, position, rotation, "step") for time, position, rotation in keys)
+
+
+def solids_of(case: Case, times: NDArray[np.float64]) -> tuple[SphereSolid, ...]:
+    """What the strand, which reaches from the origin to (L, 0, 0), has to do with."""
+    L, n = case.value("L"), case.value("n")
+    match case.label("contact"):
+        case "inside":  # the root on the surface
+            return (_ball((0.6 * L, 0.0, 0.0), 0.6 * L),)
+        case "through":
+            return (_ball((0.5 * L, 0.0, 0.0), 0.3 * L),)
+        case "overlap":
+            return (_ball((0.5 * L, 0.1 * L, 0.0), 0.25 * L), _ball((0.5 * L, -0.1 * L, 0.0), 0.25 * L))
+        case "small":  # between two particles
+            return (_ball(((n // 2 + 0.5) * L / n, 0.0, 0.0), 0.4 * L / n),)
+        case "moving":  # through the strand from above, in half of the run
+            late = float(times[len(times) // 2])
+            way = [(0.0, (0.6 * L, L, 0.0)), (late, (0.6 * L, -L, 0.0))]
+            keys = tuple(PoseKey(time, place, (0.0, 0.0, 0.0), "linear") for time, place in way)
+            return (replace(_ball((0.0, 0.0, 0.0), 0.3 * L), keys=keys),)
+    return ()
+
+
+def _ball(centre: tuple[float, float, float], radius: float) -> SphereSolid:
+    return SphereSolid(radius=radius, position=centre)
+
+
+def moved(solids: tuple[SphereSolid, ...], by: tuple[float, float, float]) -> tuple[SphereSolid, ...]:
+    """Solids put elsewhere, keys and all."""
+    return tuple(
+        replace(
+            one,
+            position=_sum(one.position, by),
+            keys=tuple(replace(key, position=_sum(key.position, by)) for key in one.keys),
+        )
+        for one in solids
+    )
+
+
+def _sum(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float]:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]

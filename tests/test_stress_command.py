@@ -1,0 +1,113 @@
+"""`strandcli stress`: the small matrix, replaying by name, and a preset's own scene."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from cli_runs import Runner
+
+from strandcli.simulate import rules
+from strandcli.study.stress import drive, run, sheets, verdicts
+from strandcli.study.stress.axes import case_named
+
+
+@pytest.fixture(scope="module")
+def small() -> run.Result:
+    """The small matrix of both solvers."""
+    return run.run(run.tasks(["rod", "thesis"], quick=True))
+
+
+def test_the_small_matrix_of_the_source_is_as_it_is_known(small: run.Result) -> None:
+    mine = [one for one in small.verdicts if one.name.partition("/")[0] == "thesis"]
+    assert [one.name for one in mine if one.verdict == "fail"] == []
+    assert any(one.verdict == "expected_failure" for one in mine)
+    assert small.passed_after_all == []
+
+
+def test_the_small_matrix_of_rods_has_no_nan_and_no_depth(small: run.Result) -> None:
+    """Lengths alone may be left unfinished from the worst starts: whether they are, the whole matrix says."""
+    mine = [one for one in small.verdicts if one.name.partition("/")[0] == "rod"]
+    assert len(mine) > 90
+    assert {metric for one in mine for metric in one.failed} <= {"residual", "stretch"}
+    measured = set().union(*(one.metrics for one in mine))
+    assert measured >= {"nonfinite", "moved_by_nothing", "penetration", "rest_motion", "differences", "upright"}
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def test_the_command_lists_replays_and_tells(command: Runner) -> None:
+    names = command("stress", "--list", "--solver", "thesis").out.split()
+    assert len(names) > 20_000
+    assert "thesis/check=twist" in names
+    listed = command("stress", "--list", "--filter", "contact=through start=random dt=10").out.split()
+    words = ("contact=through", "start=random", "dt=10")
+    every = command("stress", "--list").out.split()
+    assert listed == [name for name in every if all(word in name for word in words)]
+    result = command("stress", "--case", "thesis/start=random/contact=through", "--json")
+    assert result.code == 0
+    data = json.loads(result.out)
+    assert set(data) >= {"solver", "cases", "summary"}
+    (case,) = data["cases"]
+    assert set(case) == {"name", "parameters", "metrics", "verdict", "why"}
+    assert case["name"] == "thesis/contact=through/start=random"
+    assert case["parameters"]["contact"] == "through"
+    assert "pass" in command("stress", "--case", "thesis").out
+    assert "no case has such a name" in command("stress", "--filter", "nothing").error()
+    assert command("stress", "--accept", "--solver", "rod").code == 2
+
+
+def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(verdicts.LIMITS, "stretch", ("<=", -1.0))
+    result = command("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
+    assert result.code == 3
+    assert "again with: strandcli stress --case thesis/" in result.err
+    assert "failed:" in result.out
+    assert command("stress", "--case", "thesis/L=1e6").code == 3
+
+
+def test_a_replay_gives_the_same_numbers(command: Runner) -> None:
+    name = "thesis/dt=10/wind=gale/start=random"
+    found = [json.loads(command("stress", "--case", name, "--json").out)["cases"] for _ in range(2)]
+    assert found[0] == found[1]
+    scene = case_named(name).labels[:-1]
+    batch = drive.run([case for case in sheets.full("thesis") if case.labels[:-1] == scene])
+    metrics = next(one.metrics for one in batch if one.case.name == name)
+    assert found[0][0]["metrics"] == {key: float(f"{value:.4g}") for key, value in metrics.items()}
+
+
+def test_a_presets_own_scene_goes_through_it_too(command: Runner) -> None:
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, elasticity]\n")
+    result = command("stress", "own.yaml", "--filter", "emitter=flip wind=gale", "--json")
+    assert result.code == 0
+    data = json.loads(result.out)
+    assert data["summary"]["pass"] == len(data["cases"]) == 7 * 3
+    name = data["cases"][4]["name"]
+    assert name.startswith("thesis/preset/")
+    assert json.loads(command("stress", "own.yaml", "--case", name, "--json").out)["cases"] == [data["cases"][4]]
+    assert "no case of a preset" in command("stress", "own.yaml", "--case", "thesis/preset/dt=7").error()
+
+
+def test_rules_that_a_preset_brings_are_run(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    import bad_rules
+
+    monkeypatch.setitem(rules._registry, "rooted", bad_rules.rooted)
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [rooted, elasticity]\n")
+    result = command("stress", "own.yaml", "--case", "thesis/preset/dt=10")
+    assert result.code == 3
+    assert "nonfinite" in result.err
+
+
+def test_several_processes_come_to_the_same_verdicts() -> None:
+    work = run.tasks(["thesis"], quick=True)
+    assert len(work) >= 4 * run.CHUNK  # fewer are not worth a second process
+    counted: list[int] = []
+    shared = run.run(work, processes=2, step=counted.append)
+    alone = run.run(work, processes=1)
+    assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
+    assert sum(counted) == len(alone.verdicts)

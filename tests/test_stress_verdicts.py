@@ -1,0 +1,175 @@
+"""What the stability matrix measures, and what it makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strandcli.scene.model import SphereSolid
+from strandcli.simulate.thesis import ThesisSolver
+from strandcli.study.stress import checks, drive, expected, run, scenes, verdicts
+from strandcli.study.stress.axes import Case, case_named
+
+
+def meter(**solids: Any) -> drive.Meter:
+    """Two strands of two segments of half a metre."""
+    case = case_named("rod/contact=through/n=2")
+    scene = scenes.scene_of(case, scenes.times_of(case))
+    ball = SphereSolid(radius=0.25, position=(0.5, 0.3, 0.0))
+    return drive.Meter(replace(scene, solids=(ball, *solids.get("more", ()))), np.full(2, 0.5), 1.0, touching=True)
+
+
+def strands(*tips: tuple[float, float, float]) -> np.ndarray:
+    """(strands, 3, 3) with their middles at (½, 0, 0)."""
+    return np.array([[(0, 0, 0), (0.5, 0, 0), tip] for tip in tips], np.float32)
+
+
+def test_what_is_measured_is_what_was_made() -> None:
+    one = meter()
+    one.look(strands((1, 0, 0), (0.5, 0.4, 0)), 0.0, 0.25)
+    first, second = one.metrics(slice(0, 1)), one.metrics(slice(1, 2))
+    assert first == {"nonfinite": 0, "stretch": 0, "penetration": 0, "residual": 0.25}
+    assert second["stretch"] == pytest.approx(0.2, abs=1e-6)
+    assert second["penetration"] == pytest.approx(0.15, abs=1e-6)
+    one.look(strands((1, 0, 0), (np.nan, 0, 0)), 0.0, 0.125)
+    assert one.metrics(slice(0, 1))["nonfinite"] == 0
+    assert one.metrics(slice(1, 2))["nonfinite"] == 1
+    assert one.metrics(slice(None))["penetration"] == pytest.approx(0.15, abs=1e-6)
+    assert one.metrics(slice(None))["residual"] == 0.25
+    one.look(strands((1, 0, 0), (1, 0, 0)), 0.0, float("nan"))
+    assert np.isnan(one.metrics(slice(None))["residual"])
+
+
+def test_rounding_of_coordinates_far_away_is_no_stretch_and_more_is() -> None:
+    far = np.float32(1e6)
+    one = meter()
+    shifted = strands((1, 0, 0), (1, 0, 0)) + np.array([far, 0, 0], np.float32)
+    shifted[1, 2, 0] += np.float32(0.5)
+    one.look(shifted, 0.0, None)
+    assert one.metrics(slice(0, 1))["stretch"] == 0
+    assert one.metrics(slice(1, 2))["stretch"] > 0.5
+
+
+def test_overlapping_solids_are_told_and_not_judged() -> None:
+    one = meter(more=[SphereSolid(radius=0.25, position=(0.5, 0.2, 0.0))])
+    one.look(strands((0.5, 0.4, 0), (1, 0, 0)), 0.0, None)
+    metrics = one.metrics(slice(None))
+    assert metrics["overlap"] > 0.1
+    assert not verdicts.beyond("overlap", metrics["overlap"])
+
+
+def judged(metrics: dict[str, float], name: str = "rod/dt=0.5", **options: Any) -> verdicts.Verdict:
+    return verdicts.judge(name, {}, metrics, **options)
+
+
+def test_verdicts() -> None:
+    good = {"nonfinite": 0.0, "stretch": 1e-6, "residual": 1e-3, "amplitude_kept": 0.999}
+    assert judged(good).verdict == "pass"
+    for metric, value in (("nonfinite", 1.0), ("stretch", 1.1e-6), ("residual", np.nan), ("amplitude_kept", 0.998)):
+        bad = judged({**good, metric: value})
+        assert bad.verdict == "fail"
+        assert bad.failed == (metric,)
+        assert metric in bad.why
+    assert judged({"residual": 7.0}, unjudged=("residual",)).verdict == "pass"
+    assert judged({}, error="ValueError: no").why == "ValueError: no"
+    assert judged({}, error="ValueError: no").verdict == "fail"
+    assert judged({}, absent="no mass").verdict == "not_represented"
+    assert judged({"stretch": 1 / 3}).as_dict()["metrics"] == {"stretch": 0.3333}
+
+
+def test_only_what_is_listed_is_expected() -> None:
+    name = "thesis/contact=through"
+    assert judged({"penetration": 0.2}, name).verdict == "expected_failure"
+    assert "elasticity" in judged({"penetration": 0.2}, name).why
+    both = judged({"penetration": 0.2, "nonfinite": 1.0}, name)
+    assert both.verdict == "fail"
+    assert "nonfinite" in both.why
+    assert judged({"penetration": 0.2}, "rod/contact=through").verdict == "fail"
+    assert not [name for name, metric in expected._read("thesis")[1] if metric in ("nonfinite", "exception")]
+
+
+def test_the_list_of_expected_failures_is_what_is_written() -> None:
+    reasons, listed = expected._read("thesis")
+    assert all(reasons.values())
+    text = expected.text_of("thesis", reasons, listed)
+    lines = [line for line in text.splitlines() if not line.startswith(("@", "#"))]
+    known = run.tasks(["thesis"]) + run.tasks(["thesis"], quick=True)
+    names = {name for task in known for name in task.names}
+    assert {name for name, _ in listed} <= names
+    assert len(lines) < len(listed)
+    assert expected.passed_after_all("thesis", [], ["thesis/contact=through", "thesis"]) == ["thesis/contact=through"]
+    with pytest.raises(KeyError):
+        expected.write("thesis", [("thesis/dt=10", "nonfinite")])
+
+
+def test_a_solver_that_raises_or_leaves_nan_fails_its_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = run.named("thesis/start=random")
+    assert {one.verdict for one in run.perform(task)} == {"pass"}
+    step = ThesisSolver.step
+
+    def spoil(self: ThesisSolver, time: float, dt: float) -> None:
+        step(self, time, dt)
+        if dt > 0:
+            self.positions[0, 3, 1] = np.nan  # the strand in the second lane
+
+    monkeypatch.setattr(ThesisSolver, "step", spoil)
+    assert [one.verdict for one in run.perform(task)] == ["pass", "fail", "pass", "pass", "pass"]
+
+    def explode(self: ThesisSolver, time: float, dt: float) -> None:
+        raise ZeroDivisionError("bug")
+
+    monkeypatch.setattr(ThesisSolver, "step", explode)
+    found = run.perform(task)
+    assert {one.why for one in found} == {"ZeroDivisionError: bug"}
+    assert {one.verdict for one in found} == {"fail"}
+
+
+def test_a_step_of_no_length_that_moves_something_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    step = ThesisSolver.step
+    monkeypatch.setattr(ThesisSolver, "step", lambda self, time, dt: step(self, time, dt or 1e-3))
+    assert "moved_by_nothing" in run.perform(run.named("thesis"))[0].why
+
+
+def test_a_residual_is_pinned_on_the_strand_that_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solvers tell one residual for all: here it is that of the random start."""
+    def residual(self: ThesisSolver) -> float:
+        return 0.5 if np.abs(self.particles()[:, 1:, 2]).max() > 1e-3 else 1e-5
+
+    monkeypatch.setattr(ThesisSolver, "residual", residual)
+    found = {one.case.label("start"): one.metrics["residual"] for one in drive.run(run.named("thesis").cases)}
+    assert found == {"straight": 1e-5, "zero": 1e-5, "coincident": 1e-5, "folded": 1e-5, "random": 0.5}
+    coarse = [one.metrics["residual"] for one in drive.run(run.named("thesis/dt=0.5").cases)]
+    assert coarse == [0.5] * 5  # told and not judged: not worth a second run
+
+
+def test_what_a_solver_has_not_is_never_a_pass() -> None:
+    absent = ("check=droop/gamma=1", "check=swing/integrator=bdf2", "check=sag-free", "check=twist")
+    for name in ("rod/check=twist", *(f"thesis/{one}" for one in absent)):
+        (found,) = run.perform(run.named(name))
+        assert found.verdict == "not_represented"
+        assert found.why
+    assert {one.verdict for one in run.perform(run.named("thesis/tip=1e-3"))} == {"not_represented"}
+
+
+def test_crests_of_a_fading_wave() -> None:
+    t = np.arange(0, 8, 1 / 60)
+    tops = checks.crests(np.exp(-0.1 * t) * np.cos(2 * np.pi * t - 0.3))
+    np.testing.assert_allclose(tops[1:] / tops[:-1], np.exp(-0.1), rtol=1e-4)
+
+
+def test_energy_of_a_falling_and_a_bent_rod() -> None:
+    """A level rod of ten segments: half of it turned down has lost height, gained speed and is bent once."""
+    e = np.tile(np.array([[1.0, 0, 0]]), (10, 1))
+    e[5:] = [0, -1, 0]
+    v = np.zeros((10, 3))
+    v[9] = [0, 0, 2]
+    rod = type("Rod", (), {})()
+    rod.edges, rod.velocity = e.reshape(1, 10, 3), v.reshape(1, 10, 3)
+    rod.scene = replace(scenes.scene_of(Case.of("rod"), scenes.times_of(Case.of("rod"))))
+    height = -sum((j + 1) * 0.1 * (0.5 if j == 4 else 1) * 0.1 for j in range(5))
+    kinetic = 0.5 * 0.05 * 4
+    bending = 0.5 * 10 * 2  # B / ℓ |u − v|² / 2 of one square corner, with B = 1
+    assert checks.energy(rod, 10.0) == pytest.approx(10 * height + kinetic + bending)
