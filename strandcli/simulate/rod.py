@@ -8,6 +8,8 @@ material. Twist is not represented.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from typing import Any
 
 import numba
@@ -39,6 +41,9 @@ DENSE_MOST = 20
 """Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
+ENOUGH = {(False, False): 2e-4, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
+"""Greatest error of |e|² at which iterations stop, for (BDF2, double precision): where motion is calmed down anyway,
+less will do, and of most strands the error is far less than of the worst."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -89,10 +94,11 @@ class RodSolver(Solver):
         self.directions = lanes(groom.directions, self.dtype)
         self.reach = TELEPORT * float(groom.lengths.max())
         self.bends = self._rest_shape(rod, groom, lengths) if n > 0 else None
-        workers = numba.get_num_threads()
-        rows = (rod_long if self.long else dense).rows_for(n)
-        self.scratch = np.zeros((min(workers, len(self.lengths)), rows, W), self.dtype)
+        workers = min(numba.get_num_threads(), len(self.lengths))
+        size = (rod_long if self.long else dense).size_for(n)
+        self.scratch = [np.zeros(size, self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(len(self.lengths), self.dtype)
+        self.enough = ENOUGH[bdf2, self.dtype == np.float64]
         self.last_step = 0.0
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self.contacts = [use.parameters for use in scene.rules if use.name == "collision"]
@@ -161,19 +167,32 @@ class RodSolver(Solver):
         rod = self.scene.rod
         h = 2 * dt / 3 if second else dt
         numbers = np.array(
-            [h, *self.gravity(), *self.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction],
+            [h, *self.gravity(), *self.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
+             self.enough],
             self.dtype,
-        )
-        advance = rod_step.step_long if self.long else rod_step.step
-        advance(
+        )  # fmt: skip
+        given = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
             self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends, self._gust(time), packed,
-            delta, numbers, rod.iterations, self._solids(time, dt),
-            any(one.segments for one in self.contacts), self.scratch, self.residuals,
+            delta, numbers, rod.iterations, *self._solids(time, dt),
         )  # fmt: skip
+        self._share_out(given)
         if self.dtype != np.float32:
             self.positions[...] = self.wide
         self.pose, self.last_step = pose, dt
+
+    def _share_out(self, given: tuple[Any, ...]) -> None:
+        """Run the step with a share of the blocks on each thread: this one and those of a pool."""
+        workers = len(self.scratch)
+        long = True if self.long else None
+
+        def work(i: int) -> None:
+            rod_step.step(*given, self.scratch[i], self.residuals, i, workers, long)
+
+        others = [_pool().submit(work, i) for i in range(1, workers)]
+        work(0)
+        for other in others:
+            other.result()
 
     def _rows(self) -> NDArray[Any]:
         """World positions in the solver's own precision."""
@@ -204,11 +223,12 @@ class RodSolver(Solver):
             rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
         self.pose = pose
 
-    def _solids(self, time: float, dt: float) -> tuple[NDArray[Any], ...] | None:
-        """Packed solids with their motion in this step, or None where there is nothing to touch."""
+    def _solids(self, time: float, dt: float) -> tuple[Any, Any, bool]:
+        """Packed solids with their motion in this step, as the kernel's arguments `balls`, `others` and `whole`."""
         touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
+        whole = any(one.segments for one in self.contacts)
         if not touched:
-            return None
+            return None, None, False
         emitter = self.scene.emitter
         now, past = max(time, 0.0), max(time - dt, 0.0)
         out = []
@@ -222,7 +242,9 @@ class RodSolver(Solver):
                 turn = r1 @ r0.T
                 row[columns:] = [*turn.ravel(), *(t1 - turn @ t0)]
             out.append(rows.astype(self.dtype))
-        return tuple(out)
+        if not whole and len(out[0]) == len(touched):
+            return out[0], None, False
+        return None, tuple(out), whole
 
     def _rest_shape(self, rod: Rod, groom: Groom, lengths: NDArray[np.float64]) -> NDArray[Any] | None:
         """(blocks, N + 1, 3 W) rest bends as the kernel reads them; None where rods are straight."""
@@ -285,3 +307,9 @@ def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
     """Rotate vectors in blocks (blocks, rows, 3 W)."""
     wide = rows.reshape(*rows.shape[:2], 3, W)
     return np.einsum("cd,bndk->bnck", rotation, wide).reshape(rows.shape)
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    """Threads for kernels, which let go of Python's lock."""
+    return ThreadPoolExecutor(max_workers=int(numba.config.NUMBA_NUM_THREADS), thread_name_prefix="rod")  # type: ignore[attr-defined]

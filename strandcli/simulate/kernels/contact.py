@@ -22,6 +22,8 @@ import numpy as np
 from ...constants import W
 from ...jit import function
 
+LANES = np.uint64(W)
+U2 = np.uint64(2)
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
@@ -248,53 +250,46 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
 
 
 @function
-def touch(s, y, old, q, p, lengths, spheres, capsules, planes, boxes, whole, friction):
-    """One edge of every lane: rows y, y + 1, y + 2 of the scratch hold unit edges, rows old … where the particles were
-    before the step; q, p (3 W,): the particle before and this one, in the world."""
-    for k in range(W):
-        s[y + 3, k] = deepest(spheres, capsules, planes, boxes, p[k], p[W + k], p[2 * W + k])[0]
-    for k in range(W):
-        if not whole and s[y + 3, k] <= ZERO:
-            continue
+def touch(s, y, old, q, lengths, spheres, capsules, planes, boxes, whole, friction):
+    """One edge of every lane: rows from y on of the scratch hold unit edges, rows from old on where the particles were
+    before the step; q (3 W,): the particle before, in the world."""
+    for k in range(LANES):
         length = lengths[k]
         qx = q[k]
-        qy = q[W + k]
-        qz = q[2 * W + k]
-        ex = s[y, k]
-        ey = s[y + 1, k]
-        ez = s[y + 2, k]
+        qy = q[LANES + k]
+        qz = q[U2 * LANES + k]
+        ex = s[y + k]
+        ey = s[y + LANES + k]
+        ez = s[y + U2 * LANES + k]
+        px = qx + length * ex
+        py = qy + length * ey
+        pz = qz + length * ez
+        if not whole and deepest(spheres, capsules, planes, boxes, px, py, pz)[0] <= ZERO:
+            continue
         dx, dy, dz = off_solids(qx, qy, qz, ex, ey, ez, length, spheres, capsules, planes, boxes, whole)
         if friction > ZERO and (dx != ex or dy != ey or dz != ez):
-            x = qx + length * dx
-            yy = qy + length * dy
-            z = qz + length * dz
             tx, ty, tz, nx, ny, nz = carried(
-                spheres, capsules, planes, boxes, x, yy, z, s[old, k], s[old + 1, k], s[old + 2, k]
-            )
-            lx = x - p[k]
-            ly = yy - p[W + k]
-            lz = z - p[2 * W + k]
-            lifted = abs(lx * nx + ly * ny + lz * nz)
-            sx = x - tx
-            sy = yy - ty
-            sz = z - tz
+                spheres, capsules, planes, boxes, qx + length * dx, qy + length * dy, qz + length * dz,
+                s[old + k], s[old + LANES + k], s[old + U2 * LANES + k],
+            )  # fmt: skip
+            lifted = length * abs((dx - ex) * nx + (dy - ey) * ny + (dz - ez) * nz)
+            sx = qx + length * dx - tx
+            sy = qy + length * dy - ty
+            sz = qz + length * dz - tz
             away = sx * nx + sy * ny + sz * nz
             sx -= away * nx
             sy -= away * ny
             sz -= away * nz
             slid = np.sqrt(sx * sx + sy * sy + sz * sz)
             if slid > TINY:
-                back = min(friction * lifted / slid, ONE)
-                x -= back * sx - qx
-                yy -= back * sy - qy
-                z -= back * sz - qz
+                back = min(friction * lifted, slid) / (slid * length)
+                x = dx - back * sx
+                yy = dy - back * sy
+                z = dz - back * sz
                 size = ONE / np.sqrt(max(x * x + yy * yy + z * z, TINY))
                 dx, dy, dz = off_solids(
                     qx, qy, qz, x * size, yy * size, z * size, length, spheres, capsules, planes, boxes, whole
                 )
-        s[y, k] = dx
-        s[y + 1, k] = dy
-        s[y + 2, k] = dz
-        p[k] = qx + length * dx
-        p[W + k] = qy + length * dy
-        p[2 * W + k] = qz + length * dz
+        s[y + k] = dx
+        s[y + LANES + k] = dy
+        s[y + U2 * LANES + k] = dz
