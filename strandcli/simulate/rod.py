@@ -41,7 +41,7 @@ DENSE_MOST = 20
 """Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
-ENOUGH = {(False, False): 2e-4, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
+ENOUGH = {(False, False): 1e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision): where motion is calmed down anyway,
 less will do, and of most strands the error is far less than of the worst."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
@@ -92,6 +92,7 @@ class RodSolver(Solver):
         self.moved = np.zeros_like(self.edges) if bdf2 else None
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
+        self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
         self.bends = self._rest_shape(rod, groom, lengths) if n > 0 else None
         workers = min(numba.get_num_threads(), len(self.lengths))
@@ -205,7 +206,7 @@ class RodSolver(Solver):
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
         """Whether some root has moved further than it could have."""
         turned, moved = pose[0] - self.pose[0], pose[1] - self.pose[1]
-        if not turned.any() and not moved.any():
+        if np.linalg.norm(turned, 2) * self.outermost + np.linalg.norm(moved) <= self.reach:
             return False
         roots = self.roots.reshape(-1, 3, W).astype(np.float64)
         way = np.einsum("cd,bdk->bck", turned, roots) + moved[None, :, None]

@@ -252,12 +252,12 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
 @function
 def touch(s, y, old, q, lengths, spheres, capsules, planes, boxes, whole, friction):
     """One edge of every lane: rows from y on of the scratch hold unit edges, rows from old on where the particles were
-    before the step; q (3 W,): the particle before, in the world."""
+    before the step, rows from q on the particle before, in the world."""
     for k in range(LANES):
         length = lengths[k]
-        qx = q[k]
-        qy = q[LANES + k]
-        qz = q[U2 * LANES + k]
+        qx = s[q + k]
+        qy = s[q + LANES + k]
+        qz = s[q + U2 * LANES + k]
         ex = s[y + k]
         ey = s[y + LANES + k]
         ez = s[y + U2 * LANES + k]

@@ -43,9 +43,13 @@ FAR = np.float32(0.3)
 """Error of |e|² above which edges go back to unit length before the next iteration."""
 SHORT = np.float32(1 / 16)
 """|e|² below which an edge has hardly a direction left: S then takes this."""
+WILD = np.float32(64.0)
+"""Error of |e|² above which τ does not start from the step before."""
+PULLED = np.float32(4.0)
 PIVOT = np.float32(1e-6)
 TINY = np.float32(1e-30)
 LOWEST = np.float32(-1e38)
+MOST = np.float32(1e18)
 
 
 def _rows(count: int) -> np.uint64:
@@ -59,48 +63,56 @@ U2 = np.uint64(2)
 U3 = np.uint64(3)
 U4 = np.uint64(4)
 # rows of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; pivot of H, its inverse, bands of L; δ; the
-# τ that H takes
-FIELDS = 25
+# τ that H takes; whether H lost definiteness in a segment up to here; greatest error up to here; what to put right
+FIELDS = 27
+"""Not a multiple of 8: rows of 512 bytes at distances of 4096 would share the lines of the first-level cache."""
 E, U, Y, A, C, T, M, K = (_rows(i) for i in (0, 3, 6, 9, 12, 15, 16, 17))
-D, I, L1, L2, R, TH = (_rows(i) for i in (18, 19, 20, 21, 22, 23))
+D, I, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
+# the same rows after the iterations: where particles are and where they were, how far they were put off, the length of
+# the segment, and whether it has lost its direction
+PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
 SEGMENT = _rows(FIELDS)
 # rows that belong to the strand, before all segments
-NIL, FLAG, UNUSED, WORST, OFF, SHIFT, OLD, SPARE = (_rows(i) for i in (0, 1, 2, 3, 4, 7, 10, 13))
-HEAD = _rows(16)
+NIL, SPARE, SHIFT, LOAD, HARD = (_rows(i) for i in (0, 1, 2, 5, 8))
+HEAD = _rows(10)
 FIRST = HEAD + U2 * SEGMENT
 
 
 def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments, to be filled with zeros once: 16 rows of the strand's own, n + 4 segments,
+    """Numbers of scratch for ``n`` segments, to be filled with zeros once: 10 rows of the strand's own, n + 4 segments,
     and the lower triangle of S row by row."""
     return int(HEAD) + (n + 4) * int(SEGMENT) + W * n * (n + 1) // 2
 
 
 @function
 def factor(s, n):
-    """H = L diag(d) Lᵀ with two bands. Lanes where τ makes it indefinite are flagged, and take the bounded τ instead;
-    returns whether there are any."""
-    if not eliminate(s, n, T, FLAG):
-        return False
+    """H = L diag(d) Lᵀ with two bands. Lanes where τ makes it indefinite take the bounded τ instead; whether there are
+    any is kept in HARD."""
+    last = FIRST + (n - U1) * SEGMENT
+    for k in range(LANES):
+        s[FIRST - SEGMENT + SHARE + k] = ZERO
+    s[HARD] = ZERO
+    if not eliminate(s, n, T):
+        return
+    s[HARD] = ONE
+    for k in range(LANES):
+        s[FIRST - SEGMENT + SHARE + k] = s[last + LOST + k]
     for j in range(n):
         o = FIRST + j * SEGMENT
         for v in range(LANES):
             k = o + v
-            low = -QUARTER * min(s[k - SEGMENT + M], s[k + M])
+            mine = s[k - SEGMENT + SHARE]
             t = s[k + T]
-            bounded = max(t, low)
-            s[k + TH] = bounded if s[v + FLAG] > ZERO else t
-    eliminate(s, n, TH, UNUSED)
-    return True
+            bounded = max(t, -QUARTER * min(s[k - SEGMENT + M], s[k + M]))
+            s[k + TH] = bounded if mine > ZERO else t
+            s[k + SHARE] = mine
+    eliminate(s, n, TH)
 
 
 @function
-def eliminate(s, n, t, flag):
-    """LDLᵀ of H with the force densities in field t; row `flag` becomes 1 in lanes with a pivot that is too small,
-    which is replaced by 1."""
-    for v in range(LANES):
-        k = flag + v
-        s[k] = ZERO
+def eliminate(s, n, t):
+    """LDLᵀ of H with the force densities in field t; row LOST becomes 1 in lanes with a pivot that is too small, which
+    is replaced by 1. Returns whether there are any."""
     for j in range(n):
         o = FIRST + j * SEGMENT
         for v in range(LANES):
@@ -115,20 +127,25 @@ def eliminate(s, n, t, flag):
             d = s[k + M] + s[k + t] + s[k + K] + THREE * k1 + p
             d -= b2 * b2 * s[k - U2 * SEGMENT + D] + b1 * carried
             l1 -= s[k - SEGMENT + L2] * carried
+            lost = s[k - SEGMENT + LOST]
             good = d > MARGIN * s[k + M]
-            marked = s[v + flag]
-            s[v + flag] = marked if good else ONE
+            s[k + LOST] = lost if good else ONE
             d = d if good else ONE
             i = ONE / d
             s[k + D] = d
             s[k + I] = i
             s[k + L1] = l1 * i
             s[k + L2] = k2 * i
-    bad = ZERO
-    for v in range(LANES):
-        k = flag + v
-        bad += s[k]
-    return bad > ZERO
+    return greatest(s, FIRST + (n - U1) * SEGMENT + LOST) > ZERO
+
+
+@function
+def greatest(s, row):
+    """The greatest number of a row."""
+    most = s[row]
+    for k in range(LANES):
+        most = max(most, s[row + k])
+    return most
 
 
 @function
@@ -167,10 +184,7 @@ def change(s, n):
 
 @function
 def move(s, n):
-    """u += y, e += D y; the greatest | |e|² − 1 |, and that of each lane in row WORST."""
-    for v in range(LANES):
-        k = WORST + v
-        s[k] = ZERO
+    """u += y, e += D y; the greatest | |e|² − 1 |, and that of each lane in row WORST of the last segment."""
     for j in range(n):
         o = FIRST + j * SEGMENT
         for v in range(LANES):
@@ -188,19 +202,19 @@ def move(s, n):
             s[k + E + LANES] = y
             s[k + E + U2 * LANES] = z
             w = abs(x * x + y * y + z * z - ONE)
-            s[v + WORST] = max(w, s[v + WORST])
-    worst = ZERO
-    for v in range(LANES):
-        k = WORST + v
-        worst = max(worst, s[k])
-    return worst
+            w = w if w < MOST else MOST  # neither is NaN
+            s[k + WORST] = max(s[k - SEGMENT + WORST], w)
+    return greatest(s, FIRST + (n - U1) * SEGMENT + WORST)
 
 
 @function
 def retract(s, n):
-    """Edges of flagged lanes, and of lanes that are far off, go back to unit length, root to tip."""
-    for k in range(OFF, OFF + U3 * LANES):
-        s[k] = ZERO
+    """Edges of lanes with bounded τ, and of lanes that are far off, go back to unit length, root to tip. Rows Y sum up
+    how far particles are put off."""
+    last = FIRST + (n - U1) * SEGMENT + WORST
+    mine = FIRST - SEGMENT + SHARE
+    for k in range(LANES):
+        s[mine + k] = ONE if max(s[mine + k], s[last + k]) > FAR else ZERO
     for j in range(n):
         o = FIRST + j * SEGMENT
         for v in range(LANES):
@@ -208,20 +222,21 @@ def retract(s, n):
             x = s[k + E]
             y = s[k + E + LANES]
             z = s[k + E + U2 * LANES]
-            f = ONE / np.sqrt(max(x * x + y * y + z * z, TINY)) - ONE
-            f = f if max(s[v + FLAG], s[v + WORST]) > FAR else ZERO
+            share = s[k - SEGMENT + SHARE]
+            f = share * (ONE / np.sqrt(max(x * x + y * y + z * z, TINY)) - ONE)
             x *= f
             y *= f
             z *= f
+            s[k + SHARE] = share
             s[k + E] += x
             s[k + E + LANES] += y
             s[k + E + U2 * LANES] += z
-            x += s[v + OFF]
-            y += s[v + OFF + LANES]
-            z += s[v + OFF + U2 * LANES]
-            s[v + OFF] = x
-            s[v + OFF + LANES] = y
-            s[v + OFF + U2 * LANES] = z
+            x += s[k - SEGMENT + Y]
+            y += s[k - SEGMENT + Y + LANES]
+            z += s[k - SEGMENT + Y + U2 * LANES]
+            s[k + Y] = x
+            s[k + Y + LANES] = y
+            s[k + Y + U2 * LANES] = z
             s[k + U] += x
             s[k + U + LANES] += y
             s[k + U + U2 * LANES] += z
@@ -322,7 +337,7 @@ def solve_dense(s, n):
             less(s, here, row, other, j)
         last = row + i * LANES
         for k in range(LANES):
-            s[UNUSED + k] = PIVOT * s[last + k]
+            s[SPARE + k] = PIVOT * s[last + k]
         for j in range(i):
             here = row + j * LANES
             inverted = at(n, j, j)
@@ -334,7 +349,7 @@ def solve_dense(s, n):
                 s[last + k] -= w * v
                 s[rhs + k] -= v * s[above + k]
         for k in range(LANES):
-            s[last + k] = ONE / max(s[last + k], max(s[UNUSED + k], TINY))
+            s[last + k] = ONE / max(s[last + k], max(s[SPARE + k], TINY))
     for i in range(n):
         last = at(n, i, i)
         rhs = FIRST + i * SEGMENT + R
@@ -378,23 +393,53 @@ def less(s, here, row, other, count):
 
 
 @function
+def pull(s, n):
+    """τ at least what would carry the load if all of it pulled one way, less a few units of mass: rows LOAD sum it up
+    from the tip, row SPARE the mass."""
+    for k in range(U3 * LANES):
+        s[LOAD + k] = ZERO
+    for k in range(LANES):
+        s[SPARE + k] = ZERO
+    for a in range(n):
+        o = FIRST + (n - U1 - a) * SEGMENT
+        for c in range(U3):
+            for k in range(LANES):
+                s[LOAD + c * LANES + k] += s[o + M + k] * s[o + A + c * LANES + k]
+        for k in range(LANES):
+            s[SPARE + k] += s[o + M + k]
+        for k in range(LANES):
+            x = s[LOAD + k]
+            y = s[LOAD + LANES + k]
+            z = s[LOAD + U2 * LANES + k]
+            load = np.sqrt(x * x + y * y + z * z) - PULLED * s[SPARE + k]
+            t = s[o + T + k]
+            s[o + T + k] = max(t, load) if load > ZERO else t
+
+
+@function
 def iterate(s, n, iterations, enough):
-    """Newton's iterations, at most so many, until all | |e|² − 1 | are below ``enough``."""
-    hard = factor(s, n)
-    change(s, n)
-    worst = move(s, n)
-    for _ in range(iterations):
-        if worst <= enough:
+    """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
+    returns what they are in the end. Begins with x(τ) for the τ of the step before, or, where loads turn out to be far
+    greater than that knows of, for more."""
+    worst = ZERO
+    for count in range(-1, iterations + 1):
+        if count > 1 and worst <= enough:
             break
-        if hard or worst > FAR:
-            retract(s, n)
-            change(s, n)
-        else:
-            still(s, n)
-        demand(s, n)
-        inverse(s, n)
-        couple(s, n)
-        solve_dense(s, n)
-        hard = factor(s, n)
+        if count == 0:
+            if not worst > WILD:
+                continue
+            pull(s, n)
+        if count > 0:
+            if worst > FAR or s[HARD] > ZERO:
+                retract(s, n)
+                change(s, n)
+            else:
+                still(s, n)
+            demand(s, n)
+            inverse(s, n)
+            couple(s, n)
+            solve_dense(s, n)
+        factor(s, n)
         change(s, n)
         worst = move(s, n)
+    return worst

@@ -13,107 +13,102 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import function
-from . import contact
-from .rod import LANES, OLD, ONE, TINY, TWO, U1, U2, U3, ZERO, Y
+from .rod import HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, U2, ZERO, T, Y, greatest
 
 NEAR = np.float32(1e-12)
+DEPTH = T
+"""τ has been kept already; the row is free."""
 
 
 @function
-def inside(s, o, q, lengths, ball):
-    """How many lanes' particles at q + ℓ y are inside a ball."""
-    x = ball[0]
-    y = ball[1]
-    z = ball[2]
-    r = ball[3]
-    count = ZERO
-    for k in range(LANES):
-        dx = q[k] + lengths[k] * s[o + Y + k] - x
-        dy = q[LANES + k] + lengths[k] * s[o + Y + LANES + k] - y
-        dz = q[U2 * LANES + k] + lengths[k] * s[o + Y + U2 * LANES + k] - z
-        s[OLD + U3 * LANES + k] = r * r - (dx * dx + dy * dy + dz * dz)
-    for k in range(LANES):
-        count = max(count, s[OLD + U3 * LANES + k])
-    return count > ZERO
+def inside(s, o, x, y, z, r):
+    """Whether some lane's particle is inside a ball."""
+    for v in range(LANES):
+        k = o + v
+        length = s[k + LENGTH]
+        dx = s[k - SEGMENT + PLACE] + length * s[k + Y] - x
+        dy = s[k - SEGMENT + PLACE + LANES] + length * s[k + Y + LANES] - y
+        dz = s[k - SEGMENT + PLACE + U2 * LANES] + length * s[k + Y + U2 * LANES] - z
+        s[k + DEPTH] = r * r - (dx * dx + dy * dy + dz * dz)
+    return greatest(s, o + DEPTH) > ZERO
 
 
 @function
-def touch_ball(s, o, q, lengths, ball, friction):
+def touch_ball(s, o, ball, friction):
     """Turn the edges in rows Y of the segment at o off one ball; rows OLD: where the particles were before the step."""
-    if not inside(s, o, q, lengths, ball):
+    # read here, for what is read in the loop might have been written there
+    ox, oy, oz, r = ball[0], ball[1], ball[2], ball[3]
+    if not inside(s, o, ox, oy, oz, r):
         return
-    for k in range(LANES):
-        length = lengths[k]
-        dx = s[o + Y + k]
-        dy = s[o + Y + LANES + k]
-        dz = s[o + Y + U2 * LANES + k]
-        ax = ball[0] - q[k]
-        ay = ball[1] - q[LANES + k]
-        az = ball[2] - q[U2 * LANES + k]
+    t0, t1, t2, t3, t4, t5 = ball[5], ball[6], ball[7], ball[8], ball[9], ball[10]
+    t6, t7, t8, t9, t10, t11 = ball[11], ball[12], ball[13], ball[14], ball[15], ball[16]
+    over = ONE / r
+    for v in range(LANES):
+        k = o + v
+        length = s[k + LENGTH]
+        ex = s[k + Y]
+        ey = s[k + Y + LANES]
+        ez = s[k + Y + U2 * LANES]
+        dx = length * ex
+        dy = length * ey
+        dz = length * ez
+        ax = ox - s[k - SEGMENT + PLACE]
+        ay = oy - s[k - SEGMENT + PLACE + LANES]
+        az = oz - s[k - SEGMENT + PLACE + U2 * LANES]
         away = np.sqrt(max(ax * ax + ay * ay + az * az, TINY))
         f = ONE / away
-        ax *= f
-        ay *= f
-        az *= f
-        limit = (length * length + (away - ball[3]) * (away + ball[3])) / (TWO * length * away)
-        c = dx * ax + dy * ay + dz * az
+        ux = ax * f
+        uy = ay * f
+        uz = az * f
+        c = dx * ux + dy * uy + dz * uz
+        limit = HALF * f * (length * length + (away - r) * (away + r))
         hit = c > limit
-        limit = max(limit, -ONE)
-        out = np.sqrt(max(ONE - limit * limit, ZERO))
-        # across a: the way that the edge leans already, or where it points straight at the centre, any
-        mx = dx - c * ax
-        my = dy - c * ay
-        mz = dz - c * az
-        size = mx * mx + my * my + mz * mz
-        lost = size < NEAR
-        tilted = abs(ax) > abs(ay)
-        mx = (-az * ax if tilted else -ay * ax) if lost else mx
-        my = (-az * ay if tilted else ONE - ay * ay) if lost else my
-        mz = (ONE - az * az if tilted else -ay * az) if lost else mz
-        f = out / np.sqrt(max(mx * mx + my * my + mz * mz, TINY))
-        bx = limit * ax + f * mx
-        by = limit * ay + f * my
-        bz = limit * az + f * mz
+        limit = max(limit, -length)
+        out = max((length - limit) * (length + limit), ZERO)
+        # across the axis: the way that the edge leans already, or where it points straight at the centre, any
+        mx = dx - c * ux
+        my = dy - c * uy
+        mz = dz - c * uz
+        lost = mx * mx + my * my + mz * mz < NEAR * length * length
+        tilted = abs(ux) > abs(uy)
+        mx = (-uz * ux if tilted else -uy * ux) if lost else mx
+        my = (-uz * uy if tilted else ONE - uy * uy) if lost else my
+        mz = (ONE - uz * uz if tilted else -uy * uz) if lost else mz
+        f = np.sqrt(out / max(mx * mx + my * my + mz * mz, TINY))
+        bx = limit * ux + f * mx
+        by = limit * uy + f * my
+        bz = limit * uz + f * mz
         # how far it was lifted along the normal, and slid along the surface as the ball carries that
-        f = ONE / ball[3]
-        px = q[k] + length * bx
-        py = q[LANES + k] + length * by
-        pz = q[U2 * LANES + k] + length * bz
-        nx = (px - ball[0]) * f
-        ny = (py - ball[1]) * f
-        nz = (pz - ball[2]) * f
-        lifted = abs(length * ((bx - dx) * nx + (by - dy) * ny + (bz - dz) * nz))
-        x = s[OLD + k]
-        y = s[OLD + LANES + k]
-        z = s[OLD + U2 * LANES + k]
-        sx = px - (ball[5] * x + ball[6] * y + ball[7] * z + ball[14])
-        sy = py - (ball[8] * x + ball[9] * y + ball[10] * z + ball[15])
-        sz = pz - (ball[11] * x + ball[12] * y + ball[13] * z + ball[16])
+        nx = (bx - ax) * over
+        ny = (by - ay) * over
+        nz = (bz - az) * over
+        lifted = abs((bx - dx) * nx + (by - dy) * ny + (bz - dz) * nz)
+        x = s[k + OLD]
+        y = s[k + OLD + LANES]
+        z = s[k + OLD + U2 * LANES]
+        sx = s[k - SEGMENT + PLACE] + bx - (t0 * x + t1 * y + t2 * z + t9)
+        sy = s[k - SEGMENT + PLACE + LANES] + by - (t3 * x + t4 * y + t5 * z + t10)
+        sz = s[k - SEGMENT + PLACE + U2 * LANES] + bz - (t6 * x + t7 * y + t8 * z + t11)
         f = sx * nx + sy * ny + sz * nz
         sx -= f * nx
         sy -= f * ny
         sz -= f * nz
-        slid = np.sqrt(max(sx * sx + sy * sy + sz * sz, TINY))
-        back = min(friction * lifted, slid) / (slid * length)
-        ex = bx - back * sx
-        ey = by - back * sy
-        ez = bz - back * sz
-        f = ex * ax + ey * ay + ez * az
-        mx = ex - f * ax
-        my = ey - f * ay
-        mz = ez - f * az
+        slid = max(sx * sx + sy * sy + sz * sz, TINY)
+        back = min(friction * lifted / np.sqrt(slid), ONE)
+        mx = bx - back * sx
+        my = by - back * sy
+        mz = bz - back * sz
+        f = mx * ux + my * uy + mz * uz
+        mx -= f * ux
+        my -= f * uy
+        mz -= f * uz
         size = mx * mx + my * my + mz * mz
-        f = out / np.sqrt(max(size, TINY))
-        stays = size < NEAR
-        bx = bx if stays else limit * ax + f * mx
-        by = by if stays else limit * ay + f * my
-        bz = bz if stays else limit * az + f * mz
-        s[o + Y + k] = bx if hit else dx
-        s[o + Y + LANES + k] = by if hit else dy
-        s[o + Y + U2 * LANES + k] = bz if hit else dz
-
-
-@function
-def touch_others(s, o, q, lengths, others, whole, friction):
-    """Turn them off solids of every kind."""
-    contact.touch(s, o + Y, OLD, q, lengths, others[0], others[1], others[2], others[3], whole, friction)
+        stays = size < NEAR * length * length
+        f = np.sqrt(out / max(size, TINY))
+        i = ONE / length
+        bx = bx if stays else limit * ux + f * mx
+        by = by if stays else limit * uy + f * my
+        bz = bz if stays else limit * uz + f * mz
+        s[k + Y] = i * bx if hit else ex
+        s[k + Y + LANES] = i * by if hit else ey
+        s[k + Y + U2 * LANES] = i * bz if hit else ez

@@ -18,7 +18,7 @@ import numpy as np
 from ...constants import W
 from ...jit import function
 from . import rod
-from .rod import FAR, FIRST, LANES, ONE, SEGMENT, SHORT, THREE, TINY, U1, U2, U3, U4, ZERO, E, K, M, R, T, TH
+from .rod import FIRST, LANES, ONE, SEGMENT, SHORT, TH, THREE, TINY, U1, U2, U3, U4, ZERO, E, K, M, R, T
 
 BAND = np.uint64(9)
 ROW = np.uint64(10 * W)
@@ -76,7 +76,7 @@ def eliminate(s, n, i):
         below = row + b * ROW
         mine = row + b * LANES
         for k in range(LANES):
-            s[rod.UNUSED + k] = s[mine + k] * s[row + k]
+            s[rod.SPARE + k] = s[mine + k] * s[row + k]
         for a in range(b, reach + U1):
             take(s, below + (a - b) * LANES, row + a * LANES)
         take(s, below + RHS, row + RHS)
@@ -84,9 +84,9 @@ def eliminate(s, n, i):
 
 @function
 def take(s, target, source):
-    """A row loses the product of another and row UNUSED."""
+    """A row loses the product of another and row SPARE."""
     for k in range(LANES):
-        s[target + k] -= s[source + k] * s[rod.UNUSED + k]
+        s[target + k] -= s[source + k] * s[rod.SPARE + k]
 
 
 @function
@@ -115,26 +115,30 @@ def substitute(s, n):
 @function
 def iterate(s, n, iterations, enough):
     """As `rod.iterate`."""
-    hard = rod.factor(s, n)
-    rod.change(s, n)
-    worst = rod.move(s, n)
-    for _ in range(iterations):
-        if worst <= enough:
+    worst = ZERO
+    for count in range(-1, iterations + 1):
+        if count > 1 and worst <= enough:
             break
-        if hard or worst > FAR:
-            rod.retract(s, n)
-            rod.change(s, n)
-        else:
-            rod.still(s, n)
-        rod.demand(s, n)
-        t = TH if hard else T
-        for j in range(n + U2):
-            if j < n:
-                assemble(s, n, j, t)
-            if j >= U2:
-                for c in range(U4):
-                    eliminate(s, n, (j - U2) * U4 + c)
-        substitute(s, n)
-        hard = rod.factor(s, n)
+        if count == 0:
+            if not worst > rod.WILD:
+                continue
+            rod.pull(s, n)
+        if count > 0:
+            t = TH if s[rod.HARD] > ZERO else T
+            if worst > rod.FAR or t == TH:
+                rod.retract(s, n)
+                rod.change(s, n)
+            else:
+                rod.still(s, n)
+            rod.demand(s, n)
+            for j in range(n + U2):
+                if j < n:
+                    assemble(s, n, j, t)
+                if j >= U2:
+                    for c in range(U4):
+                        eliminate(s, n, (j - U2) * U4 + c)
+            substitute(s, n)
+        rod.factor(s, n)
         rod.change(s, n)
         worst = rod.move(s, n)
+    return worst

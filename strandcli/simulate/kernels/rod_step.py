@@ -9,16 +9,38 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...constants import W
 from ...jit import function
-from . import rod, rod_contact, rod_long
+from . import contact, rod, rod_contact, rod_long
 from .rod import (
-    FIRST, FLAG, LANES, OFF, OLD, ONE, SEGMENT, SHIFT, TINY, U0, U1, U2, U3, ZERO, A, C, E, K, M, T, U, Y,
+    FIRST,
+    LANES,
+    LENGTH,
+    NOWHERE,
+    OFF,
+    OLD,
+    ONE,
+    PLACE,
+    SEGMENT,
+    SHIFT,
+    TINY,
+    U0,
+    U1,
+    U2,
+    U3,
+    ZERO,
+    A,
+    C,
+    E,
+    K,
+    M,
+    T,
+    U,
+    Y,
 )  # fmt: skip
 
 HUGE = np.float32(1e18)
+NONE = np.float32(1e-12)
 FARTHEST = np.float32(1e10)
-PULLED = np.float32(4.0)
 
 
 @function
@@ -53,14 +75,15 @@ def step(
             predict(
                 scratch, n, velocity[b], before[b], moved[b], lengths[b], None if gust is None else gust[b], numbers
             )
-        pull(scratch, n)
         if bends is not None:
             recall(scratch, n, edges[b], bends[b], pose, numbers[8] / numbers[0])
         if long is None:
-            rod.iterate(scratch, np.uint64(n), iterations, numbers[11])
+            worst = rod.iterate(scratch, np.uint64(n), iterations, numbers[11])
         else:
-            rod_long.iterate(scratch, np.uint64(n), iterations, numbers[11])
-        residuals[b] = finish(scratch, n, tension[b], numbers[0])
+            worst = rod_long.iterate(scratch, np.uint64(n), iterations, numbers[11])
+        # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
+        residuals[b] = worst / (ONE + np.sqrt(ONE + (worst if worst > ONE else -worst)))
+        keep(scratch, n, tension[b], numbers[0])
         sweep(scratch, n, edges[b], lengths[b], positions[b], balls, others, whole, numbers[10])
         if before is None:
             settle(scratch, n, edges[b], velocity[b], None, None, lengths[b], numbers)
@@ -151,34 +174,6 @@ def predict(s, n, velocity, before, moved, lengths, gust, numbers):
 
 
 @function
-def pull(s, n):
-    """Where loads are far greater than τ knows of, τ starts at what would carry them if they all pulled one way: row
-    OLD sums up the load from the tip, row FLAG the mass."""
-    for k in range(U3 * LANES):
-        s[OLD + k] = ZERO
-    for k in range(LANES):
-        s[FLAG + k] = ZERO
-    count = np.uint64(n)
-    for a in range(count):
-        j = count - U1 - a
-        o = FIRST + j * SEGMENT
-        for k in range(LANES):
-            m = s[o + M + k]
-            s[OLD + k] += m * s[o + A + k]
-            s[OLD + LANES + k] += m * s[o + A + LANES + k]
-            s[OLD + U2 * LANES + k] += m * s[o + A + U2 * LANES + k]
-            s[FLAG + k] += m
-        for k in range(LANES):
-            x = s[OLD + k]
-            y = s[OLD + LANES + k]
-            z = s[OLD + U2 * LANES + k]
-            load = np.sqrt(x * x + y * y + z * z) - PULLED * s[FLAG + k]
-            t = s[o + T + k]
-            higher = max(t, load)
-            s[o + T + k] = higher if load > ZERO else t
-
-
-@function
 def recall(s, n, edges, bends, pose, damping):
     """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
     the edges as they were before the step. Frames are kept in rows of the change y, which is not yet in use."""
@@ -224,75 +219,87 @@ def recall(s, n, edges, bends, pose, damping):
 
 
 @function
-def finish(s, n, tension, h):
-    """Keep τ / h² for the next step; the greatest error of a length."""
+def keep(s, n, tension, h):
+    """τ / h² for the next step."""
     over = ONE / (h * h)
-    for k in range(LANES):
-        s[FLAG + k] = ZERO
     for j in range(np.uint64(n)):
-        o = FIRST + j * SEGMENT
+        o = FIRST + j * SEGMENT + T
         for k in range(LANES):
-            t = s[o + T + k]
+            t = s[o + k]
             tension[j, k] = t * over if abs(t) < HUGE else ZERO
-        for k in range(LANES):
-            x = s[o + E + k]
-            y = s[o + E + LANES + k]
-            z = s[o + E + U2 * LANES + k]
-            s[FLAG + k] = max(abs(np.sqrt(x * x + y * y + z * z) - ONE), s[FLAG + k])
-    worst = ZERO * h
-    for k in range(LANES):
-        worst = max(worst, s[FLAG + k])
-    return worst
 
 
 @function
 def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
-    the solids. New edges go to rows Y; an edge that has no direction or none that is finite stays as it was."""
+    the solids. New edges go to rows Y; an edge that has no direction or none that is finite stays as it was.
+
+    Rows of u, u* and c̄, no longer in use, hold where particles are, where they were, and how far they were put off."""
     for k in range(U3 * LANES):
-        s[OFF + k] = ZERO
+        s[FIRST - SEGMENT + PLACE + k] = positions[1, k]
     for j in range(np.uint64(n)):
         o = FIRST + j * SEGMENT
-        q = positions[j + U1]
         p = positions[j + U2]
+        for k in range(LANES):
+            s[o + LENGTH + k] = lengths[k]
+        straighten(s, o)
+        if rod.greatest(s, o + NOWHERE) > ZERO:
+            stay(s, o, edges[j])
         if balls is not None or others is not None:
             for k in range(U3 * LANES):
-                s[OLD + k] = p[k]
-        straighten(s, o, edges[j])
+                s[o + OLD + k] = p[k]
         if others is not None:
-            rod_contact.touch_others(s, o, q, lengths, others, whole, friction)
+            contact.touch(
+                s, o + Y, o + OLD, o - SEGMENT + PLACE, lengths, others[0], others[1], others[2], others[3], whole,
+                friction,
+            )  # fmt: skip
         elif balls is not None:
             for m in range(balls.shape[0]):
-                rod_contact.touch_ball(s, o, q, lengths, balls[m], friction)
-        for c in range(U3):
-            row = o + c * LANES
-            for k in range(LANES):
-                y = s[row + Y + k]
-                s[OFF + c * LANES + k] += y - s[row + E + k]
-                p[c * LANES + k] = q[c * LANES + k] + lengths[k] * y
+                rod_contact.touch_ball(s, o, balls[m], friction)
+        advance(s, o)
+        for k in range(U3 * LANES):
+            p[k] = s[o + PLACE + k]
 
 
 @function
-def straighten(s, o, edge):
-    """Rows Y of the segment at o: the unit vector along e, less how far the particle before has been put off."""
-    for k in range(LANES):
-        x = s[o + E + k] - s[OFF + k]
-        y = s[o + E + LANES + k] - s[OFF + LANES + k]
-        z = s[o + E + U2 * LANES + k] - s[OFF + U2 * LANES + k]
+def straighten(s, o):
+    """Rows Y of the segment at o: the unit vector along e, less how far the particle before has been put off. A row
+    is marked with 1 in lanes where there is none."""
+    for v in range(LANES):
+        k = o + v
+        x = s[k + E] - s[k - SEGMENT + OFF]
+        y = s[k + E + LANES] - s[k - SEGMENT + OFF + LANES]
+        z = s[k + E + U2 * LANES] - s[k - SEGMENT + OFF + U2 * LANES]
         q = x * x + y * y + z * z
         f = ONE / np.sqrt(max(q, TINY))
-        s[o + Y + k] = x * f
-        s[o + Y + LANES + k] = y * f
-        s[o + Y + U2 * LANES + k] = z * f
-        s[FLAG + k] = q
+        s[k + Y] = x * f
+        s[k + Y + LANES] = y * f
+        s[k + Y + U2 * LANES] = z * f
+        good = (q > NONE) & (q < HUGE * HUGE)
+        s[k + NOWHERE] = ZERO if good else ONE
+
+
+@function
+def stay(s, o, edge):
+    """The edge as it was, in marked lanes."""
     for k in range(LANES):
-        lost = not (s[FLAG + k] > TINY and s[FLAG + k] < HUGE * HUGE)
-        if lost:
-            s[o + Y + k] = edge[k]
-            s[o + Y + LANES + k] = edge[LANES + k]
-            s[o + Y + U2 * LANES + k] = edge[U2 * LANES + k]
+        if s[o + NOWHERE + k] > ZERO:
             for c in range(U3):
-                s[o + E + c * LANES + k] = edge[c * LANES + k] + s[OFF + c * LANES + k]
+                row = c * LANES + k
+                s[o + Y + row] = edge[row]
+                s[o + E + row] = edge[row] + s[o - SEGMENT + OFF + row]
+
+
+@function
+def advance(s, o):
+    """Where the particle comes to be, and how far that is from where the iterations put it."""
+    for c in range(U3):
+        row = o + c * LANES
+        for v in range(LANES):
+            k = row + v
+            y = s[k + Y]
+            s[k + OFF] = s[k - SEGMENT + OFF] + (y - s[k + E])
+            s[k + PLACE] = s[k - SEGMENT + PLACE] + s[o + v + LENGTH] * y
 
 
 @function
