@@ -97,7 +97,9 @@ class RodSolver(Solver):
         self.bends = self._rest_shape(rod, groom, lengths) if n > 0 else None
         workers = min(numba.get_num_threads(), len(self.lengths))
         size = (rod_long if self.long else dense).size_for(n)
-        self.scratch = [np.zeros(size, self.dtype) for _ in range(workers)]
+        self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
+        for one in self.scratch:
+            dense.clear(one)
         self.residuals = np.zeros(len(self.lengths), self.dtype)
         self.enough = ENOUGH[bdf2, self.dtype == np.float64]
         self.last_step = 0.0
@@ -206,7 +208,7 @@ class RodSolver(Solver):
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
         """Whether some root has moved further than it could have."""
         turned, moved = pose[0] - self.pose[0], pose[1] - self.pose[1]
-        if np.linalg.norm(turned, 2) * self.outermost + np.linalg.norm(moved) <= self.reach:
+        if np.linalg.norm(turned) * self.outermost + np.linalg.norm(moved) <= self.reach:
             return False
         roots = self.roots.reshape(-1, 3, W).astype(np.float64)
         way = np.einsum("cd,bdk->bck", turned, roots) + moved[None, :, None]

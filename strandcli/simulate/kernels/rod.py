@@ -25,6 +25,8 @@ Offsets are unsigned, for signed ones may wrap around, which stops SIMD. Lane lo
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...constants import W
@@ -73,15 +75,21 @@ D, I, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22
 PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
 SEGMENT = _rows(FIELDS)
 # rows that belong to the strand, before all segments
-NIL, SPARE, SHIFT, LOAD, HARD = (_rows(i) for i in (0, 1, 2, 5, 8))
-HEAD = _rows(10)
+NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
+HEAD = _rows(21)
 FIRST = HEAD + U2 * SEGMENT
 
 
 def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments, to be filled with zeros once: 10 rows of the strand's own, n + 4 segments,
-    and the lower triangle of S row by row."""
-    return int(HEAD) + (n + 4) * int(SEGMENT) + W * n * (n + 1) // 2
+    """Numbers of scratch for ``n`` segments: 21 rows of the strand's own, n + 4 segments, and the lower triangle of S
+    row by row, with a row for the right-hand side."""
+    return int(FIRST) + (n + 2) * int(SEGMENT) + W * ((n + 1) * (n + 4) // 2 + 3)
+
+
+def clear(scratch: Any) -> None:
+    """Zeros where kernels rely on them, and ones in row ALL, once."""
+    scratch[:] = 0
+    scratch[int(ALL) : int(ALL) + W] = 1
 
 
 @function
@@ -269,8 +277,8 @@ def still(s, n):
 
 @function
 def at(n, i, j):
-    """Where entry (i, j), i >= j, of the triangle is."""
-    return FIRST + (n + U2) * SEGMENT + (i * (i + U1) // U2 + j) * LANES
+    """Where entry (i, j), i >= j, of the triangle is: each row begins with a zero, and a row of two comes before."""
+    return FIRST + (n + U2) * SEGMENT + (i * (i + U3) // U2 + j + U3) * LANES
 
 
 @function
@@ -281,10 +289,10 @@ def inverse(s, n):
         o = FIRST + j * SEGMENT
         for b in range(a + U1):
             i = n - U1 - b
-            here = at(n, i, j)
             start = o + I if i == j else NIL
             one = NIL if a < U1 else at(n, max(i, j + U1), min(i, j + U1))
             two = NIL if a < U2 else at(n, max(i, j + U2), min(i, j + U2))
+            here = at(n, i, j)
             for k in range(LANES):
                 s[here + k] = s[start + k] - s[o + L1 + k] * s[one + k] - s[o + L2 + k] * s[two + k]
 
@@ -296,100 +304,97 @@ def couple(s, n):
         i = n - U1 - a
         p = FIRST + i * SEGMENT
         for b in range(i + U1):
-            j = i - b
-            q = FIRST + j * SEGMENT
-            here = at(n, i, j)
-            up = NIL if i == U0 else at(n, max(i - U1, j), min(i - U1, j))
-            left = NIL if j == U0 else here - LANES
-            both = NIL if j == U0 else at(n, i - U1, j - U1)
-            least = SHORT if i == j else LOWEST
-            combine(s, here, up, left, both)
-            scale(s, here, p, q, least)
+            here = at(n, i, i - b)
+            # (i − 1, i) is (i, i − 1)
+            up = here - LANES if b == U0 else here - (i + U1) * LANES
+            scale(s, here, up, here - (i + U2) * LANES, p, FIRST + (i - b) * SEGMENT, SHORT if b == U0 else LOWEST)
 
 
 @function
-def combine(s, here, up, left, both):
-    """Row `here` gains row `both` and loses rows `up` and `left`."""
+def scale(s, here, up, both, p, q, least):
+    """Entry (i, j) less those above it and left of it, plus that above and left, times e_i·e_j or ``least``."""
     for k in range(LANES):
-        s[here + k] += s[both + k] - s[up + k] - s[left + k]
-
-
-@function
-def scale(s, here, p, q, least):
-    """Row `here` times the product of the edges at p and q, or ``least`` if that is more."""
-    for k in range(LANES):
-        dot = s[p + k] * s[q + k] + s[p + LANES + k] * s[q + LANES + k]
-        dot += s[p + U2 * LANES + k] * s[q + U2 * LANES + k]
-        s[here + k] *= max(dot, least)
+        dot = s[p + k] * s[q + k] + s[p + LANES + k] * s[q + LANES + k] + s[p + U2 * LANES + k] * s[q + U2 * LANES + k]
+        s[here + k] = (s[here + k] - s[here - LANES + k] - s[up + k] + s[both + k]) * max(dot, least)
 
 
 @function
 def solve_dense(s, n):
-    """δ := S⁻¹ δ by LDLᵀ, row by row without pivoting, and τ += δ. S is positive definite by Schur's product theorem;
-    a pivot that rounding has taken below a millionth of its entry is raised to that."""
+    """δ := S⁻¹ δ by Cholesky's factors, row by row without pivoting, and τ += δ; the right-hand side is one more row.
+    S is positive definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry
+    is raised to that. Diagonal entries become the inverse ones of the factor."""
+    rhs = at(n, n, U0)
     for i in range(n):
+        for k in range(LANES):
+            s[rhs + i * LANES + k] = s[FIRST + i * SEGMENT + R + k]
+    for i in range(n + U1):
         row = at(n, i, U0)
-        rhs = FIRST + i * SEGMENT + R
-        # what is L d until the row's pivot is known
-        for j in range(U1, i):
-            here = row + j * LANES
-            other = at(n, j, U0)
-            less(s, here, row, other, j)
-        last = row + i * LANES
-        for k in range(LANES):
-            s[SPARE + k] = PIVOT * s[last + k]
         for j in range(i):
-            here = row + j * LANES
-            inverted = at(n, j, j)
-            above = FIRST + j * SEGMENT + R
+            project(s, row + j * LANES, row, at(n, j, U0), j, at(n, j, j))
+        if i < n:
+            last = row + i * LANES
             for k in range(LANES):
-                w = s[here + k]
-                v = w * s[inverted + k]
-                s[here + k] = v
-                s[last + k] -= w * v
-                s[rhs + k] -= v * s[above + k]
-        for k in range(LANES):
-            s[last + k] = ONE / max(s[last + k], max(s[SPARE + k], TINY))
-    for i in range(n):
-        last = at(n, i, i)
-        rhs = FIRST + i * SEGMENT + R
-        for k in range(LANES):
-            s[rhs + k] *= s[last + k]
+                s[SPARE + k] = max(PIVOT * s[last + k], TINY)
+            project(s, last, row, row, i, ALL)
+            for k in range(LANES):
+                s[last + k] = ONE / np.sqrt(max(s[last + k], s[SPARE + k]))
     for a in range(n):
         i = n - U1 - a
-        o = FIRST + i * SEGMENT
+        row = at(n, i, U0)
+        mine = rhs + i * LANES
+        tau = FIRST + i * SEGMENT + T
         for k in range(LANES):
-            s[o + T + k] += s[o + R + k]
-        for j in range(i):
-            above = FIRST + j * SEGMENT + R
-            here = at(n, i, j)
-            for k in range(LANES):
-                s[above + k] -= s[here + k] * s[o + R + k]
+            s[mine + k] *= s[row + i * LANES + k]
+        for k in range(LANES):
+            s[tau + k] += s[mine + k]
+        relieve(s, rhs, row, mine, i)
 
 
 @function
-def less(s, here, row, other, count):
-    """Row `here` loses the products of `count` rows from `row` on with as many from `other` on, four at a time."""
-    p = U0
-    while p + U4 <= count:
-        a = row + p * LANES
-        b = other + p * LANES
+def project(s, here, row, other, count, by):
+    """Row `here` loses the products of ``count`` rows from `row` on with as many from `other` on, and is multiplied
+    by row `by`."""
+    while count > U3:
         for k in range(LANES):
-            sum1 = s[a + k] * s[b + k] + s[a + LANES + k] * s[b + LANES + k]
-            sum2 = s[a + U2 * LANES + k] * s[b + U2 * LANES + k] + s[a + U3 * LANES + k] * s[b + U3 * LANES + k]
-            s[here + k] -= sum1 + sum2
-        p += U4
-    while p + U2 <= count:
-        a = row + p * LANES
-        b = other + p * LANES
+            s[here + k] -= (s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]) + (
+                s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
+                + s[row + U3 * LANES + k] * s[other + U3 * LANES + k]
+            )
+        row += U4 * LANES
+        other += U4 * LANES
+        count -= U4
+    if count == U0:
         for k in range(LANES):
-            s[here + k] -= s[a + k] * s[b + k] + s[a + LANES + k] * s[b + LANES + k]
-        p += U2
-    if p < count:
-        a = row + p * LANES
-        b = other + p * LANES
+            s[here + k] *= s[by + k]
+    elif count == U1:
         for k in range(LANES):
-            s[here + k] -= s[a + k] * s[b + k]
+            s[here + k] = (s[here + k] - s[row + k] * s[other + k]) * s[by + k]
+    elif count == U2:
+        for k in range(LANES):
+            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
+            s[here + k] = (s[here + k] - sum) * s[by + k]
+    else:
+        for k in range(LANES):
+            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
+            sum += s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
+            s[here + k] = (s[here + k] - sum) * s[by + k]
+
+
+@function
+def relieve(s, rhs, row, mine, count):
+    """``count`` rows from `rhs` on lose their multiples, in rows from `row` on, of row `mine`."""
+    while count > U2:
+        for k in range(LANES):
+            x = s[mine + k]
+            s[rhs + k] -= s[row + k] * x
+            s[rhs + LANES + k] -= s[row + LANES + k] * x
+            s[rhs + U2 * LANES + k] -= s[row + U2 * LANES + k] * x
+        row += U3 * LANES
+        rhs += U3 * LANES
+        count -= U3
+    for j in range(count):
+        for k in range(LANES):
+            s[rhs + j * LANES + k] -= s[row + j * LANES + k] * s[mine + k]
 
 
 @function

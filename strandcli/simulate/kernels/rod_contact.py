@@ -13,8 +13,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import function
-from .rod import HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, U2, ZERO, T, Y, greatest
+from .rod import (
+    HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, TRAY, U0, U1, U2, U3, U4, ZERO, T, Y, greatest,
+)  # fmt: skip
 
+U5, U6, U7, U8, U9, U10 = (np.uint64(i) for i in range(5, 11))
 NEAR = np.float32(1e-12)
 DEPTH = T
 """τ has been kept already; the row is free."""
@@ -35,26 +38,56 @@ def inside(s, o, x, y, z, r):
 
 @function
 def touch_ball(s, o, ball, friction):
-    """Turn the edges in rows Y of the segment at o off one ball; rows OLD: where the particles were before the step."""
-    # read here, for what is read in the loop might have been written there
+    """Turn the edges in rows Y of the segment at o off one ball; rows OLD: where the particles were before the step.
+
+    Lanes that are inside are first collected, side by side."""
     ox, oy, oz, r = ball[0], ball[1], ball[2], ball[3]
     if not inside(s, o, ox, oy, oz, r):
         return
-    t0, t1, t2, t3, t4, t5 = ball[5], ball[6], ball[7], ball[8], ball[9], ball[10]
-    t6, t7, t8, t9, t10, t11 = ball[11], ball[12], ball[13], ball[14], ball[15], ball[16]
+    count = U0
+    for k in range(LANES):
+        if s[o + DEPTH + k] > ZERO:
+            for c in range(U3):
+                row = c * LANES
+                s[TRAY + row + count] = s[o + Y + row + k]
+                s[TRAY + row + U3 * LANES + count] = ball[c] - s[o - SEGMENT + PLACE + row + k]
+                s[TRAY + row + U6 * LANES + count] = s[o + OLD + row + k] - ball[c]
+            s[TRAY + U9 * LANES + count] = s[o + LENGTH + k]
+            s[TRAY + U10 * LANES + count] = k
+            count += U1
+    turn_off(s, (count + U7) // U8 * U8, ball, friction)
+    for i in range(count):
+        k = np.uint64(s[TRAY + U10 * LANES + i])
+        for c in range(U3):
+            s[o + Y + c * LANES + k] = s[TRAY + c * LANES + i]
+
+
+@function
+def turn_off(s, count, ball, friction):
+    """The first ``count`` lanes of the tray: rows 0-2 edges, which are turned off the ball, 3-5 from the particle
+    before to the centre, 6-8 where the particle was before the step, less the centre, 9 the edge's length."""
+    # read here, for what is read in the loop might have been written there
+    r = ball[3]
+    t0, t1, t2, t3, t4, t5, t6, t7, t8 = (
+        ball[5], ball[6], ball[7], ball[8], ball[9], ball[10], ball[11], ball[12], ball[13],
+    )  # fmt: skip
+    # where the motion takes the centre of now, less that centre
+    cx = t0 * ball[0] + t1 * ball[1] + t2 * ball[2] + ball[14] - ball[0]
+    cy = t3 * ball[0] + t4 * ball[1] + t5 * ball[2] + ball[15] - ball[1]
+    cz = t6 * ball[0] + t7 * ball[1] + t8 * ball[2] + ball[16] - ball[2]
     over = ONE / r
-    for v in range(LANES):
-        k = o + v
-        length = s[k + LENGTH]
-        ex = s[k + Y]
-        ey = s[k + Y + LANES]
-        ez = s[k + Y + U2 * LANES]
+    for v in range(count):
+        k = TRAY + v
+        length = s[k + U9 * LANES]
+        ex = s[k]
+        ey = s[k + LANES]
+        ez = s[k + U2 * LANES]
         dx = length * ex
         dy = length * ey
         dz = length * ez
-        ax = ox - s[k - SEGMENT + PLACE]
-        ay = oy - s[k - SEGMENT + PLACE + LANES]
-        az = oz - s[k - SEGMENT + PLACE + U2 * LANES]
+        ax = s[k + U3 * LANES]
+        ay = s[k + U4 * LANES]
+        az = s[k + U5 * LANES]
         away = np.sqrt(max(ax * ax + ay * ay + az * az, TINY))
         f = ONE / away
         ux = ax * f
@@ -83,12 +116,12 @@ def touch_ball(s, o, ball, friction):
         ny = (by - ay) * over
         nz = (bz - az) * over
         lifted = abs((bx - dx) * nx + (by - dy) * ny + (bz - dz) * nz)
-        x = s[k + OLD]
-        y = s[k + OLD + LANES]
-        z = s[k + OLD + U2 * LANES]
-        sx = s[k - SEGMENT + PLACE] + bx - (t0 * x + t1 * y + t2 * z + t9)
-        sy = s[k - SEGMENT + PLACE + LANES] + by - (t3 * x + t4 * y + t5 * z + t10)
-        sz = s[k - SEGMENT + PLACE + U2 * LANES] + bz - (t6 * x + t7 * y + t8 * z + t11)
+        x = s[k + U6 * LANES]
+        y = s[k + U7 * LANES]
+        z = s[k + U8 * LANES]
+        sx = bx - ax - (t0 * x + t1 * y + t2 * z + cx)
+        sy = by - ay - (t3 * x + t4 * y + t5 * z + cy)
+        sz = bz - az - (t6 * x + t7 * y + t8 * z + cz)
         f = sx * nx + sy * ny + sz * nz
         sx -= f * nx
         sy -= f * ny
@@ -109,6 +142,6 @@ def touch_ball(s, o, ball, friction):
         bx = bx if stays else limit * ux + f * mx
         by = by if stays else limit * uy + f * my
         bz = bz if stays else limit * uz + f * mz
-        s[k + Y] = i * bx if hit else ex
-        s[k + Y + LANES] = i * by if hit else ey
-        s[k + Y + U2 * LANES] = i * bz if hit else ez
+        s[k] = i * bx if hit else ex
+        s[k + LANES] = i * by if hit else ey
+        s[k + U2 * LANES] = i * bz if hit else ez
