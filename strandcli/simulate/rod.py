@@ -41,7 +41,7 @@ DENSE_MOST = 20
 """Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
-ENOUGH = {(False, False): 1e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
+ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision): where motion is calmed down anyway,
 less will do, and of most strands the error is far less than of the worst."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")

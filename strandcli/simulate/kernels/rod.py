@@ -39,7 +39,7 @@ TWO = np.float32(2.0)
 THREE = np.float32(3.0)
 QUARTER = np.float32(0.9 / 4)
 """θ/4: the share of the mass that compression may use up in H."""
-MARGIN = np.float32(0.25)
+MARGIN = np.float32(0.5)
 """H counts as definite where its pivots keep this share of the mass."""
 FAR = np.float32(0.3)
 """Error of |e|² above which edges go back to unit length before the next iteration."""
