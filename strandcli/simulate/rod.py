@@ -88,13 +88,17 @@ class RodSolver(Solver):
         self.velocity = np.zeros_like(self.edges)
         self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
-        self.before = np.zeros_like(self.edges) if bdf2 else None
-        self.moved = np.zeros_like(self.edges) if bdf2 else None
+        self.second = bdf2
+        self.before = np.zeros_like(self.edges if bdf2 else self.edges[:1])
+        self.moved = np.zeros_like(self.before)
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
-        self.bends = self._rest_shape(rod, groom, lengths) if n > 0 else None
+        bends = self._rest_shape(rod, groom, lengths)
+        self.curled = bends is not None
+        self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
+        self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
         size = (rod_long if self.long else dense).size_for(n)
         self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
@@ -140,11 +144,11 @@ class RodSolver(Solver):
             total += speed * np.array(wind_rule.downwind(wind, time, phases[3:]))
         return total
 
-    def _gust(self, time: float) -> NDArray[Any] | None:
-        """(blocks, W) factor of the air's velocity where gusts travel, else None."""
+    def _gust(self, time: float) -> NDArray[Any]:
+        """(blocks, W) factor of the air's velocity: not 1 where gusts travel."""
         travelling = [wind for wind in self.winds if wind_rule.travels(wind)]
         if not travelling:
-            return None
+            return self.still_air
         wind = travelling[0]
         roots = self.positions[:, 1].reshape(-1, 3, W).astype(np.float64)
         way = np.array(wind.direction) / np.linalg.norm(wind.direction)
@@ -164,7 +168,7 @@ class RodSolver(Solver):
         if self._teleported(pose):
             self._carry(pose)
             restart = True
-        second = self.before is not None and not restart
+        second = self.second and not restart
         packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
         delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
         rod = self.scene.rod
@@ -177,7 +181,7 @@ class RodSolver(Solver):
         given = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
             self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends, self._gust(time), packed,
-            delta, numbers, rod.iterations, *self._solids(time, dt),
+            delta, numbers, rod.iterations, self.second, self.curled, *self._solids(time, dt),
         )  # fmt: skip
         self._share_out(given)
         if self.dtype != np.float32:
@@ -231,7 +235,7 @@ class RodSolver(Solver):
         touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
         whole = any(one.segments for one in self.contacts)
         if not touched:
-            return None, None, False
+            return np.zeros((0, 17), self.dtype), None, False
         emitter = self.scene.emitter
         now, past = max(time, 0.0), max(time - dt, 0.0)
         out = []
@@ -247,7 +251,7 @@ class RodSolver(Solver):
             out.append(rows.astype(self.dtype))
         if not whole and len(out[0]) == len(touched):
             return out[0], None, False
-        return None, tuple(out), whole
+        return out[0], tuple(out), whole
 
     def _rest_shape(self, rod: Rod, groom: Groom, lengths: NDArray[np.float64]) -> NDArray[Any] | None:
         """(blocks, N + 1, 3 W) rest bends as the kernel reads them; None where rods are straight."""

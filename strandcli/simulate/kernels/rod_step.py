@@ -46,36 +46,33 @@ FARTHEST = np.float32(1e10)
 @function
 def step(
     edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, balls, others, whole, scratch, residuals, first, stride, long,
+    pose, delta, numbers, iterations, second, curled, balls, others, whole, scratch, residuals, first, stride, long,
 ):  # fmt: skip
     """Move the strands of blocks first, first + stride, … by one step, in place.
 
-    edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s, and the same one step `before` with the last
-    displacement `moved` in metres for BDF2, both None for implicit Euler; tension (blocks, N, W): force densities of
-    the last step over h²; positions (blocks, N + 2, 3 W) world, row 0 one segment before the root, row 1 the root;
-    lengths (blocks, W) of a segment; stiffness (blocks, W): B / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass
-    and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots, directions
-    (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the
-    emitter's frame, then the rest value of c_j in the frame carried along the strand, or None for straight rods; gust
-    (blocks, W): factor of the air's velocity, or None; pose, delta (12,): the emitter's rotation by rows and its
-    translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of
-    the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10]
-    friction, [11] error of |e|² at which iterations stop; balls: spheres as in `rod_contact`, or None; others: four
-    arrays of all solids as in `contact`, or None where they are all balls and segments are not caught; whole: segments
-    are caught too; scratch as `rod.size_for` says; residuals (blocks,): greatest | |e| − 1 | before lengths are made
-    exact; long: None, or anything for the kernel that is O(N). All of one floating type.
+    edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
+    same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
+    W): force densities of the last step over h²; positions (blocks, N + 2, 3 W) world, row 0 one segment before the
+    root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B / (ρ A ℓ⁴) in 1/s²; mass, joint
+    (N,): a particle's mass and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots,
+    directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each
+    direction, in the emitter's frame, then the rest value of c_j in the frame carried along the strand; where not
+    `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,): the emitter's
+    rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity
+    m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that
+    it starts with), [10] friction, [11] error of |e|² at which iterations stop; balls (m, 17) as in `rod_contact`;
+    others: four arrays of all solids as in `contact`, or None where they are all balls and segments are not caught;
+    whole: segments are caught too; scratch as `rod.size_for` says; residuals (blocks,): greatest | |e| − 1 | before
+    lengths are made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are
+    flags where a None would have everything compiled once more.
     """
     n = edges.shape[1]
     for b in range(first, edges.shape[0], stride):
+        twin = b if second else 0
         place_root(scratch, roots[b], directions[b], pose, delta, positions[b, 1])
         weigh(scratch, n, edges[b], tension[b], lengths[b], stiffness[b], mass, joint, numbers)
-        if before is None:
-            predict(scratch, n, velocity[b], None, None, lengths[b], None if gust is None else gust[b], numbers)
-        else:
-            predict(
-                scratch, n, velocity[b], before[b], moved[b], lengths[b], None if gust is None else gust[b], numbers
-            )
-        if bends is not None:
+        predict(scratch, n, velocity[b], before[twin], moved[twin], lengths[b], gust[b], numbers, second)
+        if curled:
             recall(scratch, n, edges[b], bends[b], pose, numbers[8] / numbers[0])
         if long is None:
             worst = rod.iterate(scratch, np.uint64(n), iterations, numbers[11])
@@ -85,10 +82,7 @@ def step(
         residuals[b] = worst / (ONE + np.sqrt(ONE + (worst if worst > ONE else -worst)))
         keep(scratch, n, tension[b], numbers[0])
         sweep(scratch, n, edges[b], lengths[b], positions[b], balls, others, whole, numbers[10])
-        if before is None:
-            settle(scratch, n, edges[b], velocity[b], None, None, lengths[b], numbers)
-        else:
-            settle(scratch, n, edges[b], velocity[b], before[b], moved[b], lengths[b], numbers)
+        settle(scratch, n, edges[b], velocity[b], before[twin], moved[twin], lengths[b], numbers, second)
         precede(scratch, lengths[b], positions[b])
 
 
@@ -146,7 +140,7 @@ def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, numbers):
 
 
 @function
-def predict(s, n, velocity, before, moved, lengths, gust, numbers):
+def predict(s, n, velocity, before, moved, lengths, gust, numbers, second):
     """u*: where particles would go alone, in units of a segment, and none further than `FARTHEST`.
 
     BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
@@ -154,23 +148,23 @@ def predict(s, n, velocity, before, moved, lengths, gust, numbers):
     h = numbers[0]
     third = numbers[9]
     drag = numbers[7] * h
-    rest = ONE / (ONE + drag)
+    rest = h / (ONE + drag)
     for j in range(np.uint64(n)):
         for c in range(U3):
             o = FIRST + j * SEGMENT + A + c * LANES
             row = c * LANES
             fall = h * numbers[U1 + c]
             air = drag * numbers[U3 + U1 + c]
-            for k in range(LANES):
-                push = air if gust is None else air * gust[k]
-                per = h / lengths[k]
-                if before is None:
-                    u = per * (velocity[j, row + k] + fall + push) * rest
-                else:
+            if second:
+                for k in range(LANES):
                     v = velocity[j, row + k]
                     v += (v - before[j, row + k]) * third
-                    u = moved[j, row + k] * third / lengths[k] + per * (v + fall + push) * rest
-                s[o + k] = min(max(u, -FARTHEST), FARTHEST)
+                    u = moved[j, row + k] * third + rest * (v + fall + air * gust[k])
+                    s[o + k] = min(max(u / lengths[k], -FARTHEST), FARTHEST)
+            else:
+                for k in range(LANES):
+                    u = rest * (velocity[j, row + k] + fall + air * gust[k]) / lengths[k]
+                    s[o + k] = min(max(u, -FARTHEST), FARTHEST)
 
 
 @function
@@ -245,7 +239,7 @@ def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
         straighten(s, o)
         if rod.greatest(s, o + NOWHERE) > ZERO:
             stay(s, o, edges[j])
-        if balls is not None or others is not None:
+        if others is not None or balls.shape[0] > 0:
             for k in range(U3 * LANES):
                 s[o + OLD + k] = p[k]
         if others is not None:
@@ -253,7 +247,7 @@ def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
                 s, o + Y, o + OLD, o - SEGMENT + PLACE, lengths, others[0], others[1], others[2], others[3], whole,
                 friction,
             )  # fmt: skip
-        elif balls is not None:
+        else:
             for m in range(balls.shape[0]):
                 rod_contact.touch_ball(s, o, balls[m], friction)
         advance(s, o)
@@ -303,7 +297,7 @@ def advance(s, o):
 
 
 @function
-def settle(s, n, edges, velocity, before, moved, lengths, numbers):
+def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
     """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
     over = ONE / numbers[0]
     third = numbers[9]
@@ -316,15 +310,15 @@ def settle(s, n, edges, velocity, before, moved, lengths, numbers):
                 s[sum + k] += lengths[k] * (s[o + k] - edges[j, row + k])
             for k in range(LANES):
                 edges[j, row + k] = s[o + k]
-            if before is None:
-                for k in range(LANES):
-                    velocity[j, row + k] = s[sum + k] * over
-            else:
+            if second:
                 for k in range(LANES):
                     before[j, row + k] = velocity[j, row + k]
                 for k in range(LANES):
                     velocity[j, row + k] = (s[sum + k] - moved[j, row + k] * third) * over
                     moved[j, row + k] = s[sum + k]
+            else:
+                for k in range(LANES):
+                    velocity[j, row + k] = s[sum + k] * over
 
 
 @function
