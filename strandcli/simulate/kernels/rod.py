@@ -45,6 +45,10 @@ FAR = np.float32(0.3)
 """Error of |e|² above which edges go back to unit length before the next iteration."""
 SHORT = np.float32(1 / 16)
 """|e|² below which an edge has hardly a direction left: S then takes this."""
+PATIENCE = 6
+"""Iterations after which, where edges still have to be put right, steps are at most `STRIDES` over the number of
+iterations since."""
+STRIDES = np.float32(2.0)
 WILD = np.float32(64.0)
 """Error of |e|² above which τ does not start from the step before."""
 PULLED = np.float32(4.0)
@@ -78,6 +82,7 @@ SEGMENT = _rows(FIELDS)
 NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
 HEAD = _rows(21)
 FIRST = HEAD + U2 * SEGMENT
+RIGHTED = HARD + U1
 
 
 def size_for(n: int) -> int:
@@ -248,6 +253,27 @@ def retract(s, n):
             s[k + U] += x
             s[k + U + LANES] += y
             s[k + U + U2 * LANES] += z
+
+
+@function
+def shorten(s, n, most):
+    """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the greatest."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            x = s[k + Y] - s[k - SEGMENT + Y]
+            y = s[k + Y + LANES] - s[k - SEGMENT + Y + LANES]
+            z = s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES]
+            s[k + WORST] = max(s[k - SEGMENT + WORST], x * x + y * y + z * z)
+    last = FIRST + (n - U1) * SEGMENT
+    for k in range(LANES):
+        s[SPARE + k] = min(ONE, most / np.sqrt(max(s[last + WORST + k], TINY)))
+    for j in range(n):
+        for c in range(U3):
+            o = FIRST + j * SEGMENT + Y + c * LANES
+            for k in range(LANES):
+                s[o + k] *= s[SPARE + k]
 
 
 @function
@@ -435,7 +461,8 @@ def iterate(s, n, iterations, enough):
                 continue
             pull(s, n)
         if count > 0:
-            if worst > FAR or s[HARD] > ZERO:
+            s[RIGHTED] = ONE if worst > FAR or s[HARD] > ZERO else ZERO
+            if s[RIGHTED] > ZERO:
                 retract(s, n)
                 change(s, n)
             else:
@@ -446,5 +473,7 @@ def iterate(s, n, iterations, enough):
             solve_dense(s, n)
         factor(s, n)
         change(s, n)
+        if count > PATIENCE and s[RIGHTED] > ZERO:
+            shorten(s, n, STRIDES / np.float32(count - PATIENCE))
         worst = move(s, n)
     return worst

@@ -125,7 +125,8 @@ def iterate(s, n, iterations, enough):
             rod.pull(s, n)
         if count > 0:
             t = TH if s[rod.HARD] > ZERO else T
-            if worst > rod.FAR or t == TH:
+            s[rod.RIGHTED] = ONE if worst > rod.FAR or t == TH else ZERO
+            if s[rod.RIGHTED] > ZERO:
                 rod.retract(s, n)
                 rod.change(s, n)
             else:
@@ -140,5 +141,7 @@ def iterate(s, n, iterations, enough):
             substitute(s, n)
         rod.factor(s, n)
         rod.change(s, n)
+        if count > rod.PATIENCE and s[rod.RIGHTED] > ZERO:
+            rod.shorten(s, n, rod.STRIDES / np.float32(count - rod.PATIENCE))
         worst = rod.move(s, n)
     return worst
