@@ -13,9 +13,9 @@ pendulum.
 
 Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
 definite and no τ that keeps it so meets the lengths: the dual has a gap. In such lanes H takes τ_j no lower than
-−θ/4 min(M_{j−1}, M_j), with which M alone keeps it definite (|y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), while ρ keeps
-the true τ; edges go back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make of
-them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
+−θ/4 min(M_{j−1}, M_j), with which M alone keeps it definite (|y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), while ρ
+keeps the true τ; edges go back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make
+of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly and without any search, for compression cannot run away.
 
 Scratch is flat, in rows of W lanes; a segment's rows lie together at constant distances, by which LLVM sees that they
@@ -73,7 +73,7 @@ U4 = np.uint64(4)
 FIELDS = 27
 """Not a multiple of 8: rows of 512 bytes at distances of 4096 would share the lines of the first-level cache."""
 E, U, Y, A, C, T, M, K = (_rows(i) for i in (0, 3, 6, 9, 12, 15, 16, 17))
-D, I, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
+D, DI, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
 # the same rows after the iterations: where particles are and where they were, how far they were put off, the length of
 # the segment, and whether it has lost its direction
 PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
@@ -146,7 +146,7 @@ def eliminate(s, n, t):
             d = d if good else ONE
             i = ONE / d
             s[k + D] = d
-            s[k + I] = i
+            s[k + DI] = i
             s[k + L1] = l1 * i
             s[k + L2] = k2 * i
     return greatest(s, FIRST + (n - U1) * SEGMENT + LOST) > ZERO
@@ -191,7 +191,7 @@ def change(s, n):
             lane = c * LANES
             for v in range(LANES):
                 k = o + v
-                y = s[k - lane + I] * s[k + Y] - s[k - lane + L1] * s[k + SEGMENT + Y]
+                y = s[k - lane + DI] * s[k + Y] - s[k - lane + L1] * s[k + SEGMENT + Y]
                 s[k + Y] = y - s[k - lane + L2] * s[k + U2 * SEGMENT + Y]
 
 
@@ -257,7 +257,8 @@ def retract(s, n):
 
 @function
 def shorten(s, n, most):
-    """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the greatest."""
+    """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the
+    greatest."""
     for j in range(n):
         o = FIRST + j * SEGMENT
         for v in range(LANES):
@@ -315,7 +316,7 @@ def inverse(s, n):
         o = FIRST + j * SEGMENT
         for b in range(a + U1):
             i = n - U1 - b
-            start = o + I if i == j else NIL
+            start = o + DI if i == j else NIL
             one = NIL if a < U1 else at(n, max(i, j + U1), min(i, j + U1))
             two = NIL if a < U2 else at(n, max(i, j + U2), min(i, j + U2))
             here = at(n, i, j)

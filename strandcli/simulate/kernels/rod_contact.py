@@ -13,9 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import function
-from .rod import (
-    HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, TRAY, U0, U1, U2, U3, U4, ZERO, T, Y, greatest,
-)  # fmt: skip
+from .rod import HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, TRAY, U0, U1, U2, U3, U4, ZERO, T, Y, greatest
 
 U5, U6, U7, U8, U9, U10 = (np.uint64(i) for i in range(5, 11))
 NEAR = np.float32(1e-12)
