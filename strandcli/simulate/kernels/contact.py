@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 
 LANES = np.uint64(W)
 U2 = np.uint64(2)
@@ -32,7 +32,7 @@ TINY = np.float32(1e-20)
 ROUNDS = 3
 
 
-@function
+@inner
 def deepest(spheres, capsules, planes, boxes, x, y, z):
     """Depth of a point in the solid that it is deepest in (not positive: its distance from the nearest), that solid's
     kind (0 to 3, in the order of the arguments) and its number."""
@@ -75,14 +75,14 @@ def deepest(spheres, capsules, planes, boxes, x, y, z):
     return most, kind, which
 
 
-@function
+@inner
 def on_axis(p, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
     t = min(max(((x - p[0]) * p[3] + (y - p[1]) * p[4] + (z - p[2]) * p[5]) * p[7], ZERO), ONE)
     return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5]
 
 
-@function
+@inner
 def face(p, x, y, z):
     """Depth in a box below its nearest face, and that face's normal in the world."""
     dx = x - p[0]
@@ -104,7 +104,7 @@ def face(p, x, y, z):
     return best, nx, ny, nz
 
 
-@function
+@inner
 def along(p, qx, qy, qz, dx, dy, dz, length):
     """Share of an edge at which it is deepest in a box: the middle of the part that is inside, or 1."""
     enter = ZERO
@@ -123,7 +123,7 @@ def along(p, qx, qy, qz, dx, dy, dz, length):
     return HALF * (enter + leave) if leave > enter else ONE
 
 
-@function
+@inner
 def near_axis(p, qx, qy, qz, dx, dy, dz, length):
     """Point of a capsule's axis that is nearest to an edge (Ericson 2005, §5.1.9, by two alternating projections)."""
     t = ONE
@@ -137,7 +137,7 @@ def near_axis(p, qx, qy, qz, dx, dy, dz, length):
     return ox, oy, oz
 
 
-@function
+@inner
 def bend(dx, dy, dz, ax, ay, az, limit):
     """Turn the unit vector d away from the unit vector a until d·a = limit, where it is more."""
     c = dx * ax + dy * ay + dz * az
@@ -161,7 +161,7 @@ def bend(dx, dy, dz, ax, ay, az, limit):
     return limit * ax + s * nx, limit * ay + s * ny, limit * az + s * nz
 
 
-@function
+@inner
 def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     """Turn an edge off a ball."""
     ax = ox - qx
@@ -179,7 +179,7 @@ def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     return bend(dx, dy, dz, ax, ay, az, limit)
 
 
-@function
+@inner
 def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes, whole):
     """Turn an edge from q along d off every solid; overlapping ones take turns a few times."""
     for _ in range(ROUNDS):
@@ -214,7 +214,7 @@ def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes,
     return dx, dy, dz
 
 
-@function
+@inner
 def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
     """Where the solid that is nearest to (x, y, z) has carried a point (ox, oy, oz) in this step, and its outward
     normal at (x, y, z)."""
@@ -249,7 +249,7 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
     return tx, ty, tz, nx * size, ny * size, nz * size
 
 
-@function
+@inner
 def touch(s, y, old, q, lengths, spheres, capsules, planes, boxes, whole, friction):
     """One edge of every lane: rows from y on of the scratch hold unit edges, rows from old on where the particles were
     before the step, rows from q on the particle before, in the world."""

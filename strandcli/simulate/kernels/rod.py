@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -97,7 +97,7 @@ def clear(scratch: Any) -> None:
     scratch[int(ALL) : int(ALL) + W] = 1
 
 
-@function
+@inner
 def factor(s, n):
     """H = L diag(d) Lᵀ with two bands. Lanes where τ makes it indefinite take the bounded τ instead; whether there are
     any is kept in HARD."""
@@ -122,7 +122,7 @@ def factor(s, n):
     eliminate(s, n, TH)
 
 
-@function
+@inner
 def eliminate(s, n, t):
     """LDLᵀ of H with the force densities in field t; row LOST becomes 1 in lanes with a pivot that is too small, which
     is replaced by 1. Returns whether there are any."""
@@ -152,7 +152,7 @@ def eliminate(s, n, t):
     return greatest(s, FIRST + (n - U1) * SEGMENT + LOST) > ZERO
 
 
-@function
+@inner
 def greatest(s, row):
     """The greatest number of a row."""
     most = s[row]
@@ -161,7 +161,7 @@ def greatest(s, row):
     return most
 
 
-@function
+@inner
 def change(s, n):
     """y := H⁻¹ ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + κ_j (c_j − c̄_j) − κ_{j+1} (c_{j+1} −
     c̄_{j+1}); the edge before the first is the clamped direction."""
@@ -195,7 +195,7 @@ def change(s, n):
                 s[k + Y] = y - s[k - lane + L2] * s[k + U2 * SEGMENT + Y]
 
 
-@function
+@inner
 def move(s, n):
     """u += y, e += D y; the greatest | |e|² − 1 |, and that of each lane in row WORST of the last segment."""
     for j in range(n):
@@ -220,7 +220,7 @@ def move(s, n):
     return greatest(s, FIRST + (n - U1) * SEGMENT + WORST)
 
 
-@function
+@inner
 def retract(s, n):
     """Edges of lanes with bounded τ, and of lanes that are far off, go back to unit length, root to tip. Rows Y sum up
     how far particles are put off."""
@@ -255,7 +255,7 @@ def retract(s, n):
             s[k + U + U2 * LANES] += z
 
 
-@function
+@inner
 def shorten(s, n, most):
     """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the
     greatest."""
@@ -277,7 +277,7 @@ def shorten(s, n, most):
                 s[o + k] *= s[SPARE + k]
 
 
-@function
+@inner
 def demand(s, n):
     """δ := r, with what the change y in the scratch would add to it."""
     for j in range(n):
@@ -293,7 +293,7 @@ def demand(s, n):
             s[k + R] = r + z * (s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES])
 
 
-@function
+@inner
 def still(s, n):
     """y := 0."""
     for j in range(n):
@@ -302,13 +302,13 @@ def still(s, n):
             s[k] = ZERO
 
 
-@function
+@inner
 def at(n, i, j):
     """Where entry (i, j), i >= j, of the triangle is: each row begins with a zero, and a row of two comes before."""
     return FIRST + (n + U2) * SEGMENT + (i * (i + U3) // U2 + j + U3) * LANES
 
 
-@function
+@inner
 def inverse(s, n):
     """The lower triangle of H⁻¹, from the last column to the first (Takahashi, Fagan & Chin 1973)."""
     for a in range(n):
@@ -324,7 +324,7 @@ def inverse(s, n):
                 s[here + k] = s[start + k] - s[o + L1 + k] * s[one + k] - s[o + L2 + k] * s[two + k]
 
 
-@function
+@inner
 def couple(s, n):
     """S := (e_i·e_j) ∘ (D H⁻¹ Dᵀ) in place of H⁻¹, from the last entry to the first."""
     for a in range(n):
@@ -337,7 +337,7 @@ def couple(s, n):
             scale(s, here, up, here - (i + U2) * LANES, p, FIRST + (i - b) * SEGMENT, SHORT if b == U0 else LOWEST)
 
 
-@function
+@inner
 def scale(s, here, up, both, p, q, least):
     """Entry (i, j) less those above it and left of it, plus that above and left, times e_i·e_j or ``least``."""
     for k in range(LANES):
@@ -345,7 +345,7 @@ def scale(s, here, up, both, p, q, least):
         s[here + k] = (s[here + k] - s[here - LANES + k] - s[up + k] + s[both + k]) * max(dot, least)
 
 
-@function
+@inner
 def solve_dense(s, n):
     """δ := S⁻¹ δ by Cholesky's factors, row by row without pivoting, and τ += δ; the right-hand side is one more row.
     S is positive definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry
@@ -377,7 +377,7 @@ def solve_dense(s, n):
         relieve(s, rhs, row, mine, i)
 
 
-@function
+@inner
 def project(s, here, row, other, count, by):
     """Row `here` loses the products of ``count`` rows from `row` on with as many from `other` on, and is multiplied
     by row `by`."""
@@ -407,7 +407,7 @@ def project(s, here, row, other, count, by):
             s[here + k] = (s[here + k] - sum) * s[by + k]
 
 
-@function
+@inner
 def relieve(s, rhs, row, mine, count):
     """``count`` rows from `rhs` on lose their multiples, in rows from `row` on, of row `mine`."""
     while count > U2:
@@ -424,7 +424,7 @@ def relieve(s, rhs, row, mine, count):
             s[rhs + j * LANES + k] -= s[row + j * LANES + k] * s[mine + k]
 
 
-@function
+@inner
 def pull(s, n):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass: rows LOAD sum it up
     from the tip, row SPARE the mass."""
@@ -448,7 +448,7 @@ def pull(s, n):
             s[o + T + k] = max(t, load) if load > ZERO else t
 
 
-@function
+@inner
 def iterate(s, n, iterations, enough):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end. Begins with x(τ) for the τ of the step before, or, where loads turn out to be far

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function
+from ...jit import inner
 from .rod import HALF, LANES, LENGTH, OLD, ONE, PLACE, SEGMENT, TINY, TRAY, U0, U1, U2, U3, U4, ZERO, T, Y, greatest
 
 U5, U6, U7, U8, U9, U10 = (np.uint64(i) for i in range(5, 11))
@@ -21,7 +21,7 @@ DEPTH = T
 """τ has been kept already; the row is free."""
 
 
-@function
+@inner
 def inside(s, o, x, y, z, r):
     """Whether some lane's particle is inside a ball."""
     for v in range(LANES):
@@ -34,7 +34,7 @@ def inside(s, o, x, y, z, r):
     return greatest(s, o + DEPTH) > ZERO
 
 
-@function
+@inner
 def touch_ball(s, o, ball, friction):
     """Turn the edges in rows Y of the segment at o off one ball; rows OLD: where the particles were before the step.
 
@@ -60,7 +60,7 @@ def touch_ball(s, o, ball, friction):
             s[o + Y + c * LANES + k] = s[TRAY + c * LANES + i]
 
 
-@function
+@inner
 def turn_off(s, count, ball, friction):
     """The first ``count`` lanes of the tray: rows 0-2 edges, which are turned off the ball, 3-5 from the particle
     before to the centre, 6-8 where the particle was before the step, less the centre, 9 the edge's length."""

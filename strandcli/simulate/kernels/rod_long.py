@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 from . import rod
 from .rod import FIRST, LANES, ONE, SEGMENT, SHORT, TH, THREE, TINY, U1, U2, U3, U4, ZERO, E, K, M, R, T
 
@@ -31,7 +31,7 @@ def size_for(n: int) -> int:
     return int(FIRST) + (n + 2) * int(SEGMENT) + (n + 2) * 4 * int(ROW)
 
 
-@function
+@inner
 def assemble(s, n, j, t):
     """The four rows of segment j, entries (i, i + b) in row b of each; t: the field of force densities in H."""
     o = FIRST + j * SEGMENT
@@ -64,7 +64,7 @@ def assemble(s, n, j, t):
         s[row + RHS + k] = s[o + R + k]
 
 
-@function
+@inner
 def eliminate(s, n, i):
     """Row i: those below it lose their multiples of it."""
     row = FIRST + (n + U2) * SEGMENT + i * ROW
@@ -82,14 +82,14 @@ def eliminate(s, n, i):
         take(s, below + RHS, row + RHS)
 
 
-@function
+@inner
 def take(s, target, source):
     """A row loses the product of another and row SPARE."""
     for k in range(LANES):
         s[target + k] -= s[source + k] * s[rod.SPARE + k]
 
 
-@function
+@inner
 def substitute(s, n):
     """Backward through the band; τ += δ."""
     base = FIRST + (n + U2) * SEGMENT
@@ -112,7 +112,7 @@ def substitute(s, n):
             s[o + k] -= s[x + k]
 
 
-@function
+@inner
 def iterate(s, n, iterations, enough):
     """As `rod.iterate`."""
     worst = ZERO

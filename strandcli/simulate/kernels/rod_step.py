@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function
+from ...jit import function, inner
 from . import contact, rod, rod_contact, rod_long
 from .rod import (
     FIRST,
@@ -86,7 +86,7 @@ def step(
         precede(scratch, lengths[b], positions[b])
 
 
-@function
+@inner
 def place_root(s, local, direction, pose, delta, root):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
     for c in range(U3):
@@ -108,7 +108,7 @@ def place_root(s, local, direction, pose, delta, root):
             s[FIRST - SEGMENT + E + o + k] = turned
 
 
-@function
+@inner
 def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, numbers):
     """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
     moved and nothing else. Internal damping pulls each joint to the bend that it had."""
@@ -139,7 +139,7 @@ def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, numbers):
             s[row + k] -= s[SHIFT + c * LANES + k] / lengths[k]
 
 
-@function
+@inner
 def predict(s, n, velocity, before, moved, lengths, gust, numbers, second):
     """u*: where particles would go alone, in units of a segment, and none further than `FARTHEST`.
 
@@ -167,7 +167,7 @@ def predict(s, n, velocity, before, moved, lengths, gust, numbers, second):
                     s[o + k] = min(max(u, -FARTHEST), FARTHEST)
 
 
-@function
+@inner
 def recall(s, n, edges, bends, pose, damping):
     """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
     the edges as they were before the step. Frames are kept in rows of the change y, which is not yet in use."""
@@ -212,7 +212,7 @@ def recall(s, n, edges, bends, pose, damping):
         s[FIRST - SEGMENT + Y + k] = ZERO
 
 
-@function
+@inner
 def keep(s, n, tension, h):
     """τ / h² for the next step."""
     over = ONE / (h * h)
@@ -223,7 +223,7 @@ def keep(s, n, tension, h):
             tension[j, k] = t * over if abs(t) < HUGE else ZERO
 
 
-@function
+@inner
 def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
     the solids. New edges go to rows Y; an edge that has no direction or none that is finite stays as it was.
@@ -255,7 +255,7 @@ def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
             p[k] = s[o + PLACE + k]
 
 
-@function
+@inner
 def straighten(s, o):
     """Rows Y of the segment at o: the unit vector along e, less how far the particle before has been put off. A row
     is marked with 1 in lanes where there is none."""
@@ -273,7 +273,7 @@ def straighten(s, o):
         s[k + NOWHERE] = ZERO if good else ONE
 
 
-@function
+@inner
 def stay(s, o, edge):
     """The edge as it was, in marked lanes."""
     for k in range(LANES):
@@ -284,7 +284,7 @@ def stay(s, o, edge):
                 s[o + E + row] = edge[row] + s[o - SEGMENT + OFF + row]
 
 
-@function
+@inner
 def advance(s, o):
     """Where the particle comes to be, and how far that is from where the iterations put it."""
     for c in range(U3):
@@ -296,7 +296,7 @@ def advance(s, o):
             s[k + PLACE] = s[k - SEGMENT + PLACE] + s[o + v + LENGTH] * y
 
 
-@function
+@inner
 def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
     """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
     over = ONE / numbers[0]
@@ -321,7 +321,7 @@ def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
                     velocity[j, row + k] = s[sum + k] * over
 
 
-@function
+@inner
 def precede(s, lengths, positions):
     """Row 0: one segment before the root, against the clamped direction; and no change is left in the scratch."""
     for c in range(U3):
