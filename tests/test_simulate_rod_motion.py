@@ -94,6 +94,7 @@ def test_double_precision_keeps_lengths_to_its_last_digits() -> None:
         solver.step((i + 1) / 24, 1 / 24)
     edges = np.linalg.norm(np.diff(first(solver), axis=0), axis=1)
     np.testing.assert_allclose(edges, 1 / 9, rtol=1e-12)
+    assert solver.errors(1)["stretch_max"] <= 1e-12  # type: ignore[operator]
 
 
 @pytest.mark.parametrize("gamma", [1.0, 10.0])

@@ -410,15 +410,6 @@ def project(s, here, row, other, count, by):
 @inner
 def relieve(s, rhs, row, mine, count):
     """``count`` rows from `rhs` on lose their multiples, in rows from `row` on, of row `mine`."""
-    while count > U2:
-        for k in range(LANES):
-            x = s[mine + k]
-            s[rhs + k] -= s[row + k] * x
-            s[rhs + LANES + k] -= s[row + LANES + k] * x
-            s[rhs + U2 * LANES + k] -= s[row + U2 * LANES + k] * x
-        row += U3 * LANES
-        rhs += U3 * LANES
-        count -= U3
     for j in range(count):
         for k in range(LANES):
             s[rhs + j * LANES + k] -= s[row + j * LANES + k] * s[mine + k]
