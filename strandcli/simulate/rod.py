@@ -42,8 +42,8 @@ DENSE_MOST = 20
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
-"""Greatest error of |e|² at which iterations stop, for (BDF2, double precision): where motion is calmed down anyway,
-less will do, and of most strands the error is far less than of the worst."""
+"""Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
+anyway, less will do, and of most strands the error is far less than of the worst."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -105,7 +105,7 @@ class RodSolver(Solver):
         for one in self.scratch:
             dense.clear(one)
         self.residuals = np.zeros(len(self.lengths), self.dtype)
-        self.enough = ENOUGH[bdf2, self.dtype == np.float64]
+        self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self.contacts = [use.parameters for use in scene.rules if use.name == "collision"]

@@ -46,8 +46,7 @@ FAR = np.float32(0.3)
 SHORT = np.float32(1 / 16)
 """|e|² below which an edge has hardly a direction left: S then takes this."""
 PATIENCE = 6
-"""Iterations after which, where edges still have to be put right, steps are at most `STRIDES` over the number of
-iterations since."""
+"""Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
 STRIDES = np.float32(2.0)
 WILD = np.float32(64.0)
 """Error of |e|² above which τ does not start from the step before."""
@@ -82,7 +81,6 @@ SEGMENT = _rows(FIELDS)
 NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
 HEAD = _rows(21)
 FIRST = HEAD + U2 * SEGMENT
-RIGHTED = HARD + U1
 
 
 def size_for(n: int) -> int:
@@ -453,8 +451,7 @@ def iterate(s, n, iterations, enough):
                 continue
             pull(s, n)
         if count > 0:
-            s[RIGHTED] = ONE if worst > FAR or s[HARD] > ZERO else ZERO
-            if s[RIGHTED] > ZERO:
+            if worst > FAR or s[HARD] > ZERO:
                 retract(s, n)
                 change(s, n)
             else:
@@ -465,7 +462,7 @@ def iterate(s, n, iterations, enough):
             solve_dense(s, n)
         factor(s, n)
         change(s, n)
-        if count > PATIENCE and s[RIGHTED] > ZERO:
+        if count > PATIENCE:
             shorten(s, n, STRIDES / np.float32(count - PATIENCE))
         worst = move(s, n)
     return worst

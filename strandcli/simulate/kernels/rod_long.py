@@ -125,8 +125,7 @@ def iterate(s, n, iterations, enough):
             rod.pull(s, n)
         if count > 0:
             t = TH if s[rod.HARD] > ZERO else T
-            s[rod.RIGHTED] = ONE if worst > rod.FAR or t == TH else ZERO
-            if s[rod.RIGHTED] > ZERO:
+            if worst > rod.FAR or t == TH:
                 rod.retract(s, n)
                 rod.change(s, n)
             else:
@@ -141,7 +140,7 @@ def iterate(s, n, iterations, enough):
             substitute(s, n)
         rod.factor(s, n)
         rod.change(s, n)
-        if count > rod.PATIENCE and s[rod.RIGHTED] > ZERO:
+        if count > rod.PATIENCE:
             rod.shorten(s, n, rod.STRIDES / np.float32(count - rod.PATIENCE))
         worst = rod.move(s, n)
     return worst
