@@ -103,7 +103,7 @@ def test_it_buckles_where_a_column_does() -> None:
 def test_edges_keep_their_length() -> None:
     shape = settled(scene(30.0), 1 / 60, 1.0)
     edges = np.linalg.norm(np.diff(shape, axis=0), axis=1)
-    np.testing.assert_allclose(edges, 1 / 9, rtol=2e-6)
+    np.testing.assert_allclose(edges, 1 / 9, rtol=1e-6)
 
 
 def test_the_kernel_for_long_strands_agrees(monkeypatch: pytest.MonkeyPatch) -> None:

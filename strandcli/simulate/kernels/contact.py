@@ -20,8 +20,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 
+LANES = np.uint64(W)
+U2 = np.uint64(2)
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
@@ -30,7 +32,7 @@ TINY = np.float32(1e-20)
 ROUNDS = 3
 
 
-@function
+@inner
 def deepest(spheres, capsules, planes, boxes, x, y, z):
     """Depth of a point in the solid that it is deepest in (not positive: its distance from the nearest), that solid's
     kind (0 to 3, in the order of the arguments) and its number."""
@@ -73,14 +75,14 @@ def deepest(spheres, capsules, planes, boxes, x, y, z):
     return most, kind, which
 
 
-@function
+@inner
 def on_axis(p, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
     t = min(max(((x - p[0]) * p[3] + (y - p[1]) * p[4] + (z - p[2]) * p[5]) * p[7], ZERO), ONE)
     return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5]
 
 
-@function
+@inner
 def face(p, x, y, z):
     """Depth in a box below its nearest face, and that face's normal in the world."""
     dx = x - p[0]
@@ -102,7 +104,7 @@ def face(p, x, y, z):
     return best, nx, ny, nz
 
 
-@function
+@inner
 def along(p, qx, qy, qz, dx, dy, dz, length):
     """Share of an edge at which it is deepest in a box: the middle of the part that is inside, or 1."""
     enter = ZERO
@@ -121,7 +123,7 @@ def along(p, qx, qy, qz, dx, dy, dz, length):
     return HALF * (enter + leave) if leave > enter else ONE
 
 
-@function
+@inner
 def near_axis(p, qx, qy, qz, dx, dy, dz, length):
     """Point of a capsule's axis that is nearest to an edge (Ericson 2005, §5.1.9, by two alternating projections)."""
     t = ONE
@@ -135,7 +137,7 @@ def near_axis(p, qx, qy, qz, dx, dy, dz, length):
     return ox, oy, oz
 
 
-@function
+@inner
 def bend(dx, dy, dz, ax, ay, az, limit):
     """Turn the unit vector d away from the unit vector a until d·a = limit, where it is more."""
     c = dx * ax + dy * ay + dz * az
@@ -159,7 +161,7 @@ def bend(dx, dy, dz, ax, ay, az, limit):
     return limit * ax + s * nx, limit * ay + s * ny, limit * az + s * nz
 
 
-@function
+@inner
 def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     """Turn an edge off a ball."""
     ax = ox - qx
@@ -177,7 +179,7 @@ def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     return bend(dx, dy, dz, ax, ay, az, limit)
 
 
-@function
+@inner
 def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes, whole):
     """Turn an edge from q along d off every solid; overlapping ones take turns a few times."""
     for _ in range(ROUNDS):
@@ -212,7 +214,7 @@ def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes,
     return dx, dy, dz
 
 
-@function
+@inner
 def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
     """Where the solid that is nearest to (x, y, z) has carried a point (ox, oy, oz) in this step, and its outward
     normal at (x, y, z)."""
@@ -247,54 +249,47 @@ def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
     return tx, ty, tz, nx * size, ny * size, nz * size
 
 
-@function
-def touch(s, y, old, q, p, lengths, spheres, capsules, planes, boxes, whole, friction):
-    """One edge of every lane: rows y, y + 1, y + 2 of the scratch hold unit edges, rows old … where the particles were
-    before the step; q, p (3 W,): the particle before and this one, in the world."""
-    for k in range(W):
-        s[y + 3, k] = deepest(spheres, capsules, planes, boxes, p[k], p[W + k], p[2 * W + k])[0]
-    for k in range(W):
-        if not whole and s[y + 3, k] <= ZERO:
-            continue
+@inner
+def touch(s, y, old, q, lengths, spheres, capsules, planes, boxes, whole, friction):
+    """One edge of every lane: rows from y on of the scratch hold unit edges, rows from old on where the particles were
+    before the step, rows from q on the particle before, in the world."""
+    for k in range(LANES):
         length = lengths[k]
-        qx = q[k]
-        qy = q[W + k]
-        qz = q[2 * W + k]
-        ex = s[y, k]
-        ey = s[y + 1, k]
-        ez = s[y + 2, k]
+        qx = s[q + k]
+        qy = s[q + LANES + k]
+        qz = s[q + U2 * LANES + k]
+        ex = s[y + k]
+        ey = s[y + LANES + k]
+        ez = s[y + U2 * LANES + k]
+        px = qx + length * ex
+        py = qy + length * ey
+        pz = qz + length * ez
+        if not whole and deepest(spheres, capsules, planes, boxes, px, py, pz)[0] <= ZERO:
+            continue
         dx, dy, dz = off_solids(qx, qy, qz, ex, ey, ez, length, spheres, capsules, planes, boxes, whole)
         if friction > ZERO and (dx != ex or dy != ey or dz != ez):
-            x = qx + length * dx
-            yy = qy + length * dy
-            z = qz + length * dz
             tx, ty, tz, nx, ny, nz = carried(
-                spheres, capsules, planes, boxes, x, yy, z, s[old, k], s[old + 1, k], s[old + 2, k]
-            )
-            lx = x - p[k]
-            ly = yy - p[W + k]
-            lz = z - p[2 * W + k]
-            lifted = abs(lx * nx + ly * ny + lz * nz)
-            sx = x - tx
-            sy = yy - ty
-            sz = z - tz
+                spheres, capsules, planes, boxes, qx + length * dx, qy + length * dy, qz + length * dz,
+                s[old + k], s[old + LANES + k], s[old + U2 * LANES + k],
+            )  # fmt: skip
+            lifted = length * abs((dx - ex) * nx + (dy - ey) * ny + (dz - ez) * nz)
+            sx = qx + length * dx - tx
+            sy = qy + length * dy - ty
+            sz = qz + length * dz - tz
             away = sx * nx + sy * ny + sz * nz
             sx -= away * nx
             sy -= away * ny
             sz -= away * nz
             slid = np.sqrt(sx * sx + sy * sy + sz * sz)
             if slid > TINY:
-                back = min(friction * lifted / slid, ONE)
-                x -= back * sx - qx
-                yy -= back * sy - qy
-                z -= back * sz - qz
+                back = min(friction * lifted, slid) / (slid * length)
+                x = dx - back * sx
+                yy = dy - back * sy
+                z = dz - back * sz
                 size = ONE / np.sqrt(max(x * x + yy * yy + z * z, TINY))
                 dx, dy, dz = off_solids(
                     qx, qy, qz, x * size, yy * size, z * size, length, spheres, capsules, planes, boxes, whole
                 )
-        s[y, k] = dx
-        s[y + 1, k] = dy
-        s[y + 2, k] = dz
-        p[k] = qx + length * dx
-        p[W + k] = qy + length * dy
-        p[2 * W + k] = qz + length * dz
+        s[y + k] = dx
+        s[y + LANES + k] = dy
+        s[y + U2 * LANES + k] = dz

@@ -1,375 +1,468 @@
 """One implicit step of inextensible rods: force-density Newton on a block of strands, one strand a lane.
 
 Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
-move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_{j+1} − e_j, c_0 = e_1 − d at the clamp, and
+move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_j − e_{j−1}, e_{−1} = d at the clamp, and
 κ_0 twice the others: with half a mass at the tip this makes the discretisation second order. The step minimises
 
     ½ Σ M_j |u_j − u*_j|² + ½ Σ κ_j |c_j − c̄_j|²    with |e_j| = 1,
 
-which for given force densities τ is a linear problem, H(τ) y = ρ with H = M + Dᵀ (diag(τ) + C) D pentadiagonal and the
-same for x, y and z. It is solved for a change y, from a residual ρ made of differences, so that single precision is
-enough. Newton's method on the dual finds τ: S δ = r, S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), r_j = |e_j|² (|e_j| − 1), exact in one
-step for a pendulum. S is dense: right for up to some twenty segments, see `rod_long` beyond.
+which for given force densities τ is a linear problem, H(τ) y = ρ with H = M + Dᵀ diag(τ) D + bending, pentadiagonal and
+the same for x, y and z. It is solved for a change y, from a residual ρ made of differences, so that single precision is
+enough. Newton's method finds τ: S δ = r, S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), r_j = |e_j|² (|e_j| − 1), exact in one step for a
+pendulum.
 
-Scratch is (rows, W); `rows_for` says how many and where things lie. Lane loops do not branch.
+Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
+definite and no τ that keeps it so meets the lengths: the dual has a gap. In such lanes H takes τ_j no lower than
+−θ/4 min(M_{j−1}, M_j), with which M alone keeps it definite (|y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), while ρ
+keeps the true τ; edges go back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make
+of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
+§18.2-18.3): the same solution, reached linearly and without any search, for compression cannot run away.
+
+Scratch is flat, in rows of W lanes; a segment's rows lie together at constant distances, by which LLVM sees that they
+do not overlap. Two segments of zeros before the first and after the last spare the recurrences their special cases.
+Offsets are unsigned, for signed ones may wrap around, which stops SIMD. Lane loops do not branch.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
+THREE = np.float32(3.0)
+QUARTER = np.float32(0.9 / 4)
+"""θ/4: the share of the mass that compression may use up in H."""
+MARGIN = np.float32(0.5)
+"""H counts as definite where its pivots keep this share of the mass."""
+FAR = np.float32(0.3)
+"""Error of |e|² above which edges go back to unit length before the next iteration."""
+SHORT = np.float32(1 / 16)
+"""|e|² below which an edge has hardly a direction left: S then takes this."""
+PATIENCE = 6
+"""Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
+STRIDES = np.float32(2.0)
+WILD = np.float32(64.0)
+"""Error of |e|² above which τ does not start from the step before."""
+PULLED = np.float32(4.0)
 PIVOT = np.float32(1e-6)
-LEAST = np.float32(1e-3)
-ENOUGH = np.float32(2e-5)
-SLACK = np.float32(1e-5)
-SPARE = 9
-TRIES = 6
+TINY = np.float32(1e-30)
+LOWEST = np.float32(-1e38)
+MOST = np.float32(1e18)
 
 
-def rows_for(n: int) -> int:
-    """Rows of scratch for ``n`` segments: e, u, y (3 n each), u*, c̄ (3 n each), τ, τ before, M, κ (n each), d, l, m
-    (n each), δ (n), S (n (n + 1) / 2), nine spare."""
-    return 23 * n + SPARE + n * (n + 1) // 2
+def _rows(count: int) -> np.uint64:
+    return np.uint64(count * W)
 
 
-@function
-def places(n):
-    """Where the parts begin: e, u, y, u*, c̄, τ, τ before, M, κ, d, l1, l2, δ, S, spare."""
-    return (
-        0, 3 * n, 6 * n, 9 * n, 12 * n, 15 * n, 16 * n, 17 * n, 18 * n, 19 * n, 20 * n, 21 * n, 22 * n,
-        23 * n + SPARE, 23 * n,
-    )  # fmt: skip
+LANES = np.uint64(W)
+U0 = np.uint64(0)
+U1 = np.uint64(1)
+U2 = np.uint64(2)
+U3 = np.uint64(3)
+U4 = np.uint64(4)
+# rows of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; pivot of H, its inverse, bands of L; δ; the
+# τ that H takes; whether H lost definiteness in a segment up to here; greatest error up to here; what to put right
+FIELDS = 27
+"""Not a multiple of 8: rows of 512 bytes at distances of 4096 would share the lines of the first-level cache."""
+E, U, Y, A, C, T, M, K = (_rows(i) for i in (0, 3, 6, 9, 12, 15, 16, 17))
+D, DI, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
+# the same rows after the iterations: where particles are and where they were, how far they were put off, the length of
+# the segment, and whether it has lost its direction
+PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
+SEGMENT = _rows(FIELDS)
+# rows that belong to the strand, before all segments
+NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
+HEAD = _rows(21)
+FIRST = HEAD + U2 * SEGMENT
 
 
-@function
+def size_for(n: int) -> int:
+    """Numbers of scratch for ``n`` segments: 21 rows of the strand's own, n + 4 segments, and the lower triangle of S
+    row by row, with a row for the right-hand side."""
+    return int(FIRST) + (n + 2) * int(SEGMENT) + W * ((n + 1) * (n + 4) // 2 + 3)
+
+
+def clear(scratch: Any) -> None:
+    """Zeros where kernels rely on them, and ones in row ALL, once."""
+    scratch[:] = 0
+    scratch[int(ALL) : int(ALL) + W] = 1
+
+
+@inner
 def factor(s, n):
-    """H = L diag(d) Lᵀ with two bands; returns whether some lane lost definiteness, which its row of `spare` marks by 1
-    (its pivots are replaced by 1, so that nothing overflows)."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    for k in range(W):
-        s[X, k] = ZERO
+    """H = L diag(d) Lᵀ with two bands. Lanes where τ makes it indefinite take the bounded τ instead; whether there are
+    any is kept in HARD."""
+    last = FIRST + (n - U1) * SEGMENT
+    for k in range(LANES):
+        s[FIRST - SEGMENT + SHARE + k] = ZERO
+    s[HARD] = ZERO
+    if not eliminate(s, n, T):
+        return
+    s[HARD] = ONE
+    for k in range(LANES):
+        s[FIRST - SEGMENT + SHARE + k] = s[last + LOST + k]
     for j in range(n):
-        t = T + j
-        last = j == n - 1
-        # P_jj = τ_j + κ_{j−1} + κ_j, where κ row j is the joint before edge j; beyond the tip there is none
-        if last:
-            for k in range(W):
-                s[D + j, k] = s[M + j, k] + s[t, k] + s[K + j, k]
-                s[L1 + j, k] = ZERO
-                s[L2 + j, k] = ZERO
-        else:
-            after = K + j + 1
-            if j + 2 < n:
-                for k in range(W):
-                    p = s[t + 1, k] + s[after, k] + s[after + 1, k]
-                    s[D + j, k] = s[M + j, k] + s[t, k] + s[K + j, k] + s[after, k] + p + TWO * s[after, k]
-                    s[L1 + j, k] = -p - s[after, k] - s[after + 1, k]
-                    s[L2 + j, k] = s[after + 1, k]
-            else:
-                for k in range(W):
-                    p = s[t + 1, k] + s[after, k]
-                    s[D + j, k] = s[M + j, k] + s[t, k] + s[K + j, k] + s[after, k] + p + TWO * s[after, k]
-                    s[L1 + j, k] = -p - s[after, k]
-                    s[L2 + j, k] = ZERO
-        if j >= 2:
-            for k in range(W):
-                s[D + j, k] -= s[L2 + j - 2, k] * s[L2 + j - 2, k] * s[D + j - 2, k]
-        if j >= 1:
-            for k in range(W):
-                s[D + j, k] -= s[L1 + j - 1, k] * s[L1 + j - 1, k] * s[D + j - 1, k]
-                s[L1 + j, k] -= s[L2 + j - 1, k] * s[D + j - 1, k] * s[L1 + j - 1, k]
-        for k in range(W):
-            d = s[D + j, k]
-            good = d > LEAST * s[M + j, k]
-            s[X, k] = s[X, k] if good else ONE
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            mine = s[k - SEGMENT + SHARE]
+            t = s[k + T]
+            bounded = max(t, -QUARTER * min(s[k - SEGMENT + M], s[k + M]))
+            s[k + TH] = bounded if mine > ZERO else t
+            s[k + SHARE] = mine
+    eliminate(s, n, TH)
+
+
+@inner
+def eliminate(s, n, t):
+    """LDLᵀ of H with the force densities in field t; row LOST becomes 1 in lanes with a pivot that is too small, which
+    is replaced by 1. Returns whether there are any."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            k1 = s[k + SEGMENT + K]
+            k2 = s[k + U2 * SEGMENT + K]
+            p = s[k + SEGMENT + t] + k1 + k2
+            l1 = -p - k1 - k2
+            b1 = s[k - SEGMENT + L1]
+            b2 = s[k - U2 * SEGMENT + L2]
+            carried = s[k - SEGMENT + D] * b1
+            d = s[k + M] + s[k + t] + s[k + K] + THREE * k1 + p
+            d -= b2 * b2 * s[k - U2 * SEGMENT + D] + b1 * carried
+            l1 -= s[k - SEGMENT + L2] * carried
+            lost = s[k - SEGMENT + LOST]
+            good = d > MARGIN * s[k + M]
+            s[k + LOST] = lost if good else ONE
             d = d if good else ONE
-            s[D + j, k] = d
-            d = ONE / d
-            s[L1 + j, k] *= d
-            s[L2 + j, k] *= d
-    bad = ZERO
-    for k in range(W):
-        bad = max(bad, s[X, k])
-    return bad > ZERO
+            i = ONE / d
+            s[k + D] = d
+            s[k + DI] = i
+            s[k + L1] = l1 * i
+            s[k + L2] = k2 * i
+    return greatest(s, FIRST + (n - U1) * SEGMENT + LOST) > ZERO
 
 
-@function
-def substitute(s, n):
-    """y = H⁻¹ y in place, for x, y and z."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    for j in range(1, n):
-        for c in range(3):
-            o = Y + 3 * j + c
-            for k in range(W):
-                s[o, k] -= s[L1 + j - 1, k] * s[o - 3, k]
-            if j >= 2:
-                for k in range(W):
-                    s[o, k] -= s[L2 + j - 2, k] * s[o - 6, k]
-    for i in range(n):
-        j = n - 1 - i
-        for c in range(3):
-            o = Y + 3 * j + c
-            for k in range(W):
-                s[o, k] /= s[D + j, k]
-            if i >= 1:
-                for k in range(W):
-                    s[o, k] -= s[L1 + j, k] * s[o + 3, k]
-            if i >= 2:
-                for k in range(W):
-                    s[o, k] -= s[L2 + j, k] * s[o + 6, k]
+@inner
+def greatest(s, row):
+    """The greatest number of a row."""
+    most = s[row]
+    for k in range(LANES):
+        most = max(most, s[row + k])
+    return most
 
 
-@function
-def residual(s, n, clamp):
-    """y := ρ_j = M_j (u*_j − u_j) − (g_j − g_{j+1}), g_j = τ_j e_j + κ_{j−1} (c_{j−1} − c̄_{j−1}) − κ_j (c_j − c̄_j).
-
-    clamp (3 W,): the direction d before the first edge."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+@inner
+def change(s, n):
+    """y := H⁻¹ ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + κ_j (c_j − c̄_j) − κ_{j+1} (c_{j+1} −
+    c̄_{j+1}); the edge before the first is the clamped direction."""
     for j in range(n):
-        for c in range(3):
-            o = 3 * j + c
-            e = E + o
-            for k in range(W):
-                s[Y + o, k] = s[M + j, k] * (s[A + o, k] - s[U + o, k]) - s[T + j, k] * s[e, k]
-            if j == 0:
-                for k in range(W):
-                    s[Y + o, k] -= s[K, k] * (s[e, k] - clamp[c * W + k] - s[C + o, k])
-            else:
-                # joint j lies between edges j − 1 and j: its moment pulls on both, and so on three particles
-                for k in range(W):
-                    b = s[K + j, k] * (s[e, k] - s[e - 3, k] - s[C + o, k])
-                    s[Y + o, k] -= b
-                    s[Y + o - 3, k] += s[T + j, k] * s[e, k] + b + b
-                if j >= 2:
-                    for k in range(W):
-                        s[Y + o - 6, k] -= s[K + j, k] * (s[e, k] - s[e - 3, k] - s[C + o, k])
+        for c in range(U3):
+            o = FIRST + j * SEGMENT + c * LANES
+            lane = c * LANES
+            for v in range(LANES):
+                k = o + v
+                e = s[k + E]
+                b = s[k - lane + K] * (e - s[k - SEGMENT + E] - s[k + C])
+                b1 = s[k - lane + SEGMENT + K] * (s[k + SEGMENT + E] - e - s[k + SEGMENT + C])
+                s[k + Y] = s[k - lane + T] * e + b - b1
+    for j in range(n):
+        for c in range(U3):
+            o = FIRST + j * SEGMENT + c * LANES
+            lane = c * LANES
+            for v in range(LANES):
+                k = o + v
+                y = s[k - lane + M] * (s[k + A] - s[k + U]) - s[k + Y] + s[k + SEGMENT + Y]
+                y -= s[k - lane - SEGMENT + L1] * s[k - SEGMENT + Y]
+                s[k + Y] = y - s[k - lane - U2 * SEGMENT + L2] * s[k - U2 * SEGMENT + Y]
+    for a in range(n):
+        j = n - U1 - a
+        for c in range(U3):
+            o = FIRST + j * SEGMENT + c * LANES
+            lane = c * LANES
+            for v in range(LANES):
+                k = o + v
+                y = s[k - lane + DI] * s[k + Y] - s[k - lane + L1] * s[k + SEGMENT + Y]
+                s[k + Y] = y - s[k - lane + L2] * s[k + U2 * SEGMENT + Y]
 
 
-@function
+@inner
 def move(s, n):
-    """u += y, e += D y."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    for o in range(3 * n):
-        if o < 3:
-            for k in range(W):
-                s[U + o, k] += s[Y + o, k]
-                s[E + o, k] += s[Y + o, k]
-        else:
-            for k in range(W):
-                s[U + o, k] += s[Y + o, k]
-                s[E + o, k] += (s[Y + o, k] - s[Y + o - 3, k])
+    """u += y, e += D y; the greatest | |e|² − 1 |, and that of each lane in row WORST of the last segment."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            x = s[k + Y]
+            y = s[k + Y + LANES]
+            z = s[k + Y + U2 * LANES]
+            s[k + U] += x
+            s[k + U + LANES] += y
+            s[k + U + U2 * LANES] += z
+            x = s[k + E] + (x - s[k - SEGMENT + Y])
+            y = s[k + E + LANES] + (y - s[k - SEGMENT + Y + LANES])
+            z = s[k + E + U2 * LANES] + (z - s[k - SEGMENT + Y + U2 * LANES])
+            s[k + E] = x
+            s[k + E + LANES] = y
+            s[k + E + U2 * LANES] = z
+            w = abs(x * x + y * y + z * z - ONE)
+            w = w if w < MOST else MOST  # neither is NaN
+            s[k + WORST] = max(s[k - SEGMENT + WORST], w)
+    return greatest(s, FIRST + (n - U1) * SEGMENT + WORST)
 
 
-@function
+@inner
+def retract(s, n):
+    """Edges of lanes with bounded τ, and of lanes that are far off, go back to unit length, root to tip. Rows Y sum up
+    how far particles are put off."""
+    last = FIRST + (n - U1) * SEGMENT + WORST
+    mine = FIRST - SEGMENT + SHARE
+    for k in range(LANES):
+        s[mine + k] = ONE if max(s[mine + k], s[last + k]) > FAR else ZERO
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            x = s[k + E]
+            y = s[k + E + LANES]
+            z = s[k + E + U2 * LANES]
+            share = s[k - SEGMENT + SHARE]
+            f = share * (ONE / np.sqrt(max(x * x + y * y + z * z, TINY)) - ONE)
+            x *= f
+            y *= f
+            z *= f
+            s[k + SHARE] = share
+            s[k + E] += x
+            s[k + E + LANES] += y
+            s[k + E + U2 * LANES] += z
+            x += s[k - SEGMENT + Y]
+            y += s[k - SEGMENT + Y + LANES]
+            z += s[k - SEGMENT + Y + U2 * LANES]
+            s[k + Y] = x
+            s[k + Y + LANES] = y
+            s[k + Y + U2 * LANES] = z
+            s[k + U] += x
+            s[k + U + LANES] += y
+            s[k + U + U2 * LANES] += z
+
+
+@inner
+def shorten(s, n, most):
+    """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the
+    greatest."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            x = s[k + Y] - s[k - SEGMENT + Y]
+            y = s[k + Y + LANES] - s[k - SEGMENT + Y + LANES]
+            z = s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES]
+            s[k + WORST] = max(s[k - SEGMENT + WORST], x * x + y * y + z * z)
+    last = FIRST + (n - U1) * SEGMENT
+    for k in range(LANES):
+        s[SPARE + k] = min(ONE, most / np.sqrt(max(s[last + WORST + k], TINY)))
+    for j in range(n):
+        for c in range(U3):
+            o = FIRST + j * SEGMENT + Y + c * LANES
+            for k in range(LANES):
+                s[o + k] *= s[SPARE + k]
+
+
+@inner
+def demand(s, n):
+    """δ := r, with what the change y in the scratch would add to it."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            x = s[k + E]
+            y = s[k + E + LANES]
+            z = s[k + E + U2 * LANES]
+            q = x * x + y * y + z * z
+            r = q * (np.sqrt(q) - ONE) if q > HALF * HALF else HALF * (q - ONE)
+            r += x * (s[k + Y] - s[k - SEGMENT + Y]) + y * (s[k + Y + LANES] - s[k - SEGMENT + Y + LANES])
+            s[k + R] = r + z * (s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES])
+
+
+@inner
+def still(s, n):
+    """y := 0."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT + Y
+        for k in range(o, o + U3 * LANES):
+            s[k] = ZERO
+
+
+@inner
+def at(n, i, j):
+    """Where entry (i, j), i >= j, of the triangle is: each row begins with a zero, and a row of two comes before."""
+    return FIRST + (n + U2) * SEGMENT + (i * (i + U3) // U2 + j + U3) * LANES
+
+
+@inner
 def inverse(s, n):
-    """The lower triangle of H⁻¹ into S, from the last column to the first (Takahashi, Fagan & Chin 1973)."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+    """The lower triangle of H⁻¹, from the last column to the first (Takahashi, Fagan & Chin 1973)."""
     for a in range(n):
-        j = n - 1 - a
-        for b in range(a + 1):
-            i = n - 1 - b
-            o = S + i * (i + 1) // 2 + j
-            if i == j:
-                for k in range(W):
-                    s[o, k] = ONE / s[D + j, k]
-            else:
-                for k in range(W):
-                    s[o, k] = ZERO
-            if j + 1 < n:
-                p = S + i * (i + 1) // 2 + j + 1 if i >= j + 1 else S + (j + 1) * (j + 2) // 2 + i
-                for k in range(W):
-                    s[o, k] -= s[L1 + j, k] * s[p, k]
-            if j + 2 < n:
-                p = S + i * (i + 1) // 2 + j + 2 if i >= j + 2 else S + (j + 2) * (j + 3) // 2 + i
-                for k in range(W):
-                    s[o, k] -= s[L2 + j, k] * s[p, k]
+        j = n - U1 - a
+        o = FIRST + j * SEGMENT
+        for b in range(a + U1):
+            i = n - U1 - b
+            start = o + DI if i == j else NIL
+            one = NIL if a < U1 else at(n, max(i, j + U1), min(i, j + U1))
+            two = NIL if a < U2 else at(n, max(i, j + U2), min(i, j + U2))
+            here = at(n, i, j)
+            for k in range(LANES):
+                s[here + k] = s[start + k] - s[o + L1 + k] * s[one + k] - s[o + L2 + k] * s[two + k]
 
 
-@function
+@inner
 def couple(s, n):
-    """S := (e_i·e_j) ∘ (D H⁻¹ Dᵀ) in place of H⁻¹, and δ := r."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+    """S := (e_i·e_j) ∘ (D H⁻¹ Dᵀ) in place of H⁻¹, from the last entry to the first."""
     for a in range(n):
-        i = n - 1 - a
-        ei = E + 3 * i
-        for b in range(i + 1):
-            j = i - b
-            ej = E + 3 * j
-            o = S + i * (i + 1) // 2 + j
-            up = S + (i - 1) * i // 2 + j
-            if i == 0:
-                for k in range(W):
-                    s[o, k] *= s[ei, k] * s[ej, k] + s[ei + 1, k] * s[ej + 1, k] + s[ei + 2, k] * s[ej + 2, k]
-            elif j == 0:
-                for k in range(W):
-                    dot = s[ei, k] * s[ej, k] + s[ei + 1, k] * s[ej + 1, k] + s[ei + 2, k] * s[ej + 2, k]
-                    s[o, k] = (s[o, k] - s[up, k]) * dot
-            elif i == j:
-                for k in range(W):
-                    dot = s[ei, k] * s[ei, k] + s[ei + 1, k] * s[ei + 1, k] + s[ei + 2, k] * s[ei + 2, k]
-                    s[o, k] = (s[o, k] - TWO * s[o - 1, k] + s[up - 1, k]) * dot
-            else:
-                for k in range(W):
-                    dot = s[ei, k] * s[ej, k] + s[ei + 1, k] * s[ej + 1, k] + s[ei + 2, k] * s[ej + 2, k]
-                    s[o, k] = (s[o, k] - s[up, k] - s[o - 1, k] + s[up - 1, k]) * dot
-        for k in range(W):
-            q = s[ei, k] * s[ei, k] + s[ei + 1, k] * s[ei + 1, k] + s[ei + 2, k] * s[ei + 2, k]
-            size = np.sqrt(q)
-            s[DEL + i, k] = q * (size - ONE) if size >= HALF else HALF * (q - ONE)
+        i = n - U1 - a
+        p = FIRST + i * SEGMENT
+        for b in range(i + U1):
+            here = at(n, i, i - b)
+            # (i − 1, i) is (i, i − 1)
+            up = here - LANES if b == U0 else here - (i + U1) * LANES
+            scale(s, here, up, here - (i + U2) * LANES, p, FIRST + (i - b) * SEGMENT, SHORT if b == U0 else LOWEST)
 
 
-@function
+@inner
+def scale(s, here, up, both, p, q, least):
+    """Entry (i, j) less those above it and left of it, plus that above and left, times e_i·e_j or ``least``."""
+    for k in range(LANES):
+        dot = s[p + k] * s[q + k] + s[p + LANES + k] * s[q + LANES + k] + s[p + U2 * LANES + k] * s[q + U2 * LANES + k]
+        s[here + k] = (s[here + k] - s[here - LANES + k] - s[up + k] + s[both + k]) * max(dot, least)
+
+
+@inner
 def solve_dense(s, n):
-    """δ := S⁻¹ δ by LDLᵀ without pivoting: S is positive definite by Schur's product theorem. A pivot that rounding has
-    taken below a millionth of its entry is raised to that."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    for j in range(n):
-        diagonal = S + j * (j + 1) // 2 + j
-        for k in range(W):
-            s[diagonal, k] = max(s[diagonal, k], PIVOT * PIVOT * PIVOT)
-            s[X, k] = ONE / s[diagonal, k]
-        for i in range(j + 1, n):
-            row = S + i * (i + 1) // 2
-            o = row + j
-            for k in range(W):
-                s[X + 1, k] = s[o, k] * s[X, k]
-            for p in range(j + 1, i + 1):
-                other = S + p * (p + 1) // 2 + j
-                if p < i:
-                    # rows before i hold L already: their S_pj is L_pj d_j
-                    for k in range(W):
-                        s[row + p, k] -= s[o, k] * s[other, k]
-                else:
-                    for k in range(W):
-                        s[row + p, k] -= s[o, k] * s[X + 1, k]
-            for k in range(W):
-                s[o, k] = s[X + 1, k]
-            for k in range(W):
-                s[DEL + i, k] -= s[o, k] * s[DEL + j, k]
+    """δ := S⁻¹ δ by Cholesky's factors, row by row without pivoting, and τ += δ; the right-hand side is one more row.
+    S is positive definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry
+    is raised to that. Diagonal entries become the inverse ones of the factor."""
+    rhs = at(n, n, U0)
+    for i in range(n):
+        for k in range(LANES):
+            s[rhs + i * LANES + k] = s[FIRST + i * SEGMENT + R + k]
+    for i in range(n + U1):
+        row = at(n, i, U0)
+        for j in range(i):
+            project(s, row + j * LANES, row, at(n, j, U0), j, at(n, j, j))
+        if i < n:
+            last = row + i * LANES
+            for k in range(LANES):
+                s[SPARE + k] = max(PIVOT * s[last + k], TINY)
+            project(s, last, row, row, i, ALL)
+            for k in range(LANES):
+                s[last + k] = ONE / np.sqrt(max(s[last + k], s[SPARE + k]))
     for a in range(n):
-        i = n - 1 - a
-        diagonal = S + i * (i + 1) // 2 + i
-        for k in range(W):
-            s[DEL + i, k] /= s[diagonal, k]
-        for p in range(i + 1, n):
-            o = S + p * (p + 1) // 2 + i
-            for k in range(W):
-                s[DEL + i, k] -= s[o, k] * s[DEL + p, k]
+        i = n - U1 - a
+        row = at(n, i, U0)
+        mine = rhs + i * LANES
+        tau = FIRST + i * SEGMENT + T
+        for k in range(LANES):
+            s[mine + k] *= s[row + i * LANES + k]
+        for k in range(LANES):
+            s[tau + k] += s[mine + k]
+        relieve(s, rhs, row, mine, i)
 
 
-@function
-def tense(s, n):
-    """τ += δ, the τ before kept."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    for j in range(n):
-        for k in range(W):
-            s[TB + j, k] = s[T + j, k]
-            s[T + j, k] += s[DEL + j, k]
+@inner
+def project(s, here, row, other, count, by):
+    """Row `here` loses the products of ``count`` rows from `row` on with as many from `other` on, and is multiplied
+    by row `by`."""
+    while count > U3:
+        for k in range(LANES):
+            s[here + k] -= (s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]) + (
+                s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
+                + s[row + U3 * LANES + k] * s[other + U3 * LANES + k]
+            )
+        row += U4 * LANES
+        other += U4 * LANES
+        count -= U4
+    if count == U0:
+        for k in range(LANES):
+            s[here + k] *= s[by + k]
+    elif count == U1:
+        for k in range(LANES):
+            s[here + k] = (s[here + k] - s[row + k] * s[other + k]) * s[by + k]
+    elif count == U2:
+        for k in range(LANES):
+            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
+            s[here + k] = (s[here + k] - sum) * s[by + k]
+    else:
+        for k in range(LANES):
+            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
+            sum += s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
+            s[here + k] = (s[here + k] - sum) * s[by + k]
 
 
-@function
-def retreat(s, n, last):
-    """In the lanes that are marked in `spare`, go back half of the way to the τ before; at `last`, all of it."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
-    share = ONE if last else HALF
-    for j in range(n):
-        for k in range(W):
-            back = share * (s[TB + j, k] - s[T + j, k])
-            s[T + j, k] += back if s[X, k] > ZERO else ZERO
+@inner
+def relieve(s, rhs, row, mine, count):
+    """``count`` rows from `rhs` on lose their multiples, in rows from `row` on, of row `mine`."""
+    for j in range(count):
+        for k in range(LANES):
+            s[rhs + j * LANES + k] -= s[row + j * LANES + k] * s[mine + k]
 
 
-@function
-def dual(s, n, clamp, o):
-    """Row o of the scratch: the Lagrangian at x(τ), the concave function of τ that Newton's method climbs; and whether
-    a length is still wrong by more than `ENOUGH` in some lane."""
-    E, U, Y, A, C, T, TB, M, K, D, L1, L2, DEL, S, X = places(n)
+@inner
+def pull(s, n):
+    """τ at least what would carry the load if all of it pulled one way, less a few units of mass: rows LOAD sum it up
+    from the tip, row SPARE the mass."""
+    for k in range(U3 * LANES):
+        s[LOAD + k] = ZERO
+    for k in range(LANES):
+        s[SPARE + k] = ZERO
+    for a in range(n):
+        o = FIRST + (n - U1 - a) * SEGMENT
+        for c in range(U3):
+            for k in range(LANES):
+                s[LOAD + c * LANES + k] += s[o + M + k] * s[o + A + c * LANES + k]
+        for k in range(LANES):
+            s[SPARE + k] += s[o + M + k]
+        for k in range(LANES):
+            x = s[LOAD + k]
+            y = s[LOAD + LANES + k]
+            z = s[LOAD + U2 * LANES + k]
+            load = np.sqrt(x * x + y * y + z * z) - PULLED * s[SPARE + k]
+            t = s[o + T + k]
+            s[o + T + k] = max(t, load) if load > ZERO else t
+
+
+@inner
+def iterate(s, n, iterations, enough):
+    """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
+    returns what they are in the end. Begins with x(τ) for the τ of the step before, or, where loads turn out to be far
+    greater than that knows of, for more."""
     worst = ZERO
-    for k in range(W):
-        s[o, k] = ZERO
-    for j in range(n):
-        e = E + 3 * j
-        u = U + 3 * j
-        a = A + 3 * j
-        for k in range(W):
-            q = s[e, k] * s[e, k] + s[e + 1, k] * s[e + 1, k] + s[e + 2, k] * s[e + 2, k] - ONE
-            worst = max(worst, abs(q))
-            x = s[u, k] - s[a, k]
-            y = s[u + 1, k] - s[a + 1, k]
-            z = s[u + 2, k] - s[a + 2, k]
-            s[o, k] += s[T + j, k] * q + s[M + j, k] * (x * x + y * y + z * z)
-        for c in range(3):
-            if j == 0:
-                for k in range(W):
-                    bend = s[e + c, k] - clamp[c * W + k] - s[C + c, k]
-                    s[o, k] += s[K, k] * bend * bend
-            else:
-                for k in range(W):
-                    bend = s[e + c, k] - s[e + c - 3, k] - s[C + 3 * j + c, k]
-                    s[o, k] += s[K + j, k] * bend * bend
-    return worst > ENOUGH
-
-
-@function
-def compare(s, n, new, old):
-    """Mark in `spare` the lanes whose dual value fell; whether there are any."""
-    X = places(n)[14]
-    bad = ZERO
-    for k in range(W):
-        fell = s[new, k] < s[old, k] - SLACK * (abs(s[old, k]) + SLACK)
-        s[X, k] = ONE if fell else ZERO
-        bad = max(bad, s[X, k])
-    return bad > ZERO
-
-
-@function
-def follow(s, n, clamp):
-    """x := x(τ), exactly: the problem is linear. False where H is not definite in some lane, which is then marked."""
-    if factor(s, n):
-        return False
-    residual(s, n, clamp)
-    substitute(s, n)
-    move(s, n)
-    return True
-
-
-@function
-def climb(s, n, clamp):
-    """Take the step δ, or as much of it as keeps H definite and the dual from falling. Returns whether lengths are
-    still wrong."""
-    X = places(n)[14]
-    old = X + 2
-    new = X + 3
-    tense(s, n)
-    wrong = True
-    for attempt in range(TRIES + 1):
-        if follow(s, n, clamp):
-            wrong = dual(s, n, clamp, new)
-            if attempt == TRIES or not compare(s, n, new, old):
-                break
-        retreat(s, n, attempt == TRIES - 1)
-    for k in range(W):
-        s[old, k] = s[new, k]
-    return wrong
-
-
-@function
-def iterate(s, n, clamp, iterations):
-    """Newton's iterations, at most so many, until the lengths of all lanes are right to `ENOUGH`. Begins with tension
-    alone, with which H is definite."""
-    X = places(n)[14]
-    follow(s, n, clamp)
-    wrong = dual(s, n, clamp, X + 2)
-    for _ in range(iterations):
-        if not wrong:
+    for count in range(-1, iterations + 1):
+        if count > 1 and worst <= enough:
             break
-        inverse(s, n)
-        couple(s, n)
-        solve_dense(s, n)
-        wrong = climb(s, n, clamp)
+        if count == 0:
+            if not worst > WILD:
+                continue
+            pull(s, n)
+        if count > 0:
+            if worst > FAR or s[HARD] > ZERO:
+                retract(s, n)
+                change(s, n)
+            else:
+                still(s, n)
+            demand(s, n)
+            inverse(s, n)
+            couple(s, n)
+            solve_dense(s, n)
+        factor(s, n)
+        change(s, n)
+        if count > PATIENCE:
+            shorten(s, n, STRIDES / np.float32(count - PATIENCE))
+        worst = move(s, n)
+    return worst

@@ -6,8 +6,9 @@ The dense S is never formed. δ comes from the system that it is the Schur compl
     [ G  0  ] [ −δ ] = [ r ],    (G y)_j = e_j·(y_j − y_{j−1}),
 
 with the three coordinates of a particle and the multiplier of its edge taken together: a symmetric band of half width
-8, factored as L D Lᵀ without pivoting. That is safe because H is positive definite, so that each multiplier meets a
-negative pivot. For long strands H itself is badly conditioned (as N⁴): these kernels want float64.
+8, factored as L D Lᵀ without pivoting, each segment right after it has been put together. That is safe because H is
+positive definite, so that each multiplier meets a negative pivot. For long strands H itself is badly conditioned (as
+N⁴): these kernels want float64.
 """
 
 from __future__ import annotations
@@ -15,109 +16,131 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 from . import rod
+from .rod import FIRST, LANES, ONE, SEGMENT, SHORT, TH, THREE, TINY, U1, U2, U3, U4, ZERO, E, K, M, R, T
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-BAND = 9
-TINY = np.float32(1e-30)
-
-
-def rows_for(n: int) -> int:
-    """Rows of scratch for ``n`` segments: those of `rod` up to δ, the spare ones, the band and its right-hand side."""
-    return 23 * n + rod.SPARE + 4 * n * (BAND + 1)
+BAND = np.uint64(9)
+ROW = np.uint64(10 * W)
+"""A row of the band, diagonal first, and its right-hand side."""
+RHS = np.uint64(9 * W)
 
 
-@function
-def assemble(s, n, F, R):
-    """Fill the band: row F + BAND i + b holds entry (i, i + b); right-hand sides in rows R + i.
-
-    Diagonal entries of H are those before factoring, so H is put together here once more."""
-    E = 0
-    T = 15 * n
-    M = 17 * n
-    K = 18 * n
-    for row in range(4 * n * BAND):
-        for k in range(W):
-            s[F + row, k] = ZERO
-    for row in range(4 * n):
-        for k in range(W):
-            s[R + row, k] = ZERO
-    for j in range(n):
-        for c in range(3):
-            row = F + BAND * (4 * j + c)
-            for k in range(W):
-                d = s[M + j, k] + s[T + j, k] + s[K + j, k]
-                s[row, k] = d
-            if j + 1 < n:
-                for k in range(W):
-                    p = s[T + j + 1, k] + s[K + j + 1, k]
-                    s[row, k] += p + s[K + j + 1, k] * (ONE + ONE + ONE)
-                    s[row + 4, k] = -p - s[K + j + 1, k]
-            if j + 2 < n:
-                for k in range(W):
-                    s[row, k] += s[K + j + 2, k]
-                    s[row + 4, k] -= s[K + j + 2, k] + s[K + j + 2, k]
-                    s[row + 8, k] = s[K + j + 2, k]
-            # the edge's own constraint, and that of the edge after it
-            for k in range(W):
-                s[row + 3 - c, k] = s[E + 3 * j + c, k]
-            if j + 1 < n:
-                for k in range(W):
-                    s[row + 7 - c, k] = -s[E + 3 * j + 3 + c, k]
-        e = E + 3 * j
-        for k in range(W):
-            q = s[e, k] * s[e, k] + s[e + 1, k] * s[e + 1, k] + s[e + 2, k] * s[e + 2, k]
-            size = np.sqrt(q)
-            s[R + 4 * j + 3, k] = q * (size - ONE) if size >= HALF else HALF * (q - ONE)
+def size_for(n: int) -> int:
+    """As `rod.size_for`, with the band in place of S."""
+    return int(FIRST) + (n + 2) * int(SEGMENT) + (n + 2) * 4 * int(ROW)
 
 
-@function
-def eliminate(s, n, F, R):
-    """Factor the band and solve in place: rows R become y (three a particle) and −δ."""
-    size = 4 * n
-    for i in range(size):
-        row = F + BAND * i
-        reach = min(BAND - 1, size - 1 - i)
-        for k in range(W):
-            d = s[row, k]
-            d = d if abs(d) > TINY else TINY
-            s[row, k] = ONE / d
-        for b in range(1, reach + 1):
-            # L = A_{i, i+b} / d; the rows below lose L times this row
-            for a in range(b, reach + 1):
-                for k in range(W):
-                    s[row + BAND * b + a - b, k] -= s[row + b, k] * s[row, k] * s[row + a, k]
-            for k in range(W):
-                s[R + i + b, k] -= s[row + b, k] * s[row, k] * s[R + i, k]
+@inner
+def assemble(s, n, j, t):
+    """The four rows of segment j, entries (i, i + b) in row b of each; t: the field of force densities in H."""
+    o = FIRST + j * SEGMENT
+    here = FIRST + (n + U2) * SEGMENT + j * U4 * ROW
+    for k in range(U4 * ROW):
+        s[here + k] = ZERO
+    for c in range(U3):
+        row = here + c * ROW
+        e = o + E + c * LANES
+        # the edge's own constraint, and that of the edge after it: beyond the tip edges are zero
+        mine = row + (U3 - c) * LANES
+        next = row + (U4 + U3 - c) * LANES
+        for k in range(LANES):
+            k1 = s[o + SEGMENT + K + k]
+            k2 = s[o + U2 * SEGMENT + K + k]
+            p = s[o + SEGMENT + t + k] + k1 + k2
+            s[row + k] = s[o + M + k] + s[o + t + k] + s[o + K + k] + THREE * k1 + p
+            s[row + U4 * LANES + k] = -p - k1 - k2
+            s[row + U4 * U2 * LANES + k] = k2
+        for k in range(LANES):
+            s[mine + k] = s[e + k]
+        for k in range(LANES):
+            s[next + k] = -s[e + SEGMENT + k]
+    row = here + U3 * ROW
+    for k in range(LANES):
+        x = s[o + E + k]
+        y = s[o + E + LANES + k]
+        z = s[o + E + U2 * LANES + k]
+        s[row + k] = -max(SHORT - (x * x + y * y + z * z), ZERO) / s[o + M + k]
+        s[row + RHS + k] = s[o + R + k]
+
+
+@inner
+def eliminate(s, n, i):
+    """Row i: those below it lose their multiples of it."""
+    row = FIRST + (n + U2) * SEGMENT + i * ROW
+    for k in range(LANES):
+        d = s[row + k]
+        s[row + k] = ONE / (d if abs(d) > TINY else TINY)
+    reach = min(BAND - U1, n * U4 - U1 - i)
+    for b in range(U1, reach + U1):
+        below = row + b * ROW
+        mine = row + b * LANES
+        for k in range(LANES):
+            s[rod.SPARE + k] = s[mine + k] * s[row + k]
+        for a in range(b, reach + U1):
+            take(s, below + (a - b) * LANES, row + a * LANES)
+        take(s, below + RHS, row + RHS)
+
+
+@inner
+def take(s, target, source):
+    """A row loses the product of another and row SPARE."""
+    for k in range(LANES):
+        s[target + k] -= s[source + k] * s[rod.SPARE + k]
+
+
+@inner
+def substitute(s, n):
+    """Backward through the band; τ += δ."""
+    base = FIRST + (n + U2) * SEGMENT
+    size = n * U4
     for back in range(size):
-        i = size - 1 - back
-        row = F + BAND * i
-        reach = min(BAND - 1, size - 1 - i)
-        for b in range(1, reach + 1):
-            for k in range(W):
-                s[R + i, k] -= s[row + b, k] * s[R + i + b, k]
-        for k in range(W):
-            s[R + i, k] *= s[row, k]
+        i = size - U1 - back
+        row = base + i * ROW
+        reach = min(BAND - U1, back)
+        for b in range(U1, reach + U1):
+            a = row + b * LANES
+            x = row + b * ROW + RHS
+            for k in range(LANES):
+                s[row + RHS + k] -= s[a + k] * s[x + k]
+        for k in range(LANES):
+            s[row + RHS + k] *= s[row + k]
+    for j in range(n):
+        o = FIRST + j * SEGMENT + T
+        x = base + (j * U4 + U3) * ROW + RHS
+        for k in range(LANES):
+            s[o + k] -= s[x + k]
 
 
-@function
-def iterate(s, n, clamp, iterations):
+@inner
+def iterate(s, n, iterations, enough):
     """As `rod.iterate`."""
-    DEL = 22 * n
-    X = 23 * n
-    F = 23 * n + rod.SPARE
-    R = F + 4 * n * BAND
-    rod.follow(s, n, clamp)
-    wrong = rod.dual(s, n, clamp, X + 2)
-    for _ in range(iterations):
-        if not wrong:
+    worst = ZERO
+    for count in range(-1, iterations + 1):
+        if count > 1 and worst <= enough:
             break
-        assemble(s, n, F, R)
-        eliminate(s, n, F, R)
-        for j in range(n):
-            for k in range(W):
-                s[DEL + j, k] = -s[R + 4 * j + 3, k]
-        wrong = rod.climb(s, n, clamp)
+        if count == 0:
+            if not worst > rod.WILD:
+                continue
+            rod.pull(s, n)
+        if count > 0:
+            t = TH if s[rod.HARD] > ZERO else T
+            if worst > rod.FAR or t == TH:
+                rod.retract(s, n)
+                rod.change(s, n)
+            else:
+                rod.still(s, n)
+            rod.demand(s, n)
+            for j in range(n + U2):
+                if j < n:
+                    assemble(s, n, j, t)
+                if j >= U2:
+                    for c in range(U4):
+                        eliminate(s, n, (j - U2) * U4 + c)
+            substitute(s, n)
+        rod.factor(s, n)
+        rod.change(s, n)
+        if count > rod.PATIENCE:
+            rod.shorten(s, n, rod.STRIDES / np.float32(count - rod.PATIENCE))
+        worst = rod.move(s, n)
+    return worst
