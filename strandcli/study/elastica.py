@@ -1,4 +1,4 @@
-"""The planar elastica under its own weight and a load at its tip, in double precision: the exact shape of a clamped rod.
+"""The planar elastica under its own weight and a load at its tip, in double precision: a clamped rod's exact shape.
 
 With t the share of arc length from the free tip and φ the tangent's angle from straight down, moments balance where
 

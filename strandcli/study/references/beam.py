@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from functools import cache
 
-import numpy as np
-
 from .. import modes
 from .base import Case, Reference, Track, groom, off, preset
 

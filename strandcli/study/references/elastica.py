@@ -1,7 +1,7 @@
 """The heavy elastica: level rods of several lengths that sag under their own weight.
 
-Γ = ρ A g L³ / B grows with the cube of the length, so strands of one material and of different lengths are all the loads
-of the curve in a single run.
+Γ = ρ A g L³ / B grows with the cube of the length, so strands of one material and of different lengths are all loads of
+the curve in a single run.
 """
 
 from __future__ import annotations
