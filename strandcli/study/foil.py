@@ -28,8 +28,8 @@ APPLIED = ("emitter_motion", "gravity", "wind", "collision", "elasticity", "stif
 
 
 class Foil(Solver):
-    """Strands as rods. ``x`` and ``v`` (blocks, particles, 3 W) float64 are the state; ``mass`` (particles − 1,) is that
-    of each particle but the root over a segment's, and may be changed before the first step."""
+    """Strands as rods. ``x`` and ``v`` (blocks, particles, 3 W) float64 are the state; ``mass`` (particles − 1,) is
+    that of each particle but the root over a segment's, and may be changed before the first step."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)

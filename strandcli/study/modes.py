@@ -3,6 +3,8 @@ eigenproblems of integral operators, and what is read off a recorded motion."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,23 +55,33 @@ def _modes(space: Interval, inverse: Array, count: int) -> Modes:
     return Modes(space, 1 / np.sqrt(values.real[order]), shapes)
 
 
-def oscillation(times: Array, values: Array, guess: float) -> tuple[float, float] | None:
-    """Angular frequency ω and decay rate λ of a + e^{−λ t} (b cos ω t + c sin ω t), fitted to values (T,) at times (T,)
-    by least squares; a, b and c are eliminated (Golub & Pereyra 1973). ``guess`` is about ω. None where the values hold
-    no such oscillation: fewer than 8 of them, no movement, or one that is over before it swings."""
+Swing = tuple[float, float]
+"""An angular frequency ω and a decay rate λ, both 1/s."""
+
+
+def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swing] = ()) -> Swing | None:
+    """The swing of a + e^{−λ t} (b cos ω t + c sin ω t), fitted to values (T,) at times (T,) by least squares; a, b and
+    c are eliminated (Golub & Pereyra 1973). ``guess`` is about ω; ``others`` are swings that are in the values as well.
+    None where the values hold no such oscillation: fewer than 8 of them, no movement, or one over before it swings."""
     if len(times) < 8 or not np.isfinite(values).all() or np.ptp(values) == 0:
         return None
     t = times - times[0]
 
-    def misfit(omega: float, decay: float) -> float:
-        swing = np.exp(-np.clip(decay * t, -50, 50))
-        basis = np.stack([np.ones_like(t), swing * np.cos(omega * t), swing * np.sin(omega * t)], 1)
-        found = np.linalg.lstsq(basis, values, rcond=None)[0]
-        return float(((basis @ found - values) ** 2).sum())
+    def pair(omega: float, decay: float) -> list[Array]:
+        size = np.exp(-np.clip(decay * t, -50, 50))
+        return [size * np.cos(omega * t), size * np.sin(omega * t)]
 
-    best = min(
-        ((misfit(guess * f, guess * d), guess * f, guess * d) for f in np.geomspace(0.4, 1.6, 61) for d in DECAYS),
-    )
+    basis = np.stack([np.ones_like(t), *[wave for other in others for wave in pair(*other)]], 1)
+    known, _ = np.linalg.qr(basis)
+    rest = values - known @ (known.T @ values)
+
+    def misfit(omega: float, decay: float) -> float:
+        waves = np.stack(pair(omega, decay), 1)
+        waves -= known @ (known.T @ waves)
+        found = np.linalg.lstsq(waves, rest, rcond=None)[0]
+        return float(((waves @ found - rest) ** 2).sum())
+
+    best = min((misfit(guess * f, guess * d), guess * f, guess * d) for f in np.geomspace(0.5, 1.5, 61) for d in DECAYS)
     _, omega, decay = best
     size = 0.02 * guess
     while size > 1e-10 * guess:  # a compass search: robust, and nothing else here needs to be fast
@@ -79,9 +91,25 @@ def oscillation(times: Array, values: Array, guess: float) -> tuple[float, float
             best, (omega, decay) = (value, *place), place
         else:
             size /= 2
-    if abs(decay) > omega or not 0.35 * guess < omega < 1.7 * guess:
+    if abs(decay) > omega or not 0.45 * guess < omega < 1.6 * guess:
         return None
     return float(omega), float(decay)
+
+
+def compared(modes: Modes, unit: float, times: Array, positions: Array) -> dict[str, float | None]:
+    """Relative errors of the frequencies of modes, in 1/s by their ``unit``, in displacements (T, p) at times (T,), and
+    ``loss``: the share of the first mode's amplitude that a cycle loses. A discrete strand's modes are not quite the
+    exact ones, so that slower modes show in the share of each, and are taken out of it."""
+    swings = modes.shares(positions)
+    found: list[Swing] = []
+    out: dict[str, float | None] = {}
+    for i, exact in enumerate(modes.frequencies * unit):
+        swing = oscillation(times, swings[:, i], float(exact), found) if len(found) == i else None
+        if swing is not None:
+            found.append(swing)
+        out[f"frequency {i + 1}"] = None if swing is None else float(abs(swing[0] / exact - 1))
+    out["loss"] = abs(math.expm1(-2 * math.pi * found[0][1] / found[0][0])) if found else None
+    return out
 
 
 DECAYS = (0.0, 0.01, 0.03, 0.1, 0.3)

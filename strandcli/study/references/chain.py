@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from .. import modes
-from .base import Case, G, Reference, Track, groom, off, preset
+from .base import Case, G, Reference, Track, groom, preset
 
 TILT = 0.02
 COUNT = 3
@@ -32,14 +32,7 @@ def case(particles: int) -> Case:
 
 def measure(track: Track) -> dict[str, float | None]:
     """Relative errors of the frequencies, and ``loss``: the share of the first mode's amplitude lost in a cycle."""
-    swings = shapes().shares(track.positions[:, 0, :, 0])
-    out: dict[str, float | None] = {}
-    for i, value in enumerate(shapes().frequencies * math.sqrt(G)):
-        found = modes.oscillation(track.times, swings[:, i], float(value))
-        out[f"frequency {i + 1}"] = None if found is None else off(found[0], float(value))
-        if i == 0:
-            out["loss"] = None if found is None else abs(-math.expm1(-2 * math.pi * found[1] / found[0]))
-    return out
+    return modes.compared(shapes(), math.sqrt(G), track.times, track.positions[:, 0, :, 0])
 
 
 STEPS = (1 / 60, 1 / 120, 1 / 240, 1 / 480)

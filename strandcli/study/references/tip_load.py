@@ -11,8 +11,8 @@ from .base import Case, G, Reference, Track, greatest, groom, preset
 
 LOADS = (1.0, 2.0, 5.0, 10.0)
 """α = P L² / B of the strands."""
-MASS = 100.0
-"""On the tip, in strand masses. The strand's own weight, Γ = α / 100, is in the exact solution as well."""
+MASS = 10.0
+"""On the tip, in strand masses. The strand's own weight, Γ = α / 10, is in the exact solution as well."""
 LENGTHS = np.cbrt(np.array(LOADS) / 10)
 
 
