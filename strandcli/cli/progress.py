@@ -19,12 +19,15 @@ class Progress:
     """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
 
     Nothing is drawn where stderr is no terminal, or with ``hidden``; with ``verbose`` notes are printed as lines then.
-    A thread redraws the line, so that it moves during a long compilation too.
+    A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted.
     """
 
-    def __init__(self, total: int, label: str, *, hidden: bool = False, verbose: bool = False) -> None:
+    def __init__(
+        self, total: int, label: str, *, hidden: bool = False, verbose: bool = False, each: str = "frame"
+    ) -> None:
         self.total = total
         self.label = label
+        self.each = each
         self.stream: TextIO = sys.stderr
         self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
         self.verbose = verbose
@@ -110,7 +113,7 @@ class Progress:
             return counts
         rate = self.done / elapsed
         left = (self.total - self.done) / rate
-        pace = f"{rate:.1f} frames/s" if rate >= 1 else f"{1 / rate:.1f} s a frame"
+        pace = f"{rate:.1f} {self.each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {self.each}"
         return f"{counts} {pace}, {duration(left)} left"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 from ..groom.emit import Groom
 from ..scene.model import Scene
 from .references.base import NEEDS, Case, Track
+from .watch import Stopwatch
 
 
 @dataclass(frozen=True)
@@ -105,16 +105,15 @@ def follow(make: Callable[[], Any], dt: float, span: float, moving: bool) -> tup
     at the end where not. Returns the track and the seconds that the steps took, compiling not counted."""
     warm_up(make, dt)
     solver = make()
+    watch = Stopwatch(solver)
     steps = max(1, round(span / dt))
-    times, positions, spent = [0.0], [solver.particles().astype(np.float64)], 0.0
+    times, positions = [0.0], [solver.particles().astype(np.float64)]
     for i in range(steps):
-        began = time.perf_counter()
         solver.step((i + 1) * dt, dt)
-        spent += time.perf_counter() - began
         if moving or i == steps - 1:
             times.append((i + 1) * dt)
             positions.append(solver.particles().astype(np.float64))
-    return Track(np.array(times), np.array(positions)), spent
+    return Track(np.array(times), np.array(positions)), watch.seconds
 
 
 def warm_up(make: Callable[[], Any], dt: float) -> None:

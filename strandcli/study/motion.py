@@ -7,7 +7,6 @@ own limit, because each moves another matter; how far its limit is from that of 
 from __future__ import annotations
 
 import dataclasses
-import time
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any
@@ -22,6 +21,7 @@ from .axes import Axis, Request, chosen_solvers
 from .contestants import CONTESTANTS, Contestant, warm_up
 from .points import Knobs, Limit, Point, grid, limit
 from .resample import apart, resample
+from .watch import Stopwatch
 
 PLACES = 33
 """Points a strand that are compared."""
@@ -155,17 +155,16 @@ class Motion:
         groom = self._groom(scene)
         warm_up(lambda: contestant.start(scene, groom), 1 / (scene.time.fps * scene.time.substeps))
         solver = contestant.start(scene, groom)
-        found, spent = [], 0.0
+        watch = Stopwatch(solver)
+        found = []
         worst: dict[str, float | None] = {"stretch": None, "penetration": None}
         for frame in self.frames:
-            began = time.perf_counter()
             solver.advance(frame)
-            spent += time.perf_counter() - began
             found.append(resample(solver.particles(), PLACES))
             errors = solver.errors(frame)
             _raise(worst, "stretch", errors["stretch_max"], 1.0)
             _raise(worst, "penetration", errors["penetration_max"], scene.emitter.length)
-        return np.array(found), worst, spent
+        return np.array(found), worst, watch.seconds
 
 
 def _raise(worst: dict[str, float | None], name: str, value: float | None, unit: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,18 @@ class Study:
     absent: list[dict[str, str]]
     orders: list[dict[str, Any]]
     recommended: list[dict[str, Any]]
+
+    @property
+    def offered(self) -> list[Point]:
+        """Points of solvers that presets may ask for."""
+        return [point for point in self.points if is_offered(point.solver)]
+
+    def nearest(self) -> float | None:
+        """The least error of those, margin included; None where none has one."""
+        known = [(point, point.error.get(self.metric)) for point in self.offered]
+        found = [error + self.margins.get(point.solver, 0.0) for point, error in known if error is not None]
+        least = min(found, default=math.inf)
+        return least if math.isfinite(least) else None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data: the mapping that `study --json` prints."""
@@ -111,7 +124,7 @@ def recommendations(
     """The cheapest setting of each solver that presets may ask for, under each error."""
     out: list[dict[str, Any]] = []
     for solver, mine in by_line(points, lambda point: point.solver).items():
-        if solver in CONTESTANTS and not CONTESTANTS[solver].offered:
+        if not is_offered(solver):
             continue
         seen = None
         for most in LADDER if max_error is None else (max_error,):
@@ -129,3 +142,8 @@ def recommendations(
                 }
             )
     return out
+
+
+def is_offered(solver: str) -> bool:
+    """Whether presets may ask for a solver."""
+    return solver not in CONTESTANTS or CONTESTANTS[solver].offered
