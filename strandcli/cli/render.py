@@ -12,6 +12,8 @@ from ..errors import StrandError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration
+from .study import beginner, stepper
+from .study import max_error as max_error_option
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -40,6 +42,7 @@ class KindsType(click.ParamType):
 @options.frames
 @options.scene_options
 @options.threads
+@max_error_option
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
 @options.from_cache
 @options.resume
@@ -50,6 +53,7 @@ def command(
     output: Path | None,
     frames: FrameRange | None,
     threads: int | None,
+    max_error: float | None,
     animate: tuple[str, ...] | None,
     from_cache: Path | None,
     resume: bool,
@@ -62,11 +66,18 @@ def command(
 ) -> None:
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them).
 
-    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole.
+    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. With --max-error
+    substeps, iterations and particles are the cheapest that a study finds to keep under it; those set by hand stay.
     """
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
+    options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
     scene = options.load_scene(preset, **scene_settings)
+    if max_error is not None:
+        talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run")
+        chosen = _advised(scene, preset, max_error, scene_settings, threads, talk, quiet)
+        scene_settings["overrides"] += chosen
+        scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan, require_memory
@@ -96,6 +107,31 @@ def command(
         options.print_json(data)
     if not quiet:
         _tell(data, writer, made)
+
+
+def _advised(
+    scene: Scene,
+    preset: str,
+    max_error: float,
+    given: Mapping[str, Any],
+    threads: int | None,
+    progress: Progress,
+    quiet: bool,
+) -> tuple[str, ...]:
+    """Settings under an error, as after --set; those that the user gave are left alone."""
+    from .. import runtime
+    from ..study.advice import advise
+
+    fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
+    if given["particles"] is not None:
+        fixed.add("emitter.particles")
+    with progress:
+        runtime.start(threads, progress.note)
+        name = options.preset_name(preset)
+        advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
+    if not quiet:
+        click.echo(f"{name}: {advice.text()}", err=True)
+    return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 
 def _run(

@@ -151,7 +151,7 @@ def command(
         runtime.start(threads, progress.note)
         for request in requests:
             progress.label = f"study {request.name}"
-            study = sweep.run(chosen, request, max_error, _stepper(progress), _beginner(progress))
+            study = sweep.run(chosen, request, max_error, stepper(progress), beginner(progress))
             studies.append(study)
             _write(study, folder, max_error)
     if as_json:
@@ -205,14 +205,18 @@ def _requests(
     return requests
 
 
-def _beginner(progress: Progress) -> Callable[[int], None]:
+def beginner(progress: Progress) -> Callable[[int], None]:
+    """Tells a progress line how many runs there will be."""
+
     def begin(runs: int) -> None:
         progress.total, progress.done = max(1, runs), 0
 
     return begin
 
 
-def _stepper(progress: Progress) -> Callable[[str], None]:
+def stepper(progress: Progress) -> Callable[[str], None]:
+    """Tells it of each run; stops here if the user wants so."""
+
     def step(text: str) -> None:
         progress.step(text)
         signals.check()

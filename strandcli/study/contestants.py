@@ -82,7 +82,7 @@ CONTESTANTS = {
             frozenset({"bending", "inertia", "tip mass", "two ends"}),
             False,
             (1 / 240, 1 / 480, 1 / 960, 1 / 1920),
-            (8, 16, 32, 64),
+            (8, 16, 32),
         ),
     )
 }

@@ -26,10 +26,17 @@ def resample(strands: NDArray[np.floating], places: int) -> Array:
 
 def apart(a: Array, b: Array, lengths: NDArray[np.floating]) -> dict[str, float]:
     """How far two sets of strands (T, strands, places, 3) are apart, as shares of each strand's length (strands,) in
-    metres: root mean square, 95th percentile and greatest over all strands, places and times."""
+    metres: ``median`` and ``p95`` over strands of each one's root mean square over places and times; ``rms`` over all,
+    and the greatest distance of all, ``max``.
+
+    Where strands meet solids, some fall to this side or to that by the least of differences; such motion has no limit.
+    They show in p95 and max, and would drown all others in a mean.
+    """
     away = np.linalg.norm(a - b, axis=-1) / np.asarray(lengths, np.float64)[:, None]
+    each = np.sqrt(np.mean(away**2, axis=(0, 2)))
     return {
+        "median": float(np.median(each)),
+        "p95": float(np.percentile(each, 95)),
         "rms": float(np.sqrt(np.mean(away**2))),
-        "p95": float(np.percentile(away, 95)),
         "max": float(away.max()),
     }

@@ -18,7 +18,7 @@ HEADS = {
     "rod.integrator": "integrator",
     "dt": "step",
 }
-MOST_METRICS = 4
+MOST_METRICS = 5
 """Columns of errors in the table for people; the files hold all."""
 
 

@@ -18,7 +18,7 @@ def moment() -> float:
     low, high = math.pi, 1.5 * math.pi - 1e-9
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if math.sin(middle) < middle * math.cos(middle) else (low, middle)
+        low, high = (low, middle) if math.sin(middle) < middle * math.cos(middle) else (middle, high)
     return 2 * low
 
 
