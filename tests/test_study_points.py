@@ -65,13 +65,13 @@ def test_the_margin_of_a_solver_counts() -> None:
 def test_powers_are_found(power: float, size: float, count: int) -> None:
     steps = [2.0**-i for i in range(count)]
     found = fitted_order(steps, [size * step**power for step in steps])
-    assert found == pytest.approx(power)
+    assert found == pytest.approx(power, abs=0.004)  # powers are tried in steps of 1/200
 
 
 def test_a_floor_of_another_making_is_left_out() -> None:
     steps = [2.0**-i for i in range(8)]
     errors = [step**2 + 1e-3 for step in steps]
-    assert fitted_order(steps, errors) == pytest.approx(2, abs=0.25)
+    assert fitted_order(steps, errors) == pytest.approx(2, abs=0.01)
     assert fitted_order(steps, [1e-3] * 8) is None
     assert fitted_order(steps, [1e-3 / step for step in steps]) is None
     assert fitted_order([1.0], [1.0]) is None
@@ -127,6 +127,7 @@ def test_runs_that_do_not_draw_together_have_no_limit() -> None:
     assert limit(0.0, 0.1).order is None
     assert limit(0.3, 0.0) == limit(0.0, 0.0)
     assert limit(0.0, 0.0).uncertainty == 0
+    assert limit(1e-8, 1e-7, noise=1e-6).converges
     assert not limit(math.inf, math.inf).converges
 
 

@@ -75,7 +75,7 @@ def command(
     scene = options.load_scene(preset, **scene_settings)
     if max_error is not None:
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run")
-        chosen = _advised(scene, preset, max_error, scene_settings, threads, talk, quiet)
+        chosen = _advised(scene, preset, max_error, scene_settings, talk, quiet)
         scene_settings["overrides"] += chosen
         scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
@@ -114,7 +114,6 @@ def _advised(
     preset: str,
     max_error: float,
     given: Mapping[str, Any],
-    threads: int | None,
     progress: Progress,
     quiet: bool,
 ) -> tuple[str, ...]:
@@ -126,7 +125,7 @@ def _advised(
     if given["particles"] is not None:
         fixed.add("emitter.particles")
     with progress:
-        runtime.start(threads, progress.note)
+        runtime.start(1, progress.note)  # as `strandcli study` does
         name = options.preset_name(preset)
         advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
     if not quiet:

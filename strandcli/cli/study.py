@@ -104,13 +104,14 @@ max_error = click.option(
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
-              help="Strands of the preset to run: the first N.  [default: 200]")  # fmt: skip
+              help="Strands of the preset to run: the first N.  [default: 512]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @options.seed
 @options.overrides
 @options.folder("out/study")
-@options.threads
+@click.option("--threads", type=options.ThreadsType(), default=1, show_default=True,
+              help="Threads. One alone is timed most evenly, and so few strands hardly need another.")  # fmt: skip
 @options.overwrite
 @options.talk_options
 def command(
@@ -119,7 +120,7 @@ def command(
     axis: str | None,
     max_error: float | None,
     output: Path | None,
-    threads: int | None,
+    threads: int,
     overwrite: bool,
     as_json: bool,
     quiet: bool,

@@ -77,7 +77,7 @@ def advise(
         iterations=kept.get("rod.iterations"),
         particles=kept.get("emitter.particles"),
     )
-    path = runtime.cache_folder() / "studies" / f"{key(scene, kept)}.json"
+    path = folder() / f"{key(scene, kept)}.json"
     data = _read(path)
     reused = data is not None
     if data is None:
@@ -107,6 +107,11 @@ def choose(
     best = min(fit, key=lambda one: float(one["seconds"]))
     settings = {path: value for path, value in best["knobs"].items() if path in KNOBS and path not in fixed}
     return Advice(settings, best["error"][metric], margin, reused)
+
+
+def folder() -> Path:
+    """Where studies are kept: beside the kernels that they timed, and with them forgotten."""
+    return runtime.cache_folder() / "studies"
 
 
 def key(scene: Scene, kept: dict[str, Any]) -> str:

@@ -16,7 +16,8 @@ from .points import Knobs, Point
 
 Notify = Callable[[str], None]
 USED_TO = ("thesis", "rod", "foil")
-STRANDS = 200
+STRANDS = 512
+"""Of a preset, where not said otherwise: enough that a step is more than its preparation."""
 
 
 @dataclass(frozen=True)

@@ -180,7 +180,7 @@ def _legend(out: Drawing, study: Study, styles: dict[str, tuple[str, str]]) -> N
         out.items.append(marker(kind, (x, y), 6.0, colour))
         out.items.append(Text((x + 16, y), line, INK, 14))
         y += 19
-        for text in order_words(study.orders, line):
+        for text in order_words(study.orders, line, study.metric):
             out.items.append(Text((x + 16, y), text, FAINT, 12))
             y += 16
         margin = study.margins.get(line.split(" ")[0])
@@ -194,10 +194,10 @@ def _legend(out: Drawing, study: Study, styles: dict[str, tuple[str, str]]) -> N
         y += 18
 
 
-def order_words(orders: Sequence[dict[str, Any]], line: str) -> list[str]:
-    """What is known of a line's orders of convergence."""
+def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
+    """What is known of a line's orders of convergence in a metric."""
     names = {"dt": "Δt", "segment": "segment length"}
-    found = [one for one in orders if one["line"] == line]
+    found = [one for one in orders if one["line"] == line and one["metric"] == metric]
     return [
         f"order {one['order']:.2f} in {names.get(one['in'], one['in'])}"
         if one["order"] is not None

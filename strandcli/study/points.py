@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 Knobs = Mapping[str, Any]
 
@@ -65,30 +66,35 @@ def cheapest(
 
 
 def fitted_order(sizes: Sequence[float], errors: Sequence[float]) -> float | None:
-    """The order p of error ~ size ** p, by a least-squares line through logarithms.
+    """The order p of error = c + a size ** p, c ≥ 0 being what another cause leaves.
 
-    Errors within three times of the least one stand on a floor of another making and are left out, the least one of
-    them excepted. None where fewer than two sizes are left, or where the error does not fall all the way with the size.
+    From four sizes on all three are fitted, by least squares of relative errors; two or three give the slope through
+    their logarithms. None for fewer, and where the error does not fall with the size: by 5 % more than it should, or by
+    less than a sixth in all.
     """
     pairs = sorted({size: error for size, error in zip(sizes, errors, strict=True) if error > 0}.items())
-    if len(pairs) < 2:
+    found = [error for _, error in pairs]
+    if len(pairs) < 2 or any(b < 0.95 * a for a, b in pairwise(found)) or found[-1] < 1.2 * found[0]:
         return None
-    least = min(error for _, error in pairs)
-    above = [i for i, (_, error) in enumerate(pairs) if error > 3 * least]
-    first = min(above, default=len(pairs))
-    used = pairs[max(first - 1, 0) :] if first < len(pairs) else pairs
-    found = [error for _, error in used]
-    if len(used) < 2 or any(b <= a for a, b in pairwise(found)):
-        return None
-    if found[-1] < 1.2 * found[0]:
-        return None
-    h, e = np.log([size for size, _ in used]), np.log(found)
-    return float(np.polyfit(h, e, 1)[0])
+    h, e = np.array([size for size, _ in pairs]), np.array(found)
+    if len(pairs) < 4:
+        return float(np.polyfit(np.log(h), np.log(e), 1)[0])
+    tries = [(_misfit(h / h[-1], e, power), power) for power in np.linspace(0.1, 6, 1181)]
+    return float(min(tries)[1])
+
+
+def _misfit(h: NDArray[np.float64], e: NDArray[np.float64], power: float) -> float:
+    """Sum of squared relative errors of the best c + a h ** power with c ≥ 0."""
+    columns = np.stack([1 / e, h**power / e], 1)
+    c, a = np.linalg.lstsq(columns, np.ones(len(e)), rcond=None)[0]
+    if c < 0:
+        c, a = 0.0, columns[:, 1].sum() / (columns[:, 1] ** 2).sum()
+    return float(((columns @ np.array([c, a]) - 1) ** 2).sum())
 
 
 def orders(points: Sequence[Point], metric: str) -> list[dict[str, Any]]:
-    """The fitted order in each thing that is refined, for each line: along the points that differ from the line's best
-    one in nothing else. ``order`` is None where there is none to be seen."""
+    """The fitted order of a metric in each thing that is refined, for each line: along the points that differ from the
+    line's best one in nothing else. ``order`` is None where there is none to be seen."""
     found: list[dict[str, Any]] = []
     for line in dict.fromkeys(point.line for point in points):
         mine = [point for point in points if point.line == line and point.error.get(metric) is not None]
@@ -102,7 +108,7 @@ def orders(points: Sequence[Point], metric: str) -> list[dict[str, Any]]:
             order = fitted_order(
                 [point.sizes[name] for point in series], [point.error[metric] or 0.0 for point in series]
             )
-            found.append({"line": line, "in": name, "order": order, "points": len(series)})
+            found.append({"line": line, "metric": metric, "in": name, "order": order, "points": len(series)})
     return found
 
 
@@ -136,11 +142,12 @@ class Limit:
     """Whether the runs draw together at all."""
 
 
-def limit(coarse: float, fine: float) -> Limit:
+def limit(coarse: float, fine: float, noise: float = 0.0) -> Limit:
     """From the distances between the third finest run and the second, and between that one and the finest: Richardson's
-    extrapolation with the order that they show, held between 1/2 and 2, and Roache's safety factor 1.25 (1994)."""
-    if fine == 0:
-        return Limit(0.0, None, True)
+    extrapolation with the order that they show, held between 1/2 and 2, and Roache's safety factor 1.25 (1994). Below
+    ``noise`` distances tell nothing but rounding."""
+    if fine <= noise:
+        return Limit(fine, None, True)
     order = math.log2(coarse / fine) if coarse > 0 else -math.inf
     held = min(max(order, 0.5), 2.0)
     return Limit(1.25 * fine / (2**held - 1), order if math.isfinite(order) else None, order >= 0.5)

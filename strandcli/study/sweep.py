@@ -103,6 +103,7 @@ def carry_out(
     for point, on_front in zip(points, front, strict=True):
         point.pareto = on_front
     margins = experiment.margins()
+    names = dict.fromkeys([metric, *(name for point in points for name in point.error)])
     return Study(
         axis=axis,
         name=name,
@@ -113,7 +114,7 @@ def carry_out(
         margins=margins,
         points=points,
         absent=experiment.absent,
-        orders=orders(points, metric),
+        orders=[one for name in names for one in orders(points, name)],
         recommended=recommendations(points, metric, margins, max_error),
     )
 

@@ -49,9 +49,12 @@ def to_text(study: Study) -> str:
     if study.points:
         lines += [*_rows(study), "", "* on the Pareto front: nothing measured is both as fast and as right"]
     for line in by_line(study.points):
-        words = order_words(study.orders, line)
-        if words:
-            lines.append(f"{line}: {', '.join(words)}")
+        for metric in dict.fromkeys(one["metric"] for one in study.orders):
+            words = order_words(study.orders, line, metric)
+            if metric == study.metric:
+                lines += [f"{line}: {', '.join(words)}"] if words else []
+            elif any(not text.startswith("no") for text in words):
+                lines.append(f"{' ' * len(line)}  {', '.join(w for w in words if not w.startswith('no'))}: {metric}")
     lines += [f"{one['solver']}: {one['why']}" for one in study.absent]
     lines += _advice(study)
     return "\n".join(lines)

@@ -1,0 +1,333 @@
+"""Sweeps over solvers that are made up, whose errors are known; what is said, drawn and written of them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import xml.etree.ElementTree as xml
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from strand_kit import scene_of
+
+from strandcli.errors import MismatchError, UsageError
+from strandcli.study import advice, axes, sweep
+from strandcli.study.chart import Scale, chart, order_words, step
+from strandcli.study.drawing import Drawing, Patch, Stroke, Text, dashes, marker, spelled
+from strandcli.study.exactness import Exactness
+from strandcli.study.motion import Motion, with_knobs
+from strandcli.study.points import Point, grid
+from strandcli.study.tables import to_csv, to_text
+
+
+class Synthetic:
+    """Two solvers of order 1 and 2 in the step, both of order 2 in the segments; the second costs four times more."""
+
+    metric, unit, title = "tip", "of the length", "a made-up solver"
+    references = 2
+
+    def __init__(self, margin: float = 0.0) -> None:
+        self.absent = [{"solver": "thesis", "why": "not represented: inertia"}]
+        self.margin = margin
+
+    def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
+        step("one")
+        step("two")
+        return {"name": "synthetic", "exact": {"a": 1.0}}
+
+    def margins(self) -> Mapping[str, float]:
+        return {"one": self.margin, "two": self.margin}
+
+    def settings(self) -> list[dict[str, Any]]:
+        return grid({"solver": ("one", "two"), "emitter.particles": (5, 9, 17, 33), "dt": (0.04, 0.02, 0.01, 0.005)})
+
+    def measure(self, knobs: Any) -> Point:
+        n, dt = knobs["emitter.particles"], knobs["dt"]
+        power = {"one": 1, "two": 2}[knobs["solver"]]
+        error = 0.3 * (10 * dt) ** power + 0.3 / (n - 1) ** 2
+        seconds = n / dt * (1e-4 if power == 1 else 4e-4)
+        return Point(knobs, seconds, {"tip": error, "other": None}, knobs["solver"], {"dt": dt, "segment": 1 / (n - 1)})
+
+
+def made(max_error: float | None = None, margin: float = 0.0) -> sweep.Study:
+    return sweep.carry_out(Synthetic(margin), "reference", "synthetic", max_error)
+
+
+def test_orders_of_a_synthetic_solver_are_found() -> None:
+    found = {(one["line"], one["in"]): one["order"] for one in made().orders if one["metric"] == "tip"}
+    assert found["one", "dt"] == pytest.approx(1)
+    assert found["two", "dt"] == pytest.approx(2)
+    assert found["two", "segment"] == pytest.approx(2)
+
+
+def test_every_run_is_counted() -> None:
+    steps: list[str] = []
+    totals: list[int] = []
+    study = sweep.carry_out(Synthetic(), "reference", "synthetic", None, steps.append, totals.append)
+    assert totals == [2 + 32]
+    assert len(steps) == 34
+    assert len(study.points) == 32
+
+
+def test_the_cheapest_under_an_error_is_recommended() -> None:
+    study = made(0.1)
+    assert [one["knobs"]["solver"] for one in study.recommended] == ["one", "two"]
+    for one in study.recommended:
+        fit = [point for point in study.points if point.solver == one["knobs"]["solver"] and point.error["tip"] <= 0.1]  # type: ignore[operator]
+        assert one["seconds"] == min(point.seconds for point in fit)
+        assert one["error"] <= 0.1
+    assert made(1e-5).recommended == []
+    assert made(1e-5).nearest() == pytest.approx(0.3 * (0.05**2 + 1 / 32**2))
+    assert made(0.1, margin=0.2).recommended == []
+
+
+def test_without_an_error_a_ladder_is_climbed() -> None:
+    rungs = [(one["knobs"]["solver"], one["max_error"]) for one in made().recommended]
+    assert rungs == sorted(rungs, key=lambda pair: (pair[0], -pair[1]))
+    assert {"one", "two"} == {solver for solver, _ in rungs}
+    settings = [json.dumps(one["knobs"]) for one in made().recommended]
+    assert len(settings) == len(set(settings))
+
+
+def test_json_has_the_documented_keys() -> None:
+    data = json.loads(json.dumps(made(0.1).as_dict()))
+    assert {"axis", "reference", "points", "recommended"} <= set(data)
+    assert {"knobs", "seconds", "error", "pareto"} <= set(data["points"][0])
+    assert {"max_error", "knobs", "seconds"} <= set(data["recommended"][0])
+    assert data["not_represented"] == [{"solver": "thesis", "why": "not represented: inertia"}]
+    assert any(point["pareto"] for point in data["points"])
+
+
+def test_csv_holds_all_points() -> None:
+    study = made()
+    rows = list(csv.DictReader(io.StringIO(to_csv(study))))
+    assert len(rows) == 32
+    for row, point in zip(rows, study.points, strict=True):
+        assert (row["solver"], float(row["dt"])) == (point.solver, point.sizes["dt"])
+        assert float(row["tip"]) == point.error["tip"]
+        assert row["other"] == ""
+        assert row["pareto"] == str(int(point.pareto))
+
+
+def test_the_table_says_what_there_is_to_say() -> None:
+    text = to_text(made(0.1))
+    assert "thesis: not represented: inertia" in text
+    assert "order 2.00 in Δt" in text
+    assert "under 10 %: solver=one" in text
+    assert sum(line.startswith("*") for line in text.splitlines()) == sum(point.pareto for point in made().points) + 1
+
+
+def test_the_chart_shows_every_point_front_and_wish() -> None:
+    study = made(0.1)
+    drawing = chart(study, 0.1)
+    root = xml.fromstring(drawing.svg())
+    space = "{http://www.w3.org/2000/svg}"
+    texts = [element.text for element in root.iter(f"{space}text")]
+    assert {"a made-up solver", "run time", "asked for: 10 %", "one", "two", "thesis: not represented"} <= set(texts)
+    rings = [circle for circle in root.iter(f"{space}circle") if circle.get("r") == "9"]
+    assert len(rings) == sum(point.pareto for point in study.points)
+    pixels = drawing.picture(1.0)
+    assert pixels.shape == (drawing.height, drawing.width, 3)
+    assert (pixels.reshape(-1, 3).min(1) < 250).mean() > 0.01
+
+
+def test_a_chart_without_a_point_says_so() -> None:
+    study = made()
+    study.points = []
+    texts = [item.text for item in chart(study).items if isinstance(item, Text)]
+    assert "no run has an error to be shown" in texts
+
+
+def test_labels_cover_neither_points_nor_each_other() -> None:
+    drawing = chart(made(0.1), 0.1)
+    labels = [item for item in drawing.items if isinstance(item, Text) and item.size == 11.5]
+    assert labels
+    boxes = [(one.at[0], one.at[1] - 7, one.at[0] + 6.1 * len(one.text), one.at[1] + 7) for one in labels]
+    for i, a in enumerate(boxes):
+        for b in boxes[:i]:
+            assert not (a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3])
+
+
+def test_scales_are_logarithmic() -> None:
+    scale = Scale([0.01, 1.0], 100.0, 500.0)
+    assert scale(0.1) == pytest.approx(300)
+    assert scale(1.0) - scale(0.1) == pytest.approx(scale(0.1) - scale(0.01))
+    labelled = [value for value, has_label in scale.ticks() if has_label]
+    assert labelled == pytest.approx([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1])
+    one = Scale([3.0], 0.0, 1.0)
+    assert one(3.0) == pytest.approx(0.5)
+
+
+def test_drawings_are_the_same_in_both_forms() -> None:
+    square = Patch([(10, 10), (30, 10), (30, 30), (10, 30)], "#ff0000")
+    drawing = Drawing(60, 40, items=[square, Patch([(45, 20)], "#00ff00", radius=8)])
+    pixels = drawing.picture(1.0)
+    assert tuple(pixels[20, 20]) == (255, 0, 0)
+    assert tuple(pixels[20, 45]) == (0, 255, 0)
+    assert tuple(pixels[2, 2]) == (255, 255, 255)
+    assert 'points="10.0,10.0 30.0,10.0' in drawing.svg()
+    text = Text((30, 20), "a < b & c", "#0000ff", upright=True)
+    drawing.items = [Stroke([(0, 20), (60, 20)], "#000000", 4, 10.0), text]
+    pixels = drawing.picture(1.0)
+    assert pixels[20, 5].max() < 20  # scaling down leaves a little of the neighbours
+    assert pixels[20, 14].min() > 235
+    assert "a &lt; b &amp; c" in drawing.svg()
+
+
+def test_dashes_go_round_corners() -> None:
+    pieces = dashes([(0, 0), (15, 0), (15, 15)], 10)
+    lengths = [np.hypot(b[0] - a[0], b[1] - a[1]) for a, b in pieces]
+    assert sum(lengths) == pytest.approx(20, abs=1e-6)
+    np.testing.assert_allclose(pieces[0], [(0, 0), (10, 0)], atol=1e-6)
+
+
+def test_words_of_the_chart() -> None:
+    assert [step(dt) for dt in (1 / 240, 0.5, 1.0, 0.3)] == ["1/240 s", "1/2 s", "1 s", "0.3 s"]
+    assert spelled("Δt² of Γ") == "dt^2 of Gamma"
+    assert spelled("plain") == "plain"
+    assert order_words([{"line": "a", "metric": "e", "in": "dt", "order": None}], "a", "e") == ["no order seen in Δt"]
+    assert marker("star", (0, 0), 1, "#fff").radius == 0
+
+
+def test_axes_are_a_registry() -> None:
+    assert {"motion", "reference"} <= set(axes.registry())
+    for name, axis in axes.registry().items():
+        assert axis.name == name
+        assert axis.knobs
+        assert axis.metric
+    with pytest.raises(UsageError, match="axes are"):
+        axes.find("colour")
+    with pytest.raises(UsageError, match="solvers are"):
+        axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
+
+
+def test_solvers_that_cannot_are_told_and_not_run() -> None:
+    opened = Exactness(axes.Request(name="catenary"))
+    assert [one["solver"] for one in opened.absent] == ["thesis", "rod"]
+    assert {knobs["solver"] for knobs in opened.settings()} == {"foil"}
+    twist = Exactness(axes.Request(name="twist"))
+    assert len(twist.absent) == 3
+    assert twist.settings() == []
+    assert all("not represented" in one["why"] for one in twist.absent)
+
+
+def test_knobs_can_be_chosen() -> None:
+    wishes = axes.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
+    chosen = Exactness(wishes)
+    assert chosen.settings() == [
+        {"solver": "rod", "emitter.particles": n, "rod.iterations": 3, "dt": 1 / 48} for n in (8, 9)
+    ]
+    moving = Exactness(axes.Request(name="pendulum", solvers=("rod",), steps=(0.01,), particles=(30,)))
+    assert {knobs["rod.integrator"] for knobs in moving.settings()} == {"euler", "bdf2"}
+    assert {knobs["emitter.particles"] for knobs in moving.settings()} == {2}
+
+
+HANGING = """
+time: {frames: 6, fps: 24, preroll: 1}
+emitter: {strands: 40, particles: 5, length: 0.5, length_variation: 0.4, jitter: 20}
+rules: [gravity, elasticity]
+"""
+
+
+def motion(**wishes: Any) -> Motion:
+    return Motion(axes.Request(scene=scene_of(HANGING), name="hanging", **wishes))
+
+
+def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
+    opened = motion(solvers=("thesis",), substeps=(1, 4), particles=(5, 9), strands=10)
+    finer = opened.finer(opened.contestants[0])
+    assert [knobs["time.substeps"] for knobs in finer] == [2, 4, 8]
+    assert [knobs["emitter.particles"] for knobs in finer] == [5, 9, 17]
+    assert opened.references == 3
+    assert len(opened.lengths) == 10
+    assert opened.frames[0] == 1
+    assert opened.frames[-1] == 6
+
+
+def test_frames_keep_within_the_span() -> None:
+    assert max(motion(span=0.1).frames) == 3
+    assert max(motion(span=3600.0).frames) == 6
+
+
+def test_steps_have_to_divide_a_frame() -> None:
+    opened = motion(steps=(1 / 24, 1 / 96), solvers=("thesis",))
+    assert opened.substeps(opened.contestants[0]) == (1, 4)
+    with pytest.raises(UsageError, match="no whole part of a frame"):
+        motion(steps=(0.03,)).settings()
+
+
+def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
+    few, all_of_them = motion(strands=7), motion(strands=40)
+    np.testing.assert_array_equal(few.lengths, all_of_them.lengths[:7])
+
+
+def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit() -> None:
+    """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
+    study = sweep.run(
+        axes.find("motion"),
+        axes.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
+        0.01,
+    )
+    assert study.margins["thesis"] > 0.05
+    assert study.recommended == []
+    assert study.nearest() is not None
+    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
+    request = axes.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
+    at_rest = sweep.run(axes.find("motion"), request, 0.01)
+    assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
+    assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
+
+
+def test_panels_are_studied_one_at_a_time() -> None:
+    scene = scene_of("panels: [{label: a}, {label: b, set: {seed: 2}}]\n")
+    with pytest.raises(UsageError, match="panel"):
+        Motion(axes.Request(scene=scene, name="two"))
+
+
+def test_rules_that_rods_do_not_take_are_told() -> None:
+    from strandcli.scene.model import RuleUse
+
+    scene = scene_of(HANGING)
+    object.__setattr__(scene, "rules", (*scene.rules, RuleUse("vortex", None, "vortex")))
+    opened = Motion(axes.Request(scene=scene, name="odd"))
+    assert [one["solver"] for one in opened.absent] == ["rod", "foil"]
+    assert "vortex" in opened.absent[0]["why"]
+
+
+def test_knobs_change_nothing_else() -> None:
+    scene = scene_of(HANGING)
+    changed = with_knobs(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
+    assert (changed.solver, changed.time.substeps, changed.emitter.particles) == ("rod", 5, 9)
+    assert with_knobs(changed, {"solver": "thesis", "time.substeps": 1, "emitter.particles": 5}) == scene
+
+
+def data(margin: float | None) -> dict[str, Any]:
+    points = [
+        {"knobs": {"solver": "rod", "time.substeps": n, "emitter.particles": 9}, "seconds": n, "error": {"median": e}}
+        for n, e in ((1, 0.03), (2, 0.008), (4, 0.002), (8, None))
+    ]
+    return {"metric": "median", "margin": margin, "points": points}
+
+
+def test_advice_is_the_cheapest_that_is_sure() -> None:
+    chosen = advice.choose(data(0.001), "hair", "rod", 0.01, [], True)
+    assert chosen.settings == {"time.substeps": 2, "emitter.particles": 9}
+    assert "earlier study" in chosen.text()
+    assert advice.choose(data(0.003), "hair", "rod", 0.01, [], True).settings["time.substeps"] == 4
+    fixed = advice.choose(data(0.001), "hair", "rod", 0.01, ["emitter.particles"], False)
+    assert fixed.settings == {"time.substeps": 2}
+    for margin, words in ((0.02, "known to 2 % only"), (None, "no limit"), (0.0001, "nearest is 0.21 %")):
+        with pytest.raises(MismatchError, match=words):
+            advice.choose(data(margin), "hair", "rod", 0.001, [], False)
+
+
+def test_advice_is_kept_by_what_moves_the_strands() -> None:
+    scene = scene_of(HANGING)
+    same = scene_of(HANGING + "image: {size: [30, 20]}\nmaterial: {diffuse: 0.9}\n")
+    other = scene_of(HANGING + "seed: 3\n")
+    assert advice.key(scene, {}) == advice.key(same, {})
+    assert advice.key(scene, {}) != advice.key(other, {})
+    assert advice.key(scene, {}) != advice.key(scene, {"time.substeps": (2,)})
