@@ -193,6 +193,7 @@ def test_frequencies_are_read_off_a_motion_of_modes(module: object) -> None:
     assert errors["frequency 3"] == pytest.approx(0.03, abs=5e-3)
     cycle = 2 * math.pi / (1.02 * shapes.frequencies[0] * unit)
     assert errors["loss"] == pytest.approx(1 - math.exp(-0.1 * cycle), rel=0.05)
+    assert errors["swing"] == pytest.approx(math.hypot(0.02, 0.1 * 1.02 / (2 * math.pi) * cycle), abs=2e-3)
 
 
 def test_a_motion_without_swing_has_no_frequency() -> None:
@@ -226,6 +227,7 @@ def test_a_pendulum_that_keeps_its_energy_has_no_error() -> None:
     assert errors["period"] == pytest.approx(0, abs=1e-8)
     assert errors["loss"] == pytest.approx(0, abs=1e-7)
     assert errors["growth"] == pytest.approx(0, abs=1e-8)
+    assert errors["swing"] == pytest.approx(0, abs=1e-7)
 
 
 def test_a_pendulum_that_loses_or_gains_energy_is_found_out() -> None:
@@ -233,6 +235,7 @@ def test_a_pendulum_that_loses_or_gains_energy_is_found_out() -> None:
     assert lost["loss"] == pytest.approx(1 - math.exp(-0.05 * pendulum.period()), rel=0.25)
     assert lost["period"] is not None
     assert lost["period"] > 1e-3
+    assert lost["swing"] == pytest.approx(math.hypot(lost["period"], 0.025 / math.sqrt(9.81) * 1.18), rel=0.25)
     gained = pendulum.measure(swinging(-0.02))
     assert gained["growth"] is not None
     assert gained["growth"] > 0.01

@@ -145,7 +145,11 @@ def test_labels_cover_neither_points_nor_each_other() -> None:
     drawing = chart(made(0.1), 0.1)
     labels = [item for item in drawing.items if isinstance(item, Text) and item.size == 11.5]
     assert labels
-    boxes = [(one.at[0], one.at[1] - 7, one.at[0] + 6.1 * len(one.text), one.at[1] + 7) for one in labels]
+    boxes = []
+    for one in labels:
+        wide = 5.8 * len(one.text)
+        left = one.at[0] - (wide if one.anchor == "end" else 0)
+        boxes.append((left, one.at[1] - 7, left + wide, one.at[1] + 7))
     for i, a in enumerate(boxes):
         for b in boxes[:i]:
             assert not (a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3])

@@ -160,13 +160,15 @@ def _labels(out: Drawing, points: Sequence[Point], places: dict[int, XY]) -> Non
         done.add(id(point))
         text = brief(point)
         x, y = places[id(point)]
-        wide, high = 6.1 * len(text), 14.0
+        wide, high = 5.8 * len(text), 14.0
         for dx, dy in ((12, -13), (12, 13), (-12 - wide, -13), (-12 - wide, 13), (12, -28), (-12 - wide, 28), (12, 28)):
             box = (x + dx, y + dy - high / 2, x + dx + wide, y + dy + high / 2)
             inside = box[0] > LEFT and box[2] < WIDTH - RIGHT + 6 and box[1] > TOP and box[3] < HEIGHT - BOTTOM
             if inside and not any(_overlap(box, other) for other in taken):
                 taken.append(box)
-                out.items.append(Text((x + dx, y + dy), text, INK, 11.5))
+                left = dx < 0
+                at = (x - 12 if left else x + 12, y + dy)
+                out.items.append(Text(at, text, INK, 11.5, "end" if left else "start"))
                 break
 
 

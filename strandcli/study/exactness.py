@@ -61,8 +61,9 @@ class Exactness:
             choices: dict[str, Any] = {"solver": (one.name,), "emitter.particles": particles}
             if one.integrators and reference.moving:
                 choices["rod.integrator"] = one.integrators
-            if one.iterations:
-                choices["rod.iterations"] = request.iterations or one.iterations
+            if one.iterations:  # a motion in small steps asks for few: the most will do
+                usual = one.iterations[-1:] if reference.moving else one.iterations
+                choices["rod.iterations"] = request.iterations or usual
             out += grid({**choices, "dt": request.steps or steps})
         return out
 

@@ -74,12 +74,15 @@ def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swin
     basis = np.stack([np.ones_like(t), *[wave for other in others for wave in pair(*other)]], 1)
     known, _ = np.linalg.qr(basis)
     rest = values - known @ (known.T @ values)
+    power = float(rest @ rest)
 
     def misfit(omega: float, decay: float) -> float:
         waves = np.stack(pair(omega, decay), 1)
         waves -= known @ (known.T @ waves)
-        found = np.linalg.lstsq(waves, rest, rcond=None)[0]
-        return float(((waves @ found - rest) ** 2).sum())
+        first, second = waves.T / np.maximum(np.sqrt((waves**2).sum(0)), 1e-300)[:, None]
+        across = second - (first @ second) * first
+        across /= max(float(np.sqrt(across @ across)), 1e-300)
+        return power - float((first @ rest) ** 2 + (across @ rest) ** 2)
 
     best = min((misfit(guess * f, guess * d), guess * f, guess * d) for f in np.geomspace(0.5, 1.5, 61) for d in DECAYS)
     _, omega, decay = best
@@ -97,18 +100,24 @@ def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swin
 
 
 def compared(modes: Modes, unit: float, times: Array, positions: Array) -> dict[str, float | None]:
-    """Relative errors of the frequencies of modes, in 1/s by their ``unit``, in displacements (T, p) at times (T,), and
-    ``loss``: the share of the first mode's amplitude that a cycle loses. A discrete strand's modes are not quite the
-    exact ones, so that slower modes show in the share of each, and are taken out of it."""
+    """Relative errors of the frequencies of modes, in 1/s by their ``unit``, in displacements (T, p) at times (T,);
+    ``loss``, the share of the first mode's amplitude that a cycle loses; and ``swing``, which holds both errors of the
+    first mode: that of its complex frequency ω + i λ, of which λ should be 0. A discrete strand's modes are not quite
+    the exact ones, so that slower modes show in the share of each, and are taken out of it."""
     swings = modes.shares(positions)
     found: list[Swing] = []
-    out: dict[str, float | None] = {}
+    out: dict[str, float | None] = {"swing": None}
     for i, exact in enumerate(modes.frequencies * unit):
         swing = oscillation(times, swings[:, i], float(exact), found) if len(found) == i else None
         if swing is not None:
             found.append(swing)
         out[f"frequency {i + 1}"] = None if swing is None else float(abs(swing[0] / exact - 1))
-    out["loss"] = abs(math.expm1(-2 * math.pi * found[0][1] / found[0][0])) if found else None
+    out["loss"] = None
+    if found:
+        omega, decay = found[0]
+        exact = float(modes.frequencies[0] * unit)
+        out["swing"] = math.hypot(omega - exact, decay) / exact
+        out["loss"] = abs(math.expm1(-2 * math.pi * decay / omega))
     return out
 
 

@@ -99,7 +99,7 @@ def carry_out(
         points.append(point)
         error = point.error.get(metric)
         step(f"{point.line}: {point.seconds:.3f} s, {metric} {'-' if error is None else f'{error:.3g}'}")
-    front = pareto([point.seconds for point in points], [point.error.get(metric) for point in points])
+    front = pareto([point.seconds for point in points], [rounded(point.error.get(metric)) for point in points])
     for point, on_front in zip(points, front, strict=True):
         point.pareto = on_front
     margins = experiment.margins()
@@ -143,6 +143,11 @@ def recommendations(
                 }
             )
     return out
+
+
+def rounded(error: float | None) -> float | None:
+    """An error to three digits: what differs less counts as equally right, and the faster is the better."""
+    return None if error is None else float(f"{error:.2e}")
 
 
 def is_offered(solver: str) -> bool:

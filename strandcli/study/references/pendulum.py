@@ -35,18 +35,22 @@ def case(particles: int) -> Case:
 
 
 def measure(track: Track) -> dict[str, float | None]:
-    """``period``: relative; ``loss``: share of the amplitude lost in a cycle; ``growth``: highest rise of the mass
-    above where it was let go, as a share of the length, which is energy over m g L."""
+    """``period``: relative; ``loss``: share of the amplitude lost in a cycle; ``swing``: both, as the error of a complex
+    frequency; ``growth``: highest rise of the mass above where it was let go, as a share of the length, which is energy
+    over m g L."""
     way = track.positions[:, 0, -1] - track.positions[:, 0, 0]
     angles = np.unwrap(np.arctan2(way[:, 0], -way[:, 1]))
     rise = max(0.0, float(way[:, 1].max() - way[0, 1]))
-    out: dict[str, float | None] = {"period": None, "loss": None, "growth": rise}
+    out: dict[str, float | None] = {"swing": None, "period": None, "loss": None, "growth": rise}
     through = crossings(track.times, angles)
     turns = amplitudes(angles)
     if len(through) > 2:
         out["period"] = off(2 * float(np.mean(np.diff(through))), period())
     if len(turns) > 2:
-        out["loss"] = abs(1 - (turns[-1] / START) ** (2 / len(turns)))
+        kept = float((turns[-1] / START) ** (2 / len(turns)))
+        out["loss"] = abs(1 - kept)
+        if out["period"] is not None:
+            out["swing"] = math.hypot(out["period"], math.log(kept) / (2 * math.pi))
     return out
 
 
@@ -74,8 +78,8 @@ def amplitudes(angles: np.ndarray) -> np.ndarray:
 REFERENCE = Reference(
     name="pendulum",
     title="pendulum let go level: period and energy",
-    metric="period",
-    unit="of the period",
+    metric="swing",
+    unit="of the frequency",
     needs=("inertia",),
     span=5.5 * period(),
     exact=exact,
