@@ -296,7 +296,7 @@ def test_rules_that_rods_do_not_take_are_told() -> None:
 
     scene = scene_of(HANGING)
     object.__setattr__(scene, "rules", (*scene.rules, RuleUse("vortex", None, "vortex")))
-    opened = Motion(axes.Request(scene=scene, name="odd"))
+    opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod", "foil")))
     assert [one["solver"] for one in opened.absent] == ["rod", "foil"]
     assert "vortex" in opened.absent[0]["why"]
 

@@ -104,7 +104,7 @@ max_error = click.option(
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
-              help="Strands of the preset to run: the first N.  [default: 512]")  # fmt: skip
+              help="Strands of the preset to run: the first N.  [default: 256]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @options.seed

@@ -16,7 +16,7 @@ from .points import Knobs, Point
 
 Notify = Callable[[str], None]
 USED_TO = ("thesis", "rod", "foil")
-STRANDS = 512
+STRANDS = 256
 """Of a preset, where not said otherwise: enough that a step is more than its preparation."""
 
 

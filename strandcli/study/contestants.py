@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..groom.emit import Groom
+from ..errors import UsageError
+from ..groom.emit import Groom, emit
 from ..scene.model import Scene
 from .references.base import NEEDS, Case, Track
 from .watch import Stopwatch
@@ -51,16 +52,11 @@ class Contestant:
         return self.name if self.offered else "rod"
 
     def refuses(self, scene: Scene) -> str:
-        """Why it cannot run a scene, or nothing."""
-        if self.name == "thesis":
-            return ""
-        from ..simulate.rod import ITS_OWN, MOVED
-
-        strange = [use.name for use in scene.rules if use.name not in (*MOVED, *ITS_OWN)]
-        if strange:
-            return f"rule {strange[0]}"
-        if self.name == "foil" and (scene.emitter.curl_turns > 0 or scene.rod.rest == "sag_free"):
-            return "rest shapes that are not straight"
+        """Why it cannot run a scene, or nothing: asked by handing it a single strand."""
+        try:
+            self.start(scene, emit(scene.emitter, scene.seed, 1))
+        except UsageError as error:
+            return str(error)
         return ""
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .. import solids
 from ..blocks import lanes
 from ..constants import W
+from ..errors import UsageError
 from ..groom.emit import Groom
 from ..scene.motion import emitter_pose
 from ..simulate.rod import rigidity
@@ -24,7 +25,7 @@ from ..simulate.solver import Solver
 from .kernels import foil as kernel
 
 APPLIED = ("emitter_motion", "gravity", "wind", "collision", "elasticity", "stiffness")
-"""Rules that a scene may list; the last two are the foil's own."""
+"""Rules that a scene may list; in place of the last two the foil has its own."""
 
 
 class Foil(Solver):
@@ -32,6 +33,11 @@ class Foil(Solver):
     that of each particle but the root over a segment's, and may be changed before the first step."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
+        strange = [use.name for use in scene.rules if use.name not in APPLIED]
+        if strange:
+            raise UsageError(f"rule {strange[0]}: the foil does not apply it")
+        if scene.emitter.curl_turns > 0 or scene.rod.rest == "sag_free":
+            raise UsageError("the foil's rods are straight at rest, without curls and not free of sag")
         super().__init__(scene, groom)
         n = scene.emitter.particles
         lengths = groom.lengths.astype(np.float64) / (n - 1)

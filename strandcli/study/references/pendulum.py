@@ -35,9 +35,9 @@ def case(particles: int) -> Case:
 
 
 def measure(track: Track) -> dict[str, float | None]:
-    """``period``: relative; ``loss``: share of the amplitude lost in a cycle; ``swing``: both, as the error of a complex
-    frequency; ``growth``: highest rise of the mass above where it was let go, as a share of the length, which is energy
-    over m g L."""
+    """``period``: relative; ``loss``: share of the amplitude lost in a cycle; ``swing``: both, as the error of a
+    complex frequency; ``growth``: highest rise of the mass above where it was let go, as a share of the length, which
+    is energy over m g L."""
     way = track.positions[:, 0, -1] - track.positions[:, 0, 0]
     angles = np.unwrap(np.arctan2(way[:, 0], -way[:, 1]))
     rise = max(0.0, float(way[:, 1].max() - way[0, 1]))
