@@ -48,6 +48,14 @@ def test_a_preset_is_studied(run: Runner) -> None:
     assert "--overwrite" in again.error()
 
 
+def test_what_is_set_by_hand_is_not_turned(run: Runner) -> None:
+    few = ("--solver", "thesis", "--strands", "20", "--no-progress", "--json", "-q")
+    done = run("study", "still.yaml", *few, "--set", "time.substeps=3", "--set", "emitter.particles=7")
+    assert done.code == 0, done.err
+    (point,) = json.loads(done.out)["points"]
+    assert point["knobs"] == {"solver": "thesis", "emitter.particles": 7, "time.substeps": 3}
+
+
 def test_json_stands_alone_on_stdout(run: Runner) -> None:
     done = run("study", "falling.yaml", *QUICK, "--json", "-q")
     assert done.code == 0
@@ -98,6 +106,7 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--substeps", "1,x"], "'x' is not a whole number"),
         (["still.yaml", "--particles", "1"], "from 2 to"),
         (["still.yaml", "--iterations", "51"], "from 1 to 50"),
+        (["still.yaml", "--integrators", "rk4"], "they are euler and bdf2"),
         (["still.yaml", "--dt", "0"], "not a step"),
         (["still.yaml", "--dt", "-1/24"], "not a step"),
         (["still.yaml", "--dt", "1/0"], "not a step"),
@@ -147,6 +156,7 @@ def test_render_takes_the_cheapest_setting_and_remembers_it(
     second = run("render", "still.yaml", "-f", "1", "-o", "b", "--max-error", "2%", "--size", "30x20", "--no-progress")
     assert second.code == 0, second.err
     assert "by an earlier study" in second.err
+    assert len(list((tmp_path / "kept").iterdir())) == 1
     fixed = run("render", "still.yaml", "-f", "1", "-o", "c", "--max-error", "1%", "--particles", "7", "--no-progress")
     assert fixed.code == 0, fixed.err
     assert "particles" not in fixed.err.splitlines()[0]

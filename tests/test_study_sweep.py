@@ -251,6 +251,17 @@ def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
     assert opened.frames[-1] == 6
 
 
+def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
+    opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
+    found = [(one["rod.integrator"], one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
+    assert found == [(name, 8, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
+    finest = opened.finer(opened.contestants[0])[-1]
+    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 16)
+    kept = motion(solvers=("rod",), integrators=("euler",), iterations=(3,))
+    assert {(one["rod.integrator"], one["rod.iterations"]) for one in kept.settings()} == {("euler", 3)}
+    assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("euler",)}
+
+
 def test_frames_keep_within_the_span() -> None:
     assert max(motion(span=0.1).frames) == 3
     assert max(motion(span=3600.0).frames) == 6
@@ -326,6 +337,36 @@ def test_advice_is_the_cheapest_that_is_sure() -> None:
     for margin, words in ((0.02, "known to 2 % only"), (None, "no limit"), (0.0001, "nearest is 0.21 %")):
         with pytest.raises(MismatchError, match=words):
             advice.choose(data(margin), "hair", "rod", 0.001, [], False)
+
+
+def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up solver of second order in its substeps, whose limit is known."""
+    asked: list[axes.Request] = []
+
+    def study(axis: Any, request: axes.Request, *rest: Any) -> sweep.Study:
+        asked.append(request)
+        points = [
+            Point({"solver": "rod", "time.substeps": n}, n, {"median": 0.04 / n**2}, "rod")
+            for n in request.substeps or (1, 2, 4)
+        ]
+        told = {"limits": {"rod": {"converges": True}}}
+        return sweep.Study("motion", "made", "", "median", "", told, {"rod": 0.0}, points, [], [], [])
+
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path)
+    monkeypatch.setattr(sweep, "run", study)
+    scene = with_knobs(scene_of(HANGING), {"solver": "rod"})
+    assert advice.advise(scene, "made", 0.01).settings == {"time.substeps": 2}
+    assert len(asked) == 1
+    found = advice.advise(scene, "made", 1e-3)
+    assert found.settings == {"time.substeps": 8}
+    assert (asked[1].substeps, asked[1].particles) == ((8, 16, 32), (5, 9))
+    assert len(asked) == 2  # the first round was kept
+    assert advice.advise(scene, "made", 1e-3).reused
+    with pytest.raises(MismatchError, match="nearest"):
+        advice.advise(scene, "made", 1e-7)
+    with pytest.raises(MismatchError):
+        advice.advise(scene, "made", 1e-3, ["time.substeps"])
+    assert asked[-1].substeps == (1,)
 
 
 def test_advice_is_kept_by_what_moves_the_strands() -> None:

@@ -141,6 +141,7 @@ def _run(
     from ..output.report import finite, read_report, write_report
 
     previous = read_report(writer.directory) if writer.written else None
+    before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
     try:
@@ -167,7 +168,7 @@ def _run(
         machine: Mapping[str, Any] | None = None if previous is None else previous.get("machine")
         compile_seconds: float | None = None
         if started:
-            machine, compile_seconds = runtime.machine(), runtime.compile_seconds()
+            machine, compile_seconds = runtime.machine(), runtime.compile_seconds() - before
         data: dict[str, Any] = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous))
         try:
             write_report(writer.directory, data)

@@ -75,6 +75,13 @@ def step(word: str) -> float:
     return seconds
 
 
+def integrator(text: str) -> str:
+    """The name of an integrator."""
+    if text not in ("euler", "bdf2"):
+        raise ValueError(f"'{text}' is not an integrator; they are euler and bdf2")
+    return text
+
+
 def word(text: str) -> str:
     """A name."""
     if not text:
@@ -101,6 +108,8 @@ max_error = click.option(
               help="Steps a frame to try.")  # fmt: skip
 @click.option("--iterations", type=ListType("COUNTS", count(1, 50), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them.")  # fmt: skip
+@click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
+              help="Integrators to try, of solvers that have them: euler, bdf2.")  # fmt: skip
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
@@ -173,7 +182,7 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import STRANDS, Request, chosen_solvers, find
+    from ..study.axes import STRANDS, Request, chosen_solvers, find, settled
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):
@@ -201,6 +210,9 @@ def _requests(
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
         wishes["strands"] = wishes["strands"] or STRANDS
+        paths = [text.partition("=")[0].strip() for text in overrides]
+        for name, values in settled(scene, paths).items():  # what is set by hand is not turned
+            wishes[name] = wishes[name] or values
         requests = [Request(scene=scene, name=options.preset_name(preset), **wishes)]
     chosen_solvers(requests[0])
     return requests

@@ -10,6 +10,7 @@ import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,12 @@ from ..output.report import finite
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, find
+from .axes import STRANDS, Request, find, settled
 from .chart import share
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
-KNOBS = ("time.substeps", "rod.iterations", "emitter.particles")
+KNOBS = ("time.substeps", "rod.iterations", "rod.integrator", "emitter.particles")
 """The knobs that are turned, unless the user has set them."""
 
 
@@ -61,30 +62,32 @@ def advise(
 ) -> Advice:
     """The cheapest setting of the scene's solver whose error is at most ``max_error``, a share of the strands' length.
 
-    ``fixed`` are knobs that the user has set and that stay. Raises `MismatchError` where no setting does.
+    ``fixed`` are knobs that the user has set and that stay. Where no usual setting will do, but the solver has a limit,
+    finer ones are tried. Raises `MismatchError` where none of these does either.
     """
-    own = {
-        "time.substeps": scene.time.substeps,
-        "rod.iterations": scene.rod.iterations,
-        "emitter.particles": scene.emitter.particles,
-    }
-    kept = {knob: (own[knob],) for knob in KNOBS if knob in fixed}
-    request = Request(
-        scene=scene,
-        name=name,
-        solvers=(scene.solver,),
-        substeps=kept.get("time.substeps"),
-        iterations=kept.get("rod.iterations"),
-        particles=kept.get("emitter.particles"),
-    )
-    path = folder() / f"{key(scene, kept)}.json"
-    data = _read(path)
-    reused = data is not None
-    if data is None:
-        study = sweep.run(find("motion"), request, None, step, begin)
-        data = finite({**study.as_dict(), "margin": study.margins[scene.solver]})
-        _keep(path, data)
-    return choose(data, name, scene.solver, max_error, fixed, reused)
+    kept = settled(scene, fixed)
+    for more in ({}, {**finer(scene), **kept}):
+        chosen = {**kept, **more}
+        path = folder() / f"{key(scene, chosen)}.json"
+        data = _read(path)
+        reused = data is not None
+        if data is None:
+            request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
+            study = sweep.run(find("motion"), request, None, step, begin)
+            data = finite({**study.as_dict(), "margin": study.margins[scene.solver]})
+            _keep(path, data)
+        try:
+            return choose(data, name, scene.solver, max_error, fixed, reused)
+        except MismatchError:
+            if more or not data["reference"]["limits"][scene.solver]["converges"]:
+                raise
+    raise AssertionError("the second round returns or raises")
+
+
+def finer(scene: Scene) -> dict[str, tuple[int, ...]]:
+    """Substeps and particles of a second round."""
+    own = scene.emitter.particles
+    return {"substeps": (8, 16, 32), "particles": (own, 2 * own - 1)}
 
 
 def choose(
@@ -115,10 +118,20 @@ def folder() -> Path:
 
 
 def key(scene: Scene, kept: dict[str, Any]) -> str:
-    """What a study is kept by: everything that moves the strands, the version, and the knobs that were fixed."""
+    """What a study is kept by: everything that moves the strands, the code that does, and the knobs that were fixed."""
     parts = {name: plain(getattr(scene, name)) for name in MOVING}
-    text = json.dumps([__version__, STRANDS, parts, kept], sort_keys=True, default=str)
+    text = json.dumps([__version__, _sources(), STRANDS, parts, kept], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+@cache
+def _sources() -> str:
+    """A hash over the code of solvers and of studies."""
+    root = Path(__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted([*root.rglob("*.py"), *root.parent.glob("simulate/**/*.py")]):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _read(path: Path) -> dict[str, Any] | None:
@@ -127,7 +140,7 @@ def _read(path: Path) -> dict[str, Any] | None:
         data = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):
         return None
-    return data if isinstance(data, dict) and {"points", "metric", "margin"} <= set(data) else None
+    return data if isinstance(data, dict) and {"points", "metric", "margin", "reference"} <= set(data) else None
 
 
 def _keep(path: Path, data: dict[str, Any]) -> None:

@@ -6,7 +6,7 @@ and recommends. An axis of another kind, such as a picture's, is one more file w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -38,6 +38,19 @@ class Request:
     substeps: tuple[int, ...] | None = None
     iterations: tuple[int, ...] | None = None
     particles: tuple[int, ...] | None = None
+    integrators: tuple[str, ...] | None = None
+
+
+def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
+    """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no knobs
+    of motion."""
+    knobs: dict[str, tuple[str, Any]] = {
+        "time.substeps": ("substeps", scene.time.substeps),
+        "rod.iterations": ("iterations", scene.rod.iterations),
+        "rod.integrator": ("integrators", scene.rod.integrator),
+        "emitter.particles": ("particles", scene.emitter.particles),
+    }
+    return {name: (value,) for path, (name, value) in knobs.items() if path in set(paths)}
 
 
 class Experiment(Protocol):

@@ -54,6 +54,7 @@ def chart(study: Study, max_error: float | None = None) -> Drawing:
     out = Drawing(WIDTH, HEIGHT)
     out.items.append(Text((LEFT, 28), study.title, INK, 19))
     what = f"error ({study.metric}, a share {study.unit}) against run time. Ringed: on the Pareto front. {KEY}"
+    what += "; star: recommended" if max_error else ""
     out.items.append(Text((LEFT, 52), what, FAINT, 13))
     shown = [point for point in study.points if (point.error.get(study.metric) or 0) > 0 and point.seconds > 0]
     if not shown:

@@ -31,7 +31,7 @@ class Contestant:
     iterations: tuple[int, ...] = ()
     """Iterations a step to try; none where the solver does not iterate."""
     integrators: tuple[str, ...] = ()
-    """Integrators to try on a moving reference."""
+    """Integrators to try, of a reference only where the motion is measured."""
 
     def lacks(self, needs: Sequence[str]) -> str:
         """What it cannot represent of some needs, in words; nothing where it can all."""

@@ -60,7 +60,7 @@ class Exactness:
                 steps = tuple(FRAME / count for count in request.substeps)
             choices: dict[str, Any] = {"solver": (one.name,), "emitter.particles": particles}
             if one.integrators and reference.moving:
-                choices["rod.integrator"] = one.integrators
+                choices["rod.integrator"] = request.integrators or one.integrators
             if one.iterations:  # a motion in small steps asks for few: the most will do
                 usual = one.iterations[-1:] if reference.moving else one.iterations
                 choices["rod.iterations"] = request.iterations or usual

@@ -92,19 +92,30 @@ class Motion:
         return tuple(found)
 
     def settings(self) -> list[dict[str, Any]]:
-        """Substeps, particles, and iterations where a solver has them."""
+        """Substeps and particles; of a solver that has them integrators as well, and fewer iterations with the preset's
+        own one."""
         out: list[dict[str, Any]] = []
         for one in self.contestants:
             choices: dict[str, Any] = {"solver": (one.name,), "emitter.particles": self.particles()}
-            if one.iterations:
-                choices["rod.iterations"] = self.request.iterations or one.iterations
-            out += grid({**choices, "time.substeps": self.substeps(one)})
+            steps = {"time.substeps": self.substeps(one)}
+            if not one.iterations:
+                out += grid({**choices, **steps})
+                continue
+            *fewer, most = self.request.iterations or one.iterations
+            integrators = self.request.integrators or one.integrators
+            out += grid({**choices, "rod.integrator": integrators, "rod.iterations": (most,), **steps})
+            own = [name for name in integrators if name == self.scene.rod.integrator] or integrators[:1]
+            out += grid({**choices, "rod.integrator": own, "rod.iterations": fewer, **steps})
         return out
 
     def finer(self, one: Contestant) -> list[dict[str, Any]]:
         """Settings of the runs that show the limit: the finest twice as fine as all that is tried, and two coarser."""
         steps, segments = 2 * max(self.substeps(one)), 2 * (max(self.particles()) - 1)
-        more = {"rod.iterations": min(50, 2 * max(self.request.iterations or one.iterations))} if one.iterations else {}
+        more: dict[str, Any] = {}
+        if one.iterations:
+            integrators = self.request.integrators or one.integrators
+            more["rod.integrator"] = "bdf2" if "bdf2" in integrators else integrators[0]
+            more["rod.iterations"] = min(50, 2 * max(self.request.iterations or one.iterations))
         return [
             {
                 "solver": one.name,
@@ -191,13 +202,13 @@ def describe(knobs: Knobs) -> str:
     """A setting in a few words."""
     words = {"emitter.particles": "particles", "time.substeps": "substeps", "rod.iterations": "iterations"}
     parts = [f"{value} {words.get(name, name)}" for name, value in knobs.items() if name in words]
-    return f"{knobs['solver']}, {', '.join(parts)}"
+    return f"{knobs['solver']} {knobs.get('rod.integrator', '')}".rstrip() + f", {', '.join(parts)}"
 
 
 AXIS = Axis(
     name="motion",
     doc="positions against each solver's own limit",
-    knobs=("solver", "time.substeps", "emitter.particles", "rod.iterations"),
+    knobs=("solver", "time.substeps", "emitter.particles", "rod.iterations", "rod.integrator"),
     metric="median",
     of_preset=True,
     open=Motion,
