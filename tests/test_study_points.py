@@ -75,6 +75,9 @@ def test_a_floor_of_another_making_is_left_out() -> None:
     assert fitted_order(steps, [1e-3] * 8) is None
     assert fitted_order(steps, [1e-3 / step for step in steps]) is None
     assert fitted_order([1.0], [1.0]) is None
+    assert fitted_order([0.1, *steps], [0.0, *[step**2 for step in steps]]) == pytest.approx(2, abs=0.01)
+    rounding = [*[step**2 for step in steps[:6]], 2e-3, 4e-3]
+    assert fitted_order(steps, rounding) == pytest.approx(2, abs=0.01)
     assert fitted_order([1.0, 0.5], [0.0, 0.0]) is None
 
 

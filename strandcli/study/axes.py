@@ -15,7 +15,7 @@ from ..scene.model import Scene
 from .points import Knobs, Point
 
 Notify = Callable[[str], None]
-USED_TO = ("thesis", "rod", "foil")
+SOLVERS = ("thesis", "rod", "foil")
 STRANDS = 256
 """Of a preset, where not said otherwise: enough that a step is more than its preparation."""
 
@@ -117,6 +117,6 @@ def find(name: str) -> Axis:
 def chosen_solvers(request: Request) -> list[str]:
     """The solvers asked for, in the usual order. Raises `UsageError` for one that there is not."""
     for name in request.solvers or ():
-        if name not in USED_TO:
-            raise UsageError(f"no solver '{name}'; the solvers are {', '.join(USED_TO)}")
-    return [name for name in USED_TO if request.solvers is None or name in request.solvers]
+        if name not in SOLVERS:
+            raise UsageError(f"no solver '{name}'; the solvers are {', '.join(SOLVERS)}")
+    return [name for name in SOLVERS if request.solvers is None or name in request.solvers]

@@ -69,10 +69,12 @@ def fitted_order(sizes: Sequence[float], errors: Sequence[float]) -> float | Non
     """The order p of error = c + a size ** p, c ≥ 0 being what another cause leaves.
 
     From four sizes on all three are fitted, by least squares of relative errors; two or three give the slope through
-    their logarithms. None for fewer, and where the error does not fall with the size: by 5 % more than it should, or by
-    less than a sixth in all.
+    their logarithms. The finest are left out where errors rise again below a tenth of the greatest: that is rounding.
+    None for fewer than two, and where the error does not fall with the size all the way, or by less than a sixth.
     """
     pairs = sorted({size: error for size, error in zip(sizes, errors, strict=True) if error > 0}.items())
+    while len(pairs) > 3 and pairs[1][1] < 0.95 * pairs[0][1] < 0.095 * pairs[-1][1]:
+        del pairs[0]
     found = [error for _, error in pairs]
     if len(pairs) < 2 or any(b < 0.95 * a for a, b in pairwise(found)) or found[-1] < 1.2 * found[0]:
         return None

@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from .chart import order_words, seconds, share, step
-from .points import by_line
+from .points import Knobs, by_line
 from .sweep import Study
 
 HEADS = {
@@ -116,7 +116,6 @@ def _advice(study: Study) -> list[str]:
     return lines
 
 
-def setting(knobs: Any) -> str:
+def setting(knobs: Knobs) -> str:
     """A setting as it is written after `--set`."""
-    return " ".join(step(value).join(("step ", "")) if name == "dt" else f"{name}={value}"
-                    for name, value in knobs.items())  # fmt: skip
+    return " ".join(f"step {step(value)}" if name == "dt" else f"{name}={value}" for name, value in knobs.items())
