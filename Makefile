@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures claims bench stress golden golden-update clean help
+.PHONY: demo test lint types check figures claims study bench stress golden golden-update clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -15,6 +15,7 @@ help:
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
 	@echo "make claims     what the thesis claims, measured on this machine"
+	@echo "make study      every solver against exact solutions: out/study"
 	@echo "make bench      time every stage of a frame"
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
@@ -44,6 +45,9 @@ figures: $(READY)
 
 claims: $(READY)
 	$(RUN) claims
+
+study: $(READY)
+	$(RUN) study --reference all -o out/study --overwrite
 
 bench: $(READY)
 	$(RUN) bench --strands 10000

@@ -23,6 +23,7 @@ COMMANDS = {
     "presets": ("presets", "List, show or copy the presets that come with strandcli."),
     "schema": ("schema", "Print the JSON Schema of presets, for editors."),
     "bench": ("bench", "Time every stage on the thesis's headline scene."),
+    "study": ("study", "Error against run time: table, chart, the cheapest setting under an error."),
     "claims": ("claims", "Measure what the thesis claims, beside its own figures."),
     "stress": ("stress", "Run the solvers through every extreme and judge them."),
     "golden": ("golden", "Check or update golden images."),

@@ -12,6 +12,8 @@ from ..errors import SimulationError, StrandError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration
+from .study import beginner, stepper
+from .study import max_error as max_error_option
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -40,6 +42,7 @@ class KindsType(click.ParamType):
 @options.frames
 @options.scene_options
 @options.threads
+@max_error_option
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
 @options.from_cache
 @options.keep_going
@@ -51,6 +54,7 @@ def command(
     output: Path | None,
     frames: FrameRange | None,
     threads: int | None,
+    max_error: float | None,
     animate: tuple[str, ...] | None,
     from_cache: Path | None,
     keep_going: bool,
@@ -66,11 +70,18 @@ def command(
 
     Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
     wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its
-    length (thesis), or the solver's iterations leave it off by its whole length.
+    length (thesis), or the solver's iterations leave it off by its whole length. With --max-error
+    substeps, iterations and particles are the cheapest that a study finds to keep under it; those set by hand stay.
     """
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
+    options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
     scene = options.load_scene(preset, **scene_settings)
+    if max_error is not None:
+        talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run")
+        chosen = _advised(scene, preset, max_error, scene_settings, talk, quiet)
+        scene_settings["overrides"] += chosen
+        scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan, require_memory
@@ -102,6 +113,30 @@ def command(
         _tell(data, writer, made)
 
 
+def _advised(
+    scene: Scene,
+    preset: str,
+    max_error: float,
+    given: Mapping[str, Any],
+    progress: Progress,
+    quiet: bool,
+) -> tuple[str, ...]:
+    """Settings under an error, as after --set; those that the user gave are left alone."""
+    from .. import runtime
+    from ..study.advice import advise
+
+    fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
+    if given["particles"] is not None:
+        fixed.add("emitter.particles")
+    with progress:
+        runtime.start(1, progress.note)  # as `strandcli study` does
+        name = options.preset_name(preset)
+        advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
+    if not quiet:
+        click.echo(f"{name}: {advice.text()}", err=True)
+    return tuple(f"{path}={value}" for path, value in advice.settings.items())
+
+
 def _run(
     scene: Scene,
     writer: FrameWriter,
@@ -123,6 +158,7 @@ def _run(
     from ..output.report import finite, read_report, write_report
 
     previous = read_report(writer.directory) if writer.written else None
+    before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
     try:
@@ -159,7 +195,7 @@ def _run(
         machine: Mapping[str, Any] | None = None if previous is None else previous.get("machine")
         compile_seconds: float | None = None
         if started:
-            machine, compile_seconds = runtime.machine(), runtime.compile_seconds()
+            machine, compile_seconds = runtime.machine(), runtime.compile_seconds() - before
         data: dict[str, Any] = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous))
         try:
             write_report(writer.directory, data)

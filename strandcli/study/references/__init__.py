@@ -1,0 +1,16 @@
+"""Exact solutions that any solver is measured with, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from . import beam, buckling, catenary, chain, elastica, pendulum, tip_load, twist
+from .base import NEEDS, Case, Reference, Track
+
+REFERENCES: Mapping[str, Reference] = {
+    module.REFERENCE.name: module.REFERENCE
+    for module in (elastica, tip_load, buckling, beam, chain, catenary, pendulum, twist)
+}
+"""By name, in the order in which `--reference all` goes through them."""
+
+__all__ = ["NEEDS", "REFERENCES", "Case", "Reference", "Track"]

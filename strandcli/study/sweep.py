@@ -1,0 +1,155 @@
+"""Carrying out a study: reference first, then every setting; then what follows from the figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .axes import Axis, Experiment, Request
+from .contestants import CONTESTANTS
+from .points import Point, by_line, cheapest, orders, pareto
+
+LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
+"""Errors for which a setting is recommended where none was asked for."""
+
+
+@dataclass
+class Study:
+    """All figures of one subject."""
+
+    axis: str
+    name: str
+    title: str
+    metric: str
+    unit: str
+    reference: dict[str, Any]
+    """What errors are measured against."""
+    margins: Mapping[str, float]
+    points: list[Point]
+    absent: list[dict[str, str]]
+    orders: list[dict[str, Any]]
+    recommended: list[dict[str, Any]]
+
+    @property
+    def offered(self) -> list[Point]:
+        """Points of solvers that presets may ask for."""
+        return [point for point in self.points if is_offered(point.solver)]
+
+    def nearest(self) -> float | None:
+        """The least error of those, margin included; None where none has one."""
+        known = [(point, point.error.get(self.metric)) for point in self.offered]
+        found = [error + self.margins.get(point.solver, 0.0) for point, error in known if error is not None]
+        least = min(found, default=math.inf)
+        return least if math.isfinite(least) else None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data: the mapping that `study --json` prints."""
+        return {
+            "axis": self.axis,
+            "name": self.name,
+            "title": self.title,
+            "metric": self.metric,
+            "unit": self.unit,
+            "reference": self.reference,
+            "points": [
+                {
+                    "knobs": dict(point.knobs),
+                    "dt": point.sizes.get("dt"),
+                    "seconds": point.seconds,
+                    "error": point.error,
+                    "pareto": point.pareto,
+                }
+                for point in self.points
+            ],
+            "orders": self.orders,
+            "not_represented": self.absent,
+            "recommended": self.recommended,
+        }
+
+
+def run(
+    axis: Axis,
+    request: Request,
+    max_error: float | None = None,
+    step: Callable[[str], None] = lambda text: None,
+    begin: Callable[[int], None] = lambda runs: None,
+) -> Study:
+    """Measure all settings of a subject. ``begin`` is told how many runs there will be, ``step`` a line after each."""
+    return carry_out(axis.open(request), axis.name, request.name, max_error, step, begin)
+
+
+def carry_out(
+    experiment: Experiment,
+    axis: str,
+    name: str,
+    max_error: float | None = None,
+    step: Callable[[str], None] = lambda text: None,
+    begin: Callable[[int], None] = lambda runs: None,
+) -> Study:
+    """`run` for an experiment that is open already."""
+    settings = list(experiment.settings())
+    begin(experiment.references + len(settings))
+    reference = experiment.prepare(step)
+    metric = experiment.metric
+    points = []
+    for knobs in settings:
+        point = experiment.measure(knobs)
+        points.append(point)
+        error = point.error.get(metric)
+        step(f"{point.line}: {point.seconds:.3f} s, {metric} {'-' if error is None else f'{error:.3g}'}")
+    front = pareto([point.seconds for point in points], [rounded(point.error.get(metric)) for point in points])
+    for point, on_front in zip(points, front, strict=True):
+        point.pareto = on_front
+    margins = experiment.margins()
+    names = dict.fromkeys([metric, *(name for point in points for name in point.error)])
+    return Study(
+        axis=axis,
+        name=name,
+        title=experiment.title,
+        metric=metric,
+        unit=experiment.unit,
+        reference=reference,
+        margins=margins,
+        points=points,
+        absent=experiment.absent,
+        orders=[one for name in names for one in orders(points, name)],
+        recommended=recommendations(points, metric, margins, max_error),
+    )
+
+
+def recommendations(
+    points: list[Point], metric: str, margins: Mapping[str, float], max_error: float | None
+) -> list[dict[str, Any]]:
+    """The cheapest setting of each solver that presets may ask for, under each error."""
+    out: list[dict[str, Any]] = []
+    for solver, mine in by_line(points, lambda point: point.solver).items():
+        if not is_offered(solver):
+            continue
+        seen = None
+        for most in LADDER if max_error is None else (max_error,):
+            found = cheapest(mine, metric, most, margins)
+            if found is None or (max_error is None and found is seen):
+                continue
+            seen = found
+            out.append(
+                {
+                    "max_error": most,
+                    "knobs": dict(found.knobs),
+                    "seconds": found.seconds,
+                    "error": found.error[metric],
+                    "margin": margins.get(solver, 0.0),
+                }
+            )
+    return out
+
+
+def rounded(error: float | None) -> float | None:
+    """An error to three digits: what differs less counts as equally right, and the faster is the better."""
+    return None if error is None else float(f"{error:.2e}")
+
+
+def is_offered(solver: str) -> bool:
+    """Whether presets may ask for a solver."""
+    return solver not in CONTESTANTS or CONTESTANTS[solver].offered

@@ -1,0 +1,251 @@
+"""References against tables of the literature, series of another making, and their own differential equations; and
+their measures, which must find no fault with an exact run and the whole fault of a wrong one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from strandcli.errors import UsageError
+from strandcli.study import elastica, modes
+from strandcli.study.quadrature import interval
+from strandcli.study.references import NEEDS, REFERENCES, Track, beam, buckling, catenary, chain, pendulum, tip_load
+from strandcli.study.references import elastica as heavy
+
+DROOP = {
+    0.1: 0.0124996, 1: 0.124562, 3: 0.364621, 10: 1.06680, 30: 2.54721, 100: 5.88810, 300: 11.1831, 1e3: 21.3354,
+    1e4: 69.7088,
+}  # fmt: skip
+TIPS = {1: (0.94357, 0.30172), 2: (0.83936, 0.49346), 5: (0.61237, 0.71379), 10: (0.44500, 0.81061)}
+
+
+@pytest.mark.parametrize("load", DROOP)
+def test_heavy_elastica_is_that_of_the_table(load: float) -> None:
+    assert elastica.hang(load).droop == pytest.approx(DROOP[load], rel=6e-6)
+
+
+@pytest.mark.parametrize("load", TIPS)
+def test_tip_loads_are_those_of_the_table(load: float) -> None:
+    assert elastica.hang(0, load).tip == pytest.approx(TIPS[load], abs=6e-6)
+
+
+@pytest.mark.parametrize("load", [1.0, 10.0, 100.0])
+def test_the_elastica_is_what_shooting_finds(load: float) -> None:
+    """Runge and Kutta's method from the tip that collocation found has to arrive at the clamp."""
+    shape = elastica.hang(load, 0.5)
+    y = np.array([shape.nodes.at(shape.angles, np.zeros(1))[0], 0.0])
+    steps = 2000
+    h = 1 / steps
+
+    def slope(t: float, y: np.ndarray) -> np.ndarray:
+        return np.array([y[1], (load * t + 0.5) * np.sin(y[0])])
+
+    for i in range(steps):
+        a = slope(i * h, y)
+        b = slope((i + 0.5) * h, y + h / 2 * a)
+        c = slope((i + 0.5) * h, y + h / 2 * b)
+        y = y + h / 6 * (a + 2 * b + 2 * c + slope((i + 1) * h, y + h * c))
+    # what is wrong at the tip grows by exp(2/3 sqrt(load)) on its way to the clamp
+    assert y[0] == pytest.approx(np.pi / 2, abs=1e-9 * math.exp(2 / 3 * math.sqrt(load)))
+
+
+def test_more_nodes_change_nothing() -> None:
+    assert elastica.hang(1e3, nodes=160).droop == pytest.approx(elastica.hang(1e3).droop, rel=1e-10)
+    assert elastica.buckling_load(30) == pytest.approx(elastica.buckling_load(), rel=1e-10)
+
+
+def test_an_elastica_keeps_its_length() -> None:
+    points = elastica.hang(30.0).points(np.linspace(0, 1, 4001))
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(1, abs=1e-6)
+    np.testing.assert_allclose(points[0], 0, atol=1e-14)
+
+
+def test_columns_buckle_at_the_known_load() -> None:
+    assert elastica.buckling_load() == pytest.approx(7.83735, abs=5e-6)
+    below, above = (elastica.hang(load, clamp=np.pi - 1e-4).tip[0] for load in (7.7, 7.9))
+    assert below < 0.02
+    assert above > 0.1
+
+
+def test_a_bowed_column_stays_on_its_branch() -> None:
+    out = [elastica.hang(load, clamp=np.pi - 0.01, nodes=48).tip[0] for load in (7.0, 7.7, 8.0, 9.0, 12.0)]
+    assert np.all(np.diff(out) > 0)
+
+
+def test_integrals_are_exact_for_polynomials() -> None:
+    space = interval(8)
+    values = space.nodes**5
+    np.testing.assert_allclose(space.below @ values, space.nodes**6 / 6, atol=1e-14)
+    np.testing.assert_allclose(space.above @ values, (1 - space.nodes**6) / 6, atol=1e-14)
+    assert space.weights @ space.nodes**15 == pytest.approx(1 / 16)
+    np.testing.assert_allclose(space.at(values, np.array([0.0, 0.3, 1.0])), [0, 0.3**5, 1], atol=1e-14)
+    np.testing.assert_allclose(space.running(values, np.array([0.0, 0.5, 1.0])), [0, 0.5**6 / 6, 1 / 6], atol=1e-14)
+
+
+def test_beam_frequencies() -> None:
+    found = modes.beam(4).frequencies
+    np.testing.assert_allclose(found[:3], [3.51602, 22.0345, 61.6972], rtol=2e-6)
+    for value in found:  # cos β cosh β = −1
+        root = math.sqrt(value)
+        assert math.cos(root) * math.cosh(root) == pytest.approx(-1, abs=1e-6)
+
+
+def test_chain_frequencies_are_half_the_zeros_of_bessels_function() -> None:
+    found = modes.chain(3).frequencies
+    np.testing.assert_allclose(found, [1.20241, 2.76004, 4.32687], rtol=3e-6)
+    angle = (np.arange(4000) + 0.5) * np.pi / 4000
+    for value in found:  # J₀(x) is the mean of cos(x sin θ)
+        assert np.cos(2 * value * np.sin(angle)).mean() == pytest.approx(0, abs=1e-9)
+
+
+def test_modes_are_orthonormal() -> None:
+    for made in (modes.beam(4), modes.chain(4)):
+        product = made.shapes.T @ (made.nodes.weights[:, None] * made.shapes)
+        np.testing.assert_allclose(product, np.eye(4), atol=1e-9)
+
+
+def test_catenary_has_its_length_and_ends() -> None:
+    a = catenary.parameter()
+    assert 2 * a * math.sinh(catenary.APART / (2 * a)) == pytest.approx(1, abs=1e-14)
+    points = catenary.shape(np.linspace(0, 1, 2001))
+    np.testing.assert_allclose(points[[0, -1]], [[0, 0], [catenary.APART, 0]], atol=1e-14)
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(1, abs=1e-6)
+    assert points[1000, 1] == pytest.approx(-catenary.sag())
+
+
+def test_pendulum_periods() -> None:
+    small = 2 * math.pi / math.sqrt(9.81)
+    assert pendulum.period(1e-5) == pytest.approx(small)
+    angle = 0.6  # the series of the period in the amplitude
+    series = 1 + angle**2 / 16 + 11 * angle**4 / 3072 + 173 * angle**6 / 737280
+    assert pendulum.period(angle) == pytest.approx(small * series, rel=1e-6)
+    assert pendulum.exact()["period"] == pytest.approx(7.416298709205487)
+
+
+def test_twist_reads_not_represented() -> None:
+    reference = REFERENCES["twist"]
+    assert reference.exact()["M L / B"] == pytest.approx(8.98682, abs=1e-5)
+    assert "twist" in reference.needs
+    with pytest.raises(UsageError, match="twist"):
+        reference.measure(Track(np.zeros(1), np.zeros((1, 1, 2, 3))))
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_every_reference_says_what_it_needs(name: str) -> None:
+    reference = REFERENCES[name]
+    assert reference.name == name
+    assert set(reference.needs) <= set(NEEDS)
+    assert reference.needs
+    case = reference.case(6)
+    assert case.settings["emitter"]["strands"] == case.groom.strands
+    np.testing.assert_allclose(np.linalg.norm(case.groom.directions, axis=1), 1, rtol=1e-6)
+    assert all(np.isfinite(value) for value in reference.exact().values())
+
+
+def still(strands: list[np.ndarray]) -> Track:
+    """A run that ends in these strands (particles, 3)."""
+    return Track(np.array([0.0]), np.array([strands]))
+
+
+def level(shape: elastica.Shape, length: float, particles: int = 9) -> np.ndarray:
+    out, down = shape.points(np.linspace(0, 1, particles)).T
+    return length * np.stack([out, -down, 0 * out], 1)
+
+
+@pytest.mark.parametrize("module", [heavy, tip_load])
+def test_exact_shapes_have_no_error_and_moved_tips_have_theirs(module: object) -> None:
+    strands = [level(shape, size) for shape, size in zip(module.shapes(), module.LENGTHS, strict=True)]  # type: ignore[attr-defined]
+    exact = module.measure(still(strands))  # type: ignore[attr-defined]
+    assert all(error == pytest.approx(0, abs=1e-9) for error in exact.values())
+    strands[1][-1, 2] += 0.03 * module.LENGTHS[1]  # type: ignore[attr-defined]
+    assert module.measure(still(strands))["tip"] == pytest.approx(0.03)  # type: ignore[attr-defined]
+
+
+def test_buckling_loads_are_read_between_strands() -> None:
+    def strands(factor: float) -> list[np.ndarray]:
+        tips = np.interp(buckling.LOADS / factor, buckling.LOADS, buckling.curve(), right=0.9)
+        return [np.array([[0, 0, 0], [tip * size, 0.5, 0]]) for tip, size in zip(tips, buckling.LENGTHS, strict=True)]
+
+    assert buckling.measure(still(strands(1.0)))["load"] == pytest.approx(0, abs=1e-9)
+    # all strands bow at loads that are 5 % greater; off the nodes the curve is read from chords
+    assert buckling.measure(still(strands(1.05)))["load"] == pytest.approx(0.05, abs=2e-3)
+    assert buckling.measure(still(strands(3.0)))["load"] is None
+
+
+@pytest.mark.parametrize("module", [beam, chain])
+def test_frequencies_are_read_off_a_motion_of_modes(module: object) -> None:
+    axis, unit = (1, math.sqrt(beam.rigidity())) if module is beam else (0, math.sqrt(9.81))
+    shapes = module.shapes()  # type: ignore[attr-defined]
+    times = np.arange(0, 3, 1 / 480)
+    places = np.linspace(0, 1, 60)
+    motion = np.zeros((len(times), 1, 60, 3))
+    for i, (omega, size, off, decay) in enumerate(
+        zip(shapes.frequencies * unit, (1e-2, 1e-3, 1e-4), (1.02, 0.99, 1.03), (0.1, 0.2, 0.3), strict=True)
+    ):
+        swing = size * np.exp(-decay * times) * np.cos(off * omega * times)
+        motion[:, 0, :, axis] += swing[:, None] * shapes.nodes.at(shapes.shapes[:, i], places)
+    errors = module.measure(Track(times, motion))  # type: ignore[attr-defined]
+    # the share of a slower mode that the trapezoidal rule leaves is fitted with it
+    assert errors["frequency 1"] == pytest.approx(0.02, abs=1e-3)
+    assert errors["frequency 2"] == pytest.approx(0.01, abs=2e-3)
+    assert errors["frequency 3"] == pytest.approx(0.03, abs=5e-3)
+    cycle = 2 * math.pi / (1.02 * shapes.frequencies[0] * unit)
+    assert errors["loss"] == pytest.approx(1 - math.exp(-0.1 * cycle), rel=0.05)
+    assert errors["swing"] == pytest.approx(math.hypot(0.02, 0.1 * 1.02 / (2 * math.pi) * cycle), abs=2e-3)
+
+
+def test_a_motion_without_swing_has_no_frequency() -> None:
+    times = np.arange(100) / 60
+    assert modes.oscillation(times, np.zeros(100), 6.0) is None
+    assert modes.oscillation(times[:4], np.cos(6 * times[:4]), 6.0) is None
+    assert modes.oscillation(times, np.full(100, np.nan), 6.0) is None
+    errors = beam.measure(Track(times, np.zeros((100, 1, 5, 3))))
+    assert set(errors.values()) == {None}
+
+
+def swinging(damping: float) -> Track:
+    """A pendulum of a metre let go level, by Runge and Kutta's method."""
+    h, y, angles = 1e-3, np.array([math.pi / 2, 0.0]), []
+
+    def slope(y: np.ndarray) -> np.ndarray:
+        return np.array([y[1], -9.81 * np.sin(y[0]) - damping * y[1]])
+
+    for _ in range(round(5.5 * pendulum.period() / h)):
+        angles.append(y[0])
+        a = slope(y)
+        b = slope(y + h / 2 * a)
+        c = slope(y + h / 2 * b)
+        y = y + h / 6 * (a + 2 * b + 2 * c + slope(y + h * c))
+    way = np.stack([np.sin(angles), -np.cos(angles), np.zeros(len(angles))], 1)
+    return Track(h * np.arange(len(angles)), np.stack([0 * way, way], 1)[:, None])
+
+
+def test_a_pendulum_that_keeps_its_energy_has_no_error() -> None:
+    errors = pendulum.measure(swinging(0.0))
+    assert errors["period"] == pytest.approx(0, abs=1e-8)
+    assert errors["loss"] == pytest.approx(0, abs=1e-7)
+    assert errors["growth"] == pytest.approx(0, abs=1e-8)
+    assert errors["swing"] == pytest.approx(0, abs=1e-7)
+
+
+def test_a_pendulum_that_loses_or_gains_energy_is_found_out() -> None:
+    lost = pendulum.measure(swinging(0.1))
+    assert lost["loss"] == pytest.approx(1 - math.exp(-0.05 * pendulum.period()), rel=0.25)
+    assert lost["period"] is not None
+    assert lost["period"] > 1e-3
+    assert lost["swing"] == pytest.approx(math.hypot(lost["period"], 0.025 / math.sqrt(9.81) * 1.18), rel=0.25)
+    gained = pendulum.measure(swinging(-0.02))
+    assert gained["growth"] is not None
+    assert gained["growth"] > 0.01
+
+
+def test_a_catenary_has_no_error_and_a_moved_particle_has_its_own() -> None:
+    strand = np.zeros((11, 3))
+    strand[:, :2] = catenary.shape(np.linspace(0, 1, 11))
+    assert catenary.measure(still([strand]))["shape"] == pytest.approx(0, abs=1e-12)
+    strand[3, 2] = 0.02
+    assert catenary.measure(still([strand]))["shape"] == pytest.approx(0.02)
+    strand[:, 1] *= 1.1
+    assert catenary.measure(still([strand]))["sag"] == pytest.approx(0.1)
