@@ -128,7 +128,7 @@ def azimuthal(
 
 
 @function
-def mix(table, i, j, c, w00, w01, w10, w11):  # type: ignore[no-untyped-def]
+def mix(table, i, j, c, w00, w01, w10, w11):
     """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
     views are counted by an atomic instruction."""
     return w00 * table[i, j, c] + w01 * table[i, j + 1, c] + w10 * table[i + 1, j, c] + w11 * table[i + 1, j + 1, c]
