@@ -215,8 +215,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), p.lobes, p.nodes, p.paths, lights, *self._maps(maps),
-            *(packed or (None,) * 4), self._skin(), colours,
+            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, lights,
+            *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import solids
+from . import chiang, solids
 from .light import toward
 from .marschner import azimuthal, kajiya_diffuse, longitudinal
 from .shadow import between, held, texel_of, through
@@ -33,20 +33,21 @@ COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
 LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
 U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
 TEXELS = 27 * W
-R, TT, TRT = TEXELS, TEXELS + W, TEXELS + 2 * W
+R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
 ROWS = 35
 
 
 @parallel
 def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, nodes, paths,
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, fibre, nodes, paths,
     lights, maps, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
-    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, None where not needed;
+    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths:
+    those of `strandcli.draw.chiang`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:10] shadow maps (`shadow.transmittance`); maps (T, 2), or None for no maps at all; starts,
     sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
@@ -69,13 +70,13 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+                        work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
                         spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+            work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
             spheres, capsules, planes, boxes, skin,
         )  # fmt: skip
         scatter(work, which, n, out)
@@ -111,7 +112,7 @@ def scatter(work, which, n, out):
 
 @function
 def batch(
-    work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+    work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
     spheres, capsules, planes, boxes, skin,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch."""
@@ -135,6 +136,8 @@ def batch(
                 work[RADIANCE + 2 * W + k] += light[6] * (d * work[COLOUR + 2 * W + k])
         if lobes is not None:
             shine(work, n, light, lobes, nodes, paths)
+        if fibre is not None:
+            gleam(work, n, light, fibre, nodes, paths)
 
 
 @function
@@ -229,7 +232,7 @@ def shade(work, n, view, maps, start, size, bias):
 
 @function
 def shine(work, n, light, lobes, nodes, paths):
-    """Highlights."""
+    """Highlights by Marschner's model."""
     for k in range(n):
         x, y, r, tt, trt = longitudinal(
             work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
@@ -245,6 +248,32 @@ def shine(work, n, light, lobes, nodes, paths):
         if arrives > ZERO:
             r, g, b = azimuthal(
                 work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], nodes, paths,
+                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * light[4] * r
+            work[RADIANCE + W + k] += arrives * light[5] * g
+            work[RADIANCE + 2 * W + k] += arrives * light[6] * b
+
+
+@function
+def gleam(work, n, light, fibre, nodes, paths):
+    """Highlights by Chiang's model."""
+    for k in range(n):
+        x, y, r, tt, trt, rest = chiang.longitudinal(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], fibre,
+        )  # fmt: skip
+        work[U + k] = x
+        work[V + k] = y
+        work[R + k] = r
+        work[TT + k] = tt
+        work[TRT + k] = trt
+        work[REST + k] = rest
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = chiang.azimuthal(
+                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], work[REST + k], nodes, paths,
                 work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
             )  # fmt: skip
             work[RADIANCE + k] += arrives * light[4] * r
