@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DirectionalLight, Light, Material
+from .chiang import ChiangTables
 from .chiang import build_tables as build_chiang
-from .marschner import azimuthal_beta
+from .marschner import MarschnerTables, azimuthal_beta
 from .marschner import build_tables as build_marschner
 from .pigment import colour_of, tint, varies
 from .shadow import ShadowMaps, default_bias
@@ -25,7 +26,7 @@ class Palette:
     def __init__(self, material: Material) -> None:
         marschner = build_marschner(material) if material.model == "marschner" else None
         chiang = build_chiang(material) if material.model == "chiang" else None
-        tables = marschner or chiang
+        tables: MarschnerTables | ChiangTables | None = marschner or chiang
         self.lobes = None if marschner is None else marschner.lobes
         self.fibre = None if chiang is None else chiang.fibre
         self.nodes = None if tables is None else tables.nodes
@@ -33,7 +34,9 @@ class Palette:
         self.diffuse = np.float32(material.diffuse)
         roughness = material.beta_n if material.model == "chiang" else azimuthal_beta(material.azimuthal)
         self.colour = colour_of(material, roughness).astype(np.float32)
-        self.tint = tint_table(material, roughness, tables and tables.absorption) if varies(material) else None
+        self.tint = (
+            tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
+        )
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:
@@ -62,9 +65,10 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
             where = np.array(light.position)
         first, count = maps.owners[i] if maps is not None else (0, 0)
         bias = light.shadow.bias
+        layers = maps.layers[first] if count and maps is not None else 0
         if count and maps is not None and bias == 0:
-            bias = default_bias(maps.views[first], bounds)
+            bias = default_bias(maps.views[first], bounds, layers > 0)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
-        rows.append([kind, *where, *power, first, count, bias, *[0.0] * 6])
+        rows.append([kind, *where, *power, first, count, bias, layers, *[0.0] * 5])
     return np.array(rows, np.float32).reshape(-1, 16)

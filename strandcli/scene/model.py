@@ -218,12 +218,18 @@ class Image:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Shadow:
-    """The strands' shadow map of one light (thesis §3, corrected)."""
+    """The strands' shadow map of one light: the source's (thesis §3, corrected) or a deep opacity map."""
 
     model: str = choice(
-        "minmax", ("minmax", "off"), doc="minmax: nearest and farthest strand a texel; off: built for nobody"
+        "minmax",
+        ("minmax", "opacity", "off"),
+        doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; off: built for nobody",
     )
-    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side")
+    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
+    layers: int = integer(13, low=1, high=61, doc="layers of opacity")
+    texel: float | None = number(
+        None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
+    )
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
 
 

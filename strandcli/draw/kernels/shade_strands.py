@@ -12,7 +12,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import chiang, solids
+from . import chiang, opacity, solids
+from .approximations import exp
 from .light import toward
 from .marschner import azimuthal, kajiya_diffuse, longitudinal
 from .shadow import between, held, texel_of, through
@@ -27,20 +28,22 @@ STRANDS = 128
 
 # Rows of a batch, W numbers each, in one array: a compiler that knows how far apart they are need not fear that they
 # overlap. Position, tangent, direction to the eye, colour, absorption beyond the tables', radiance; then of one light
-# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights.
+# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights,
+# strands that it passed.
 X, Y, Z, TX, TY, TZ, EX, EY, EZ = (i * W for i in range(9))
 COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
 LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
 U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
 TEXELS = 27 * W
 R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
-ROWS = 35
+PASSED = 35 * W
+ROWS = 36
 
 
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, fibre, nodes, paths,
-    lights, maps, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+    lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
@@ -70,13 +73,13 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
+                        work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
                         spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
+            work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
             spheres, capsules, planes, boxes, skin,
         )  # fmt: skip
         scatter(work, which, n, out)
@@ -112,7 +115,7 @@ def scatter(work, which, n, out):
 
 @function
 def batch(
-    work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, starts, sizes, views,
+    work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, skin,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch."""
@@ -122,9 +125,16 @@ def batch(
         aim(work, n, light)
         if spheres is not None:
             hide(work, n, spheres, capsules, planes, boxes, skin)
-        if maps is not None:
+        if maps is not None and light[10] == ZERO:
             for one in range(int(light[7]), int(light[7] + light[8])):
                 shade(work, n, views[one], maps, starts[one], sizes[one], light[9])
+        if stacks is not None and light[10] > ZERO:
+            for k in range(n):
+                work[PASSED + k] = ZERO
+            for one in range(int(light[7]), int(light[7] + light[8])):
+                sink(work, n, views[one], stacks, np.int64(light[10]), starts[one], sizes[one], light[9])
+            for k in range(n):
+                work[ARRIVES + k] *= exp(-work[PASSED + k])
         if diffuse > ZERO:
             for k in range(n):
                 d = diffuse * kajiya_diffuse(
@@ -198,14 +208,7 @@ def shade(work, n, view, maps, start, size, bias):
     """What strands leave of a light, by one map: only where no map before held the vertex."""
     if size < 2:
         return
-    edge = np.float32(size - 1)
-    for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], view)
-        fresh = held(u, v, d, view, edge) & (work[INSIDE + k] == ZERO)
-        work[U + k] = u if fresh else ZERO
-        work[V + k] = v if fresh else ZERO
-        work[DEPTH + k] = d - bias if fresh else -ONE
-        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+    locate(work, n, view, size, bias)
     for k in range(n):
         texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
         below = texel + np.uint64(size)
@@ -228,6 +231,47 @@ def shade(work, n, view, maps, start, size, bias):
             through(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
         )
         work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
+
+
+@function
+def locate(work, n, view, size, bias):
+    """Where a map shows the vertices that no map before held."""
+    edge = np.float32(size - 1)
+    for k in range(n):
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], view)
+        fresh = held(u, v, d, view, edge) & (work[INSIDE + k] == ZERO)
+        work[U + k] = u if fresh else ZERO
+        work[V + k] = v if fresh else ZERO
+        work[DEPTH + k] = d - bias if fresh else -ONE
+        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+
+
+@function
+def sink(work, n, view, stacks, layers, start, size, bias):
+    """Strands between the light and each vertex, by one opacity map: as `shade`."""
+    if size < 2:
+        return
+    locate(work, n, view, size, bias)
+    stride = np.uint64(layers + opacity.HEAD + 1)
+    down = np.uint64(size) * stride
+    for k in range(n):
+        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
+        texel = np.uint64(start) + np.uint64(place) * stride
+        d = work[DEPTH + k]
+        work[TEXELS + k] = opacity.depth_at(d, texel, layers, stacks)
+        work[TEXELS + W + k] = opacity.depth_at(d, texel + stride, layers, stacks)
+        work[TEXELS + 2 * W + k] = opacity.depth_at(d, texel + down, layers, stacks)
+        work[TEXELS + 3 * W + k] = opacity.depth_at(d, texel + down + stride, layers, stacks)
+    for k in range(n):
+        passed = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            work[TEXELS + k],
+            work[TEXELS + W + k],
+            work[TEXELS + 2 * W + k],
+            work[TEXELS + 3 * W + k],
+        )
+        work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
 @function
