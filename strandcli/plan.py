@@ -158,10 +158,11 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     else:
         skip(Stage("shadow maps", "there is no light" if not lit else "no light asks for one"))
     if scene.material.specular > 0 and lit:
-        use(Stage("marschner tables", "highlights are on"))
+        use(Stage(f"{scene.material.model} tables", "highlights are on"))
     else:
-        skip(Stage("marschner tables", "there is no light" if not lit else "material.specular is zero"))
-    varied = scene.material.tip_colour is not None or scene.material.colour_variation > 0
+        skip(Stage(f"{scene.material.model} tables", "there is no light" if not lit else "material.specular is zero"))
+    material = scene.material
+    varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
     (use if varied else skip)(Stage("colour variation", "strands differ" if varied else "all strands have one colour"))
     visible = [solid for solid in scene.solids if solid.visible]
     if visible:

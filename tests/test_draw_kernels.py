@@ -11,7 +11,18 @@ from strand_kit import scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING
 
 from strandcli.constants import W
-from strandcli.draw.kernels import curves, film, light, marschner, project, raster, shade_strands, shadow, solids
+from strandcli.draw.kernels import (
+    chiang,
+    curves,
+    film,
+    light,
+    marschner,
+    project,
+    raster,
+    shade_strands,
+    shadow,
+    solids,
+)
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
 
@@ -53,6 +64,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "marschner": (
         marschner.marschner,
         (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),
+    ),
+    "chiang": (
+        chiang.chiang,
+        (*[ONE] * 9, np.ones(20, np.float32), *[np.ones((3, 3, k), np.float32) for k in (12, 4)], ONE, ONE, ONE),
     ),
     "kajiya_diffuse": (marschner.kajiya_diffuse, (ONE,) * 6),
 }  # fmt: skip

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from strandcli.draw import marschner as tables_of
 from strandcli.draw.kernels import marschner as kernel
+from strandcli.draw.pigment import absorption
 from strandcli.jit import function
 from strandcli.scene.model import Material
 from strandcli.study import bsdf_reference as ref
@@ -238,7 +239,7 @@ def test_roughness_conversion_matches_the_deviation_of_the_logistic():
 
 
 def test_colours_at_and_beyond_the_ends_stay_finite():
-    sigma = tables_of.absorption([0.0, -1.0, 1e-9, 0.5, 1.0, 3.0], 0.3)
+    sigma = absorption([0.0, -1.0, 1e-9, 0.5, 1.0, 3.0], 0.3)
     assert np.isfinite(sigma).all()
     assert sigma[0] == sigma[1] == sigma[2] > sigma[3] > sigma[4] == sigma[5] == 0
     for colour in ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (5.0, 0.0, 1.0)):
@@ -254,7 +255,7 @@ def test_a_strand_of_another_colour_against_tables_of_that_colour(ratio, bound):
     base = tables_of.build_tables(replace(BROWN, colour_variation=0.1))
     colour = tuple(ratio * c for c in BROWN.colour)
     exact = tables_of.build_tables(replace(BROWN, colour=colour))
-    extra = tables_of.absorption(colour, base.roughness) - base.absorption
+    extra = absorption(colour, base.roughness) - base.absorption
     theta_v, phi = (a.ravel() for a in np.meshgrid(np.arange(-70, 71, 10), np.arange(0, 181, 5)))
     got, wanted = at(base, 15, theta_v, phi, extra), at(exact, 15, theta_v, phi)
     assert np.abs(got - wanted).max() < bound * wanted.max()

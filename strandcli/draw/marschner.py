@@ -30,14 +30,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .kernels import marschner as kernel
+from .pigment import absorption_of, varies
 
 if TYPE_CHECKING:
     from ..scene.model import Material
 
-DARKEST, PALEST = 1e-4, 1.0
 COS2_FLOOR = 1e-3
 COEFFICIENT_FLOOR = 1e-7
 RAYS = 8.0  # rays over half of the strand, times the roughness: no two leave farther apart than .62 of it
@@ -83,16 +83,6 @@ def azimuthal_beta(degrees: float) -> float:
     return 0.5 * (low + high)
 
 
-def absorption(colour: ArrayLike, roughness: float) -> NDArray[np.float64]:
-    """σ_a in 1/radius of strands whose mass has this ``colour`` (any shape, linear), by Chiang et al. 2016, eq. 9.
-
-    Colours are clamped to [1e-4, 1]: black would be infinitely absorbing, and nothing is whiter than σ_a = 0.
-    """
-    b = roughness
-    divisor = 5.969 - 0.215 * b + 2.532 * b**2 - 10.73 * b**3 + 5.574 * b**4 + 0.245 * b**5
-    return np.asarray((np.log(np.clip(np.asarray(colour, np.float64), DARKEST, PALEST)) / divisor) ** 2)
-
-
 def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None) -> MarschnerTables | None:
     """Tables for ``material``, or None where ``material.specular`` is 0 and nothing would read them.
 
@@ -104,15 +94,14 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     if n_phi is None:
         n_phi = min(max(math.ceil(4.0 * 180.0 / material.azimuthal) + 1, 48), 192)
     roughness = azimuthal_beta(material.azimuthal)
-    sigma = absorption(material.colour, roughness)
+    sigma = absorption_of(material, roughness)
     # The last node lies on the horizon, where η' is infinite: it is taken a hair's breadth inside.
     theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, n_theta), 0.5 * np.pi - 1e-4)
     lobes, peaks = _longitudinal(material, n_theta, n_phi)
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
     nodes[..., :7] = n * np.repeat(peaks, (1, 3, 3))
-    varied = material.tip_colour is not None or material.colour_variation > 0.0
-    return MarschnerTables(lobes, nodes, paths if varied else None, sigma, roughness)
+    return MarschnerTables(lobes, nodes, paths if varies(material) else None, sigma, roughness)
 
 
 def _longitudinal(material: Material, n_theta: int, n_phi: int) -> tuple[NDArray[np.float32], list[float]]:
@@ -141,7 +130,7 @@ def _azimuthal(
     cos_d, sin_d = np.cos(theta)[:, None], np.sin(theta)[:, None]
     root = np.sqrt(eta**2 - sin_d**2)
     index_s, index_p = root / cos_d, eta**2 * cos_d / root
-    gamma_i, weight = _rays(max(128, math.ceil(RAYS / deviation)))
+    gamma_i, weight = rays_across(max(128, math.ceil(RAYS / deviation)))
     gamma_t = np.arcsin(np.sin(gamma_i) / index_s)
     cos_i, cos_t = np.cos(gamma_i), np.cos(gamma_t)
     s = (cos_i - index_s * cos_t) / (cos_i + index_s * cos_t)
@@ -160,7 +149,10 @@ def _azimuthal(
     out = np.stack(
         [-2.0 * gamma_i + 0.0 * gamma_t, 2.0 * (gamma_t - gamma_i) + np.pi, 4.0 * gamma_t - 2.0 * gamma_i], 1
     )
-    n = _seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, deviation)
+    bins = 2 ** math.ceil(math.log2(BINS / deviation))
+    k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
+    detector = np.exp(-0.5 * (k * deviation) ** 2)
+    n = seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, bins, detector)
 
     mean = np.stack([n[..., 1:4].mean(axis=-1), n[..., 4:7].mean(axis=-1)], axis=-1)
     plain = np.array([1.0, 2.0]) * (2.0 * eta / root)[..., None]
@@ -169,7 +161,7 @@ def _azimuthal(
     return n[..., :7], (np.clip(paths, 0.0, plain) / math.log(2.0)).astype(np.float32)
 
 
-def _rays(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def rays_across(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """γ_i in (0, π/2) and the weights of ∫_0^1 dh. With γ_i = π/2 sin u the midpoint rule in u converges with the
     fourth power of ``count``: the integrand and its slope are 0 at h = 1."""
     u = (np.arange(count) + 0.5) * (0.5 * np.pi / count)
@@ -177,11 +169,13 @@ def _rays(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return gamma_i, np.cos(gamma_i) * np.cos(u) * (0.5 * np.pi) ** 2 / count
 
 
-def _seen(rays: NDArray[np.float64], out: NDArray[np.float64], n_phi: int, deviation: float) -> NDArray[np.float64]:
+def seen(
+    rays: NDArray[np.float64], out: NDArray[np.float64], n_phi: int, bins: int, detector: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """What the detector sees at ``n_phi`` angles over [0, π], (n_θ, n_φ, channels), of rays (n_θ, channels, count) that
-    leave at the angles ``out``."""
+    leave at the angles ``out``. ``detector``: the Fourier coefficients ∫ D(φ) cos kφ dφ of its response, k = 0, 1, …;
+    rays are gathered in so many ``bins``, which have to outnumber twice the coefficients."""
     rows, channels, _ = rays.shape
-    bins = 2 ** math.ceil(math.log2(BINS / deviation))
     place = out * (bins / (2.0 * np.pi))
     below = np.floor(place)
     part = place - below
@@ -191,8 +185,8 @@ def _seen(rays: NDArray[np.float64], out: NDArray[np.float64], n_phi: int, devia
     share = np.concatenate([rays * (1.0 - part), rays * part], axis=-1)
     counts = np.bincount(index.ravel(), share.ravel(), rows * channels * bins).reshape(rows * channels, bins)
 
-    k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
-    scale = np.exp(-0.5 * (k * deviation) ** 2) / np.sinc(k / bins) ** 2 * np.where(k == 0, 0.5, 1.0) / np.pi
+    k = np.arange(len(detector))
+    scale = detector / np.sinc(k / bins) ** 2 * np.where(k == 0, 0.5, 1.0) / np.pi
     # A chord lies below a hump by d²/12 of its curvature on average: nodes raised by that make the interpolant right in
     # the mean, and its RMS error 2.4 times smaller.
     scale *= 1.0 + (k * np.pi / (n_phi - 1)) ** 2 / 12.0

@@ -6,6 +6,7 @@ the z-buffer is filled first and holds, for each sample, the segment in front.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -25,7 +26,7 @@ from .film import gradient, srgb_curve
 from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, plan_maps
+from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing
 from .solids import frames_of, paint_of
 
 
@@ -52,6 +53,8 @@ class Renderer:
         self.palette = Palette(scene.material)
         self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
+        deep = any(light.shadow.model == "opacity" for light in scene.lights)
+        self._spacing = strand_spacing(groom.roots) if deep else 0.0
         self._clock = 0.0
         self._seen = 0
         top = np.array(scene.image.background, np.float32)
@@ -71,13 +74,16 @@ class Renderer:
         view = camera_view(scene.camera, at, *self.size, bounds)
         portions = self._portions(strands, positions.shape[1] - 1)
 
-        maps = plan_maps(scene.lights, bounds, scratch)
+        spacing = self._spacing / math.sqrt(fraction)
+        maps = plan_maps(scene.lights, bounds, scratch, self._thickness(view, bounds, spread), spacing)
         self._lap("shadow")
         if maps is not None and len(portions) > 1:  # every strand has to be in the maps before the first is shaded
-            for begin, end in portions:
-                lines = self._flatten(positions, lengths, begin, end, view, True)
-                maps.add(lines, workers, scratch)
-                self._lap("shadow")
+            for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
+                for begin, end in portions:
+                    lines = self._flatten(positions, lengths, begin, end, view, True)
+                    draw(lines, workers, scratch)
+                    self._lap("shadow")
+                (maps.divide if draw == maps.add else maps.finish)()
 
         keys = scratch.take("keys", self.size[0] * self.size[1], np.uint64)
         packed = self._solids(at)
@@ -93,7 +99,7 @@ class Renderer:
         for begin, end in portions:
             lines = self._flatten(positions, lengths, begin, end, view, maps is not None)
             if maps is not None and len(portions) == 1:
-                maps.add(lines, workers, scratch)
+                maps.build(lines, workers, scratch)
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
             widths = self._widths(lines, screen, view, spread)
@@ -125,7 +131,7 @@ class Renderer:
         width, height = self.size
         bounds = np.array([[-1.0] * 3, [1.0] * 3])
         view = camera_view(self.scene.camera, 0.0, width, height, bounds)
-        maps = plan_maps(self.scene.lights, bounds, self.scratch)
+        maps = plan_maps(self.scene.lights, bounds, self.scratch, Thickness(0.01), 0.1)
         lights = pack_lights(self.scene.lights, maps, bounds)
         lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
         keys = np.full(width * height, raster.kernel.EMPTY)
@@ -215,8 +221,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), p.lobes, p.nodes, p.paths, lights, *self._maps(maps),
-            *(packed or (None,) * 4), self._skin(), colours,
+            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, lights,
+            *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
 
@@ -237,8 +243,18 @@ class Renderer:
         width, height = self.scene.image.size
         return np.empty((height, width, 3), np.uint8)
 
+    def _thickness(self, view: View, bounds: NDArray[np.float64], spread: float) -> Thickness:
+        """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle
+        of the groom."""
+        material = self.scene.material
+        if material.width > 0:
+            return Thickness(material.width * spread, material.taper)
+        centre = bounds.mean(0)
+        depth = max(float((centre - view.eye) @ view.forward), view.near) if view.perspective else 1.0
+        return Thickness(depth / view.focal)
+
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
-        return (None,) * 4 if maps is None else (maps.texels, maps.starts, maps.sizes, maps.packed)
+        return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)
 
     def _skin(self) -> np.float32:
         """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""

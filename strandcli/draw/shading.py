@@ -8,41 +8,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DirectionalLight, Light, Material
-from .marschner import absorption, build_tables
+from .chiang import ChiangTables
+from .chiang import build_tables as build_chiang
+from .marschner import MarschnerTables, azimuthal_beta
+from .marschner import build_tables as build_marschner
+from .pigment import colour_of, tint, varies
 from .shadow import ShadowMaps, default_bias
 
-TINT_NODES = (17, 9)
+ALONG = 17
+TONES, TONES_GREY = 9, 65
+"""Nodes over the tone: with grey strands enough that few are in between."""
 
 
 class Palette:
     """What the shading kernel needs of a material; an argument that a scene does not need is None."""
 
     def __init__(self, material: Material) -> None:
-        tables = build_tables(material)
-        self.lobes = None if tables is None else tables.lobes
+        marschner = build_marschner(material) if material.model == "marschner" else None
+        chiang = build_chiang(material) if material.model == "chiang" else None
+        tables: MarschnerTables | ChiangTables | None = marschner or chiang
+        self.lobes = None if marschner is None else marschner.lobes
+        self.fibre = None if chiang is None else chiang.fibre
         self.nodes = None if tables is None else tables.nodes
         self.paths = None if tables is None else tables.paths
         self.diffuse = np.float32(material.diffuse)
-        self.colour = np.array(material.colour, np.float32)
-        self.tint: NDArray[np.float32] | None = None
-        if material.tip_colour is not None or material.colour_variation > 0:
-            base = None if tables is None else (tables.absorption, tables.roughness)
-            self.tint = tint_table(material, base)
+        roughness = material.beta_n if material.model == "chiang" else azimuthal_beta(material.azimuthal)
+        self.colour = colour_of(material, roughness).astype(np.float32)
+        self.tint = (
+            tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
+        )
 
 
-def tint_table(material: Material, base: tuple[NDArray[np.float64], float] | None) -> NDArray[np.float32]:
-    """(17, 9, 6) float32 over the place along the strand and its tone in [−1, 1]: colour, and the absorption beyond
-    that of the tables in 1/radius (0 where there are none)."""
-    along = np.linspace(0, 1, TINT_NODES[0])[:, None, None]
-    tone = np.linspace(-1, 1, TINT_NODES[1])[None, :, None]
-    root = np.array(material.colour)
-    tip = root if material.tip_colour is None else np.array(material.tip_colour)
-    # tones are multiplied, so that no colour turns negative and dark and pale strands are as frequent
-    colour = (root + along * (tip - root)) * np.exp(np.log1p(material.colour_variation) * tone)
-    table = np.zeros((*TINT_NODES, 6), np.float32)
+def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:
+    """(17, n, 6) float32 over the place along the strand and its tone in [−1, 1]: colour, and the absorption beyond
+    ``base``, that of the tables, in 1/radius (0 where there are none)."""
+    tones = TONES_GREY if material.grey > 0 else TONES
+    along, tone = np.meshgrid(np.linspace(0, 1, ALONG), np.linspace(-1, 1, tones), indexing="ij")
+    colour, sigma = tint(material, roughness, along, tone)
+    table = np.zeros((ALONG, tones, 6), np.float32)
     table[..., :3] = colour
     if base is not None:
-        table[..., 3:] = absorption(colour, base[1]) - base[0]
+        table[..., 3:] = sigma - base
     return table
 
 
@@ -59,9 +65,10 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
             where = np.array(light.position)
         first, count = maps.owners[i] if maps is not None else (0, 0)
         bias = light.shadow.bias
+        layers = maps.layers[first] if count and maps is not None else 0
         if count and maps is not None and bias == 0:
-            bias = default_bias(maps.views[first], bounds)
+            bias = default_bias(maps.views[first], bounds, layers > 0)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
-        rows.append([kind, *where, *power, first, count, bias, *[0.0] * 6])
+        rows.append([kind, *where, *power, first, count, bias, layers, *[0.0] * 5])
     return np.array(rows, np.float32).reshape(-1, 16)

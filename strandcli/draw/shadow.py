@@ -1,8 +1,14 @@
-"""Shadow maps of all lights that have one."""
+"""Shadow maps of all lights that have one: min/max maps, and deep opacity maps.
+
+The resolution of an opacity map follows from the groom. A texel much finer than the distance between strands holds one
+strand or none, and shades what is behind it fully or not at all, where it should shade everything near it by a part;
+one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best (`study/shadow.py`).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,61 +17,207 @@ from numpy.typing import NDArray
 from ..scene.model import DirectionalLight, Light
 from .camera import View, ball, parallel_view, point_views
 from .curves import Polylines
+from .kernels import opacity
 from .kernels import shadow as kernel
 from .raster import into_bands, to_screen
 from .scratch import Scratch
 
+TEXEL = 2.0
+"""Strand spacings a texel of an opacity map."""
+BIAS = 0.5
+"""Texels by which depth is lessened in an opacity map: a strand does not shade itself."""
+SAMPLED = 64
+NEIGHBOURS = 8
+
+
+@dataclass(frozen=True)
+class Thickness:
+    """What strands cover: width at the root in metres, and the part of it that is lost to the tip."""
+
+    width: float = 0.0
+    taper: float = 0.0
+
 
 @dataclass(frozen=True)
 class ShadowMaps:
-    """All maps in one array of texels, as `kernels.shadow.transmittance` reads them."""
+    """All maps, as `kernels.shadow.transmittance` and `kernels.opacity.optical_depth` read them."""
 
     views: list[View]
     packed: NDArray[np.float32]
     """(M, 24) the views packed."""
     starts: NDArray[np.int64]
+    """Where each map begins: in `texels`, or in `stacks` if it is an opacity map."""
     sizes: NDArray[np.int64]
-    texels: NDArray[np.float32]
-    """(T, 2) nearest and farthest depth, metres."""
+    texels: NDArray[np.float32] | None
+    """(T, 2) nearest and farthest depth, metres; None where all are opacity maps."""
     owners: list[tuple[int, int]]
     """For each light its first map and how many it has."""
+    stacks: NDArray[np.float32] | None = None
+    """Flat: the texels of opacity maps; None where there are none."""
+    layers: list[int] = field(default_factory=list)
+    """Layers of each map, 0 for a min/max map."""
+    extents: list[NDArray[np.float32]] = field(default_factory=list)
+    """Nearest and farthest depth (size², 2) of each map, into which strands are drawn first."""
+    thickness: Thickness = Thickness()
+
+    @property
+    def deep(self) -> bool:
+        """Whether strands have to be drawn a second time, into layers."""
+        return self.stacks is not None
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines into every map."""
-        for view, start, size in zip(self.views, self.starts, self.sizes, strict=True):
-            stride = coarseness(lines, view)
-            screen = to_screen(lines, view, scratch, "light_screen", stride)
-            ends = np.arange(len(lines.first), dtype=np.int64)
-            first = (lines.first - ends) // stride + ends
-            bands = into_bands(first, screen, int(size), 1.0, workers, scratch)
-            far = np.float32(0.0 if view.perspective else view.far - view.near)
+        for number in range(len(self.views)):
+            self._draw(number, lines, workers, scratch, None)
+
+    def divide(self) -> None:
+        """When all strands have been added: layers between the nearest and the farthest."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                least = np.float32(_texel(self.views[number]))
+                opacity.divide(self.extents[number], layers, least, self._stack(number))
+
+    def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw the same polylines into the layers of every opacity map."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                self._draw(number, lines, workers, scratch, self._stack(number))
+
+    def finish(self) -> None:
+        """When all strands have been weighed."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                opacity.add_up(int(self.sizes[number]) ** 2, layers, self._stack(number))
+
+    def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """All of it, where one call brings all strands."""
+        self.add(lines, workers, scratch)
+        self.divide()
+        self.weigh(lines, workers, scratch)
+        self.finish()
+
+    def _stack(self, number: int) -> NDArray[np.float32]:
+        assert self.stacks is not None
+        begin = self.starts[number]
+        return self.stacks[begin : begin + self.sizes[number] ** 2 * (self.layers[number] + opacity.HEAD + 1)]
+
+    def _draw(
+        self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
+    ) -> None:
+        view, size, layers = self.views[number], int(self.sizes[number]), self.layers[number]
+        stride = coarseness(lines, view)
+        screen = to_screen(lines, view, scratch, "light_screen", stride)
+        ends = np.arange(len(lines.first), dtype=np.int64)
+        first = (lines.first - ends) // stride + ends
+        bands = into_bands(first, screen, size, 1.0, workers, scratch)
+        far = np.float32(0.0 if view.perspective else view.far - view.near)
+        near = np.float32(view.near)
+        if not layers:
             kernel.fill(
-                first, screen, bands.members, bands.begin, int(size), bands.rows, workers, far,
-                np.float32(view.near), self.texels[start : start + size * size],
-            )  # fmt: skip
+                first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, self.extents[number]
+            )
+            return
+        opacity.draw(
+            first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
+            np.float32(self.thickness.width), np.float32(self.thickness.taper), self.extents[number], layers, stack,
+        )  # fmt: skip
 
 
-def plan_maps(lights: tuple[Light, ...], bounds: NDArray[np.float64], scratch: Scratch) -> ShadowMaps | None:
-    """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does."""
+def plan_maps(
+    lights: tuple[Light, ...],
+    bounds: NDArray[np.float64],
+    scratch: Scratch,
+    thickness: Thickness = Thickness(),
+    spacing: float = 0.0,
+) -> ShadowMaps | None:
+    """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
+
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps.
+    """
     views: list[View] = []
+    layers: list[int] = []
     owners = []
     for light in lights:
         before = len(views)
         if wants_map(light):
+            deep = light.shadow.model == "opacity"
             size = light.shadow.size
-            if isinstance(light, DirectionalLight):
-                views.append(parallel_view(light.direction, size, bounds))
-            else:
-                views += point_views(light.position, size, bounds)
+            found = _views(light, size, bounds)
+            if deep:
+                wanted = light.shadow.texel or max(TEXEL * spacing, thickness.width)
+                found = _coarser(light, size, bounds, found, wanted)
+            views += found
+            layers += [light.shadow.layers if deep else 0] * len(found)
         owners.append((before, len(views) - before))
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
-    starts = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
-    texels = scratch.take("texels", (int(starts[-1]), 2), np.float32)
-    texels[:, 0] = np.inf
-    texels[:, 1] = -np.inf
-    return ShadowMaps(views, np.stack([view.pack() for view in views]), starts[:-1], sizes, texels, owners)
+    counts = sizes**2
+    deep_maps = np.array(layers) > 0
+    begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
+    strides = np.where(deep_maps, np.array(layers) + opacity.HEAD + 1, 0)
+    floats = np.concatenate([[0], np.cumsum(counts * strides)]).astype(np.int64)
+    ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
+    every = scratch.take("texels", (int(ends[-1]), 2), np.float32)
+    every[:, 0] = np.inf
+    every[:, 1] = -np.inf
+    extents: list[Any] = [None] * len(views)
+    at = 0
+    for number in order:
+        extents[number] = every[at : at + counts[number]]
+        at += int(counts[number])
+    return ShadowMaps(
+        views,
+        np.stack([view.pack() for view in views]),
+        np.where(deep_maps, floats[:-1], begin[:-1]),
+        sizes,
+        None if deep_maps.all() else every[: int(begin[-1])],
+        owners,
+        scratch.take("stacks", int(floats[-1]), np.float32) if deep_maps.any() else None,
+        layers,
+        extents,
+        thickness,
+    )
+
+
+def _views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
+    if isinstance(light, DirectionalLight):
+        return [parallel_view(light.direction, size, bounds)]
+    return point_views(light.position, size, bounds)
+
+
+def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[View], wanted: float) -> list[View]:
+    """The light's views with texels of ``wanted`` metres at the groom's middle, ``size`` a side at most."""
+    texel = max(_texel(view, bounds) for view in views)
+    if texel >= wanted:
+        return views
+    return _views(light, max(math.ceil(size * texel / wanted), 8), bounds)
+
+
+def _texel(view: View, bounds: NDArray[np.float64] | None = None) -> float:
+    """Metres that a texel covers: at the middle of ``bounds``, or of the view."""
+    if not view.perspective:
+        return 1.0 / view.focal
+    if bounds is None:
+        return 0.5 * (view.near + view.far) / view.focal
+    centre, radius = ball(bounds)
+    return max(float(np.linalg.norm(centre - view.eye)), radius) / view.focal
+
+
+def strand_spacing(roots: NDArray[np.floating[Any]]) -> float:
+    """Metres between neighbouring strands, from their ``roots`` (strands, 3): the side of the square that each has for
+    itself, by the eighth nearest neighbours of some; 0 for a single strand."""
+    count = len(roots)
+    if count < 2:
+        return 0.0
+    neighbours = min(NEIGHBOURS, count - 1)
+    some = roots[:: max(count // SAMPLED, 1)][:SAMPLED].astype(np.float64)
+    areas = []
+    for root in some:
+        square = ((roots - root) ** 2).sum(1)
+        areas.append(math.pi * float(np.partition(square, neighbours)[neighbours]) / neighbours)
+    return math.sqrt(float(np.median(areas)))
 
 
 def coarseness(lines: Polylines, view: View) -> int:
@@ -84,8 +236,9 @@ def wants_map(light: Any) -> bool:
     return bool(light.shadow.model != "off" and light.intensity > 0 and any(light.colour))
 
 
-def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
-    """Depth that a strand covers within one texel: nearer than that to the first strand nothing is shaded."""
+def default_bias(view: View, bounds: NDArray[np.float64], deep: bool = False) -> float:
+    """Depth in front of which nothing is shaded: in a min/max map what a strand covers within one texel, from the first
+    strand on; in an opacity map `BIAS` texels, from wherever a point is."""
     centre, radius = ball(bounds)
     depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
-    return depth / view.focal
+    return depth / view.focal * (BIAS if deep else 1.0)

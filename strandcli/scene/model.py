@@ -101,9 +101,7 @@ class Emitter:
         high=1,
         doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
     )
-    direction: Vector | None = vector(
-        None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal"
-    )
+    direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(
         25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
@@ -211,7 +209,7 @@ class Camera:
 class Image:
     """The picture."""
 
-    size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc="width and height, as [w, h] or \"800x600\"")
+    size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc='width and height, as [w, h] or "800x600"')
     supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
     background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
     horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
@@ -220,12 +218,18 @@ class Image:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Shadow:
-    """The strands' shadow map of one light (thesis §3, corrected)."""
+    """The strands' shadow map of one light: the source's (thesis §3, corrected) or a deep opacity map."""
 
     model: str = choice(
-        "minmax", ("minmax", "off"), doc="minmax: nearest and farthest strand a texel; off: built for nobody"
+        "minmax",
+        ("minmax", "opacity", "off"),
+        doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; off: built for nobody",
     )
-    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side")
+    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
+    layers: int = integer(13, low=1, high=61, doc="layers of opacity")
+    texel: float | None = number(
+        None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
+    )
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
 
 
@@ -254,21 +258,39 @@ class PointLight:
 Light = DirectionalLight | PointLight
 LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
+PIGMENTS = (
+    "rgb", "black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum", "white",
+)  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Material:
-    """How strands take light: Marschner et al. 2003 with R, TT and TRT lobes, and a diffuse stand-in for the light that
-    is scattered between strands, which that model leaves out."""
+    """How strands take light: Marschner et al. 2003 (R, TT and TRT lobes) or Chiang et al. 2016 (those and the rest,
+    energy conserving), and a diffuse stand-in for the light that goes from strand to strand, which both leave out."""
 
-    colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands")
+    model: str = choice(
+        "marschner",
+        ("marschner", "chiang"),
+        doc="marschner: alpha, beta, azimuthal; chiang, the model of path tracers: tilt, beta_m, beta_n",
+    )
+    colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands, where pigment is rgb")
     # inside this class `colour` is by now the field above
     tip_colour: Colour | None = fields.colour(None, doc="colour at the tip; absent: the same along the strand")
+    pigment: str = choice("rgb", PIGMENTS, doc="rgb: as `colour`; or hair of a natural colour, made by melanin")
+    eumelanin: float | None = number(
+        None, low=0, high=50, doc="black-brown melanin, 1 is brown; with pheomelanin in place of a pigment's own"
+    )
+    pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin")
+    grey: float = number(0.0, low=0, high=1, doc="share of strands without any pigment")
     colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
     eta: float = number(1.55, above=1, high=3, doc="index of refraction")
     alpha: float = number(-7.5, low=-20, high=20, unit="deg", doc="shift of the R lobe toward the root, by the scales")
     beta: float = number(7.5, low=0.1, high=45, unit="deg", doc="longitudinal width of the R lobe (standard deviation)")
     azimuthal: float = number(12.0, low=1, high=60, unit="deg", doc="azimuthal roughness (standard deviation)")
-    specular: float = number(1.0, low=0, high=10, doc="scale of R, TT and TRT together; 0 leaves their tables out")
+    tilt: float = number(2.5, low=-10, high=10, unit="deg", doc="angle at which the scales stand up (chiang)")
+    beta_m: float = number(0.25, low=0.001, high=1, doc="longitudinal roughness (chiang)")
+    beta_n: float = number(0.3, low=0.001, high=1, doc="azimuthal roughness (chiang)")
+    specular: float = number(1.0, low=0, high=10, doc="scale of the lobes together; 0 leaves their tables out")
     diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
     width: float = number(
         0.0,

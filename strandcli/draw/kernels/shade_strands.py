@@ -12,7 +12,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import solids
+from . import chiang, opacity, solids
+from .approximations import exp
 from .light import toward
 from .marschner import azimuthal, kajiya_diffuse, longitudinal, mix
 from .shadow import between, held, texel_of, through
@@ -27,26 +28,29 @@ STRANDS = 128
 
 # Rows of a batch, W numbers each, in one array: a compiler that knows how far apart they are need not fear that they
 # overlap. Position, tangent, direction to the eye, colour, absorption beyond the tables', radiance; then of one light
-# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights.
+# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights,
+# strands that it passed.
 X, Y, Z, TX, TY, TZ, EX, EY, EZ = (i * W for i in range(9))
 COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
 LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
 U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
 TEXELS = 27 * W
-R, TT, TRT = TEXELS, TEXELS + W, TEXELS + 2 * W
-ROWS = 35
+R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
+PASSED = 35 * W
+ROWS = 36
 
 
 @parallel
 def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, nodes, paths,
-    lights, maps, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, fibre, nodes, paths,
+    lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
-    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, None where not needed;
+    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths:
+    those of `strandcli.draw.chiang`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:10] shadow maps (`shadow.transmittance`); maps (T, 2), or None for no maps at all; starts,
     sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
@@ -69,13 +73,13 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+                        work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
                         spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+            work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
             spheres, capsules, planes, boxes, skin,
         )  # fmt: skip
         scatter(work, which, n, out)
@@ -111,7 +115,7 @@ def scatter(work, which, n, out):
 
 @function
 def batch(
-    work, n, view, diffuse, lobes, nodes, paths, lights, maps, starts, sizes, views,
+    work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, skin,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch."""
@@ -120,9 +124,16 @@ def batch(
         aim(work, n, lights, i)
         if spheres is not None:
             hide(work, n, spheres, capsules, planes, boxes, skin)
-        if maps is not None:
+        if maps is not None and lights[i, 10] == ZERO:
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, 9])
+        if stacks is not None and lights[i, 10] > ZERO:
+            for k in range(n):
+                work[PASSED + k] = ZERO
+            for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+                sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
+            for k in range(n):
+                work[ARRIVES + k] *= exp(-work[PASSED + k])
         if diffuse > ZERO:
             for k in range(n):
                 d = diffuse * kajiya_diffuse(
@@ -134,6 +145,8 @@ def batch(
                 work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
         if lobes is not None:
             shine(work, n, lights, i, lobes, nodes, paths)
+        if fibre is not None:
+            gleam(work, n, lights, i, fibre, nodes, paths)
 
 
 @function
@@ -194,14 +207,7 @@ def shade(work, n, views, one, maps, start, size, bias):
     """What strands leave of a light, by one map: only where no map before held the vertex."""
     if size < 2:
         return
-    edge = np.float32(size - 1)
-    for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
-        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
-        work[U + k] = u if fresh else ZERO
-        work[V + k] = v if fresh else ZERO
-        work[DEPTH + k] = d - bias if fresh else -ONE
-        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+    locate(work, n, views, one, size, bias)
     for k in range(n):
         texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
         below = texel + np.uint64(size)
@@ -227,8 +233,49 @@ def shade(work, n, views, one, maps, start, size, bias):
 
 
 @function
+def locate(work, n, views, one, size, bias):
+    """Where a map shows the vertices that no map before held."""
+    edge = np.float32(size - 1)
+    for k in range(n):
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
+        work[U + k] = u if fresh else ZERO
+        work[V + k] = v if fresh else ZERO
+        work[DEPTH + k] = d - bias if fresh else -ONE
+        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+
+
+@function
+def sink(work, n, views, one, stacks, layers, start, size, bias):
+    """Strands between the light and each vertex, by one opacity map: as `shade`."""
+    if size < 2:
+        return
+    locate(work, n, views, one, size, bias)
+    stride = np.uint64(layers + opacity.HEAD + 1)
+    down = np.uint64(size) * stride
+    for k in range(n):
+        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
+        texel = np.uint64(start) + np.uint64(place) * stride
+        d = work[DEPTH + k]
+        work[TEXELS + k] = opacity.depth_at(d, texel, layers, stacks)
+        work[TEXELS + W + k] = opacity.depth_at(d, texel + stride, layers, stacks)
+        work[TEXELS + 2 * W + k] = opacity.depth_at(d, texel + down, layers, stacks)
+        work[TEXELS + 3 * W + k] = opacity.depth_at(d, texel + down + stride, layers, stacks)
+    for k in range(n):
+        passed = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            work[TEXELS + k],
+            work[TEXELS + W + k],
+            work[TEXELS + 2 * W + k],
+            work[TEXELS + 3 * W + k],
+        )
+        work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
+
+
+@function
 def shine(work, n, lights, i, lobes, nodes, paths):
-    """Highlights."""
+    """Highlights by Marschner's model."""
     for k in range(n):
         x, y, r, tt, trt = longitudinal(
             work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
@@ -244,6 +291,32 @@ def shine(work, n, lights, i, lobes, nodes, paths):
         if arrives > ZERO:
             r, g, b = azimuthal(
                 work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], nodes, paths,
+                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * lights[i, 4] * r
+            work[RADIANCE + W + k] += arrives * lights[i, 5] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
+
+
+@function
+def gleam(work, n, lights, i, fibre, nodes, paths):
+    """Highlights by Chiang's model."""
+    for k in range(n):
+        x, y, r, tt, trt, rest = chiang.longitudinal(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], fibre,
+        )  # fmt: skip
+        work[U + k] = x
+        work[V + k] = y
+        work[R + k] = r
+        work[TT + k] = tt
+        work[TRT + k] = trt
+        work[REST + k] = rest
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = chiang.azimuthal(
+                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], work[REST + k], nodes, paths,
                 work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
             )  # fmt: skip
             work[RADIANCE + k] += arrives * lights[i, 4] * r

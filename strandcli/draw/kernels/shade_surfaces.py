@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import parallel, prange
-from . import solids
+from . import opacity, solids
 from .light import toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
@@ -20,7 +20,7 @@ INV_PI = np.float32(1 / math.pi)
 
 @parallel
 def surfaces(
-    keys, width, height, view, ambient, lights, maps, starts, sizes, views,
+    keys, width, height, view, ambient, lights, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, paint, skin, image,
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
@@ -60,8 +60,10 @@ def surfaces(
                 py = y + ny * skin
                 pz = z + nz * skin
                 falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
-                if maps is not None and falloff > ZERO:
+                if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
                     falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
+                if stacks is not None and falloff > ZERO and lights[i, 10] > ZERO:
+                    falloff *= opacity.transmittance(x, y, z, lights, i, stacks, starts, sizes, views)
                 r += falloff * lights[i, 4]
                 g += falloff * lights[i, 5]
                 b += falloff * lights[i, 6]
