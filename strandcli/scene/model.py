@@ -366,6 +366,12 @@ class Scene:
 
     title: str = text("", doc="what there is to see")
     seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    look: str = choice(
+        "free",
+        ("free", "source"),
+        doc="source: as the source draws, by the z-buffer, Marschner's model and min/max shadow maps; a setting that "
+        "says otherwise is refused. free: each setting by itself",
+    )
     solver: str = choice(
         "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
     )

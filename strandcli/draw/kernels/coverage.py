@@ -147,11 +147,8 @@ def thin(screen, widths, opacity, v, run, start, closing, top, bottom, width, li
     w1 = widths[v]
     stretch = math.sqrt(ONE + slope * slope)
     h = max(HALF * stretch * max(w0, w1), THIN)
-    spread = max(abs(slope), FLAT)
-    a = h + HALF * spread
-    b = abs(h - HALF * spread)
-    norm = HALF * HALF / (h * spread)
     stretch *= opacity
+    a, b, norm = trapezoid(h, abs(slope))
     # pixel = place + (column or row along) · along + across · over
     over = width if flat else 1
     along = 1 if flat else width
@@ -159,6 +156,7 @@ def thin(screen, widths, opacity, v, run, start, closing, top, bottom, width, li
     along = along if run > 0 else -along
     least = top if flat else 0
     most = bottom if flat else width
+    after_start = whole(start) + 1
     for c in range(cell, stop):
         begin = max(np.float32(c), start)
         length = (u1 if closing else np.float32(c + 1)) - begin
@@ -167,6 +165,10 @@ def thin(screen, widths, opacity, v, run, start, closing, top, bottom, width, li
         q = q0 + rise * t
         middle = v0 + slope * past
         area = stretch * length * (w0 + t * (w1 - w0))
+        if length < ONE:  # the ends of a run rise by less
+            a, b, norm = trapezoid(h, abs(slope) * length)
+        elif c == after_start:
+            a, b, norm = trapezoid(h, abs(slope))
         row = whole(middle - a)
         d = np.float32(row + 1) - middle
         one = below(d, a, b, norm)
@@ -179,6 +181,14 @@ def thin(screen, widths, opacity, v, run, start, closing, top, bottom, width, li
             at += over + over
             n = put(at, row + 2, least, most, area, ONE - two, q, i, t, top * width, limit, pixels, stream, n)
     return n
+
+
+@function
+def trapezoid(h, rise):
+    """Half the lower and half the upper side of a band's trapezoid, and the
+    factor that makes its area one; h: half the band's height, rise: what it rises by within its cell."""
+    spread = max(rise, FLAT)
+    return h + HALF * spread, abs(h - HALF * spread), HALF * HALF / (h * spread)
 
 
 @function
@@ -239,8 +249,8 @@ def ribbon(screen, widths, opacity, v, a, end, flat, top, bottom, width, limit, 
     size = ONE / math.sqrt(dx * dx + dy * dy)
     dx *= size
     dy *= size
-    mx0, my0 = mitre(screen, v - 2, a, end, dx, dy)
-    mx1, my1 = mitre(screen, v, a, end, dx, dy)
+    mx0, my0 = mitre(screen, v - 2, a, end, dx, dy, HALF * w0, size)
+    mx1, my1 = mitre(screen, v, a, end, dx, dy, HALF * w1, size)
     reach0 = HALF * w0 / (mx0 * dx + my0 * dy)
     reach1 = HALF * w1 / (mx1 * dx + my1 * dy)
     # the box of the four corners, and half a pixel about it
@@ -298,20 +308,26 @@ def ribbon(screen, widths, opacity, v, a, end, flat, top, bottom, width, limit, 
 
 
 @function
-def mitre(screen, v, a, end, dx, dy):
+def mitre(screen, v, a, end, dx, dy, half, per):
     """Normal of the joint between a piece of direction d and its neighbour, the one from vertex v to v + 1: halfway
-    between their directions; d itself at a strand's end and where it turns by more than a right angle."""
+    between their directions. At a strand's end it is d itself, and where the strand turns by more than a right angle,
+    or by so much that the joint's line, half the width long, would leave one of the two pieces at its other end.
+
+    half: of the width at the joint; per: one over the piece's length.
+    """
     if v < a or v + 1 >= end or screen[v, 2] <= ZERO or screen[v + 1, 2] <= ZERO:
         return dx, dy
     ex = screen[v + 1, 0] - screen[v, 0]
     ey = screen[v + 1, 1] - screen[v, 1]
     size = ONE / math.sqrt(max(ex * ex + ey * ey, TINY))
-    ex *= size
-    ey *= size
-    if ex * dx + ey * dy <= ZERO:
+    cosine = (ex * dx + ey * dy) * size
+    # tan² of half the angle; both pieces come to the same answer
+    tangent = (ONE - cosine) / max(ONE + cosine, TINY)
+    squat = half * max(size, per)
+    if cosine <= ZERO or tangent * squat * squat > ONE:
         return dx, dy
-    mx = ex + dx
-    my = ey + dy
+    mx = ex * size + dx
+    my = ey * size + dy
     size = ONE / math.sqrt(mx * mx + my * my)
     return mx * size, my * size
 
