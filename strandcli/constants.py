@@ -5,3 +5,9 @@ W = 128
 
 PORTION = 6_000_000
 """Vertices that are drawn at once, 36 bytes each: more go through in portions."""
+
+FRAGMENTS = 4_194_304
+"""Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
+
+FRAGMENT_BYTES = 28
+"""A fragment: pixel, depth, index, opacity, place; and its key."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .constants import PORTION, W
+from .constants import FRAGMENT_BYTES, FRAGMENTS, PORTION, W
 from .draw.detail import drawn_fraction
 from .errors import RefusedError
 from .scene.model import Scene
@@ -176,10 +176,18 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands"))
     else:
         skip(Stage("level of detail", "every frame is near"))
+    resolver = scene.image.resolver
+    held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
+    if resolver == "zbuffer":
+        skip(Stage("coverage", "each sample shows the nearest strand"))
+    elif resolver == "sorted":
+        use(Stage("coverage", f"all strands of a pixel by depth; {held}"))
+    else:
+        use(Stage("coverage", f"the {scene.image.nearest} nearest fragments of a pixel by depth; {held}"))
     if scene.material.width == 0:
         skip(Stage("body", "material.width is zero: lines are a pixel wide"))
     else:
-        use(Stage("body", "where a strand is wider than a pixel"))
+        use(Stage("body", "where a strand is wider than a pixel" if resolver == "zbuffer" else "true widths"))
     if scene.image.supersample > 1:
         use(Stage("supersampling", f"{scene.image.supersample} x {scene.image.supersample} samples a pixel"))
     else:
@@ -212,11 +220,15 @@ def _memory(plan: Plan, scene: Scene, draw: bool) -> int:
 
 def _picture_bytes(plan: Plan, scene: Scene) -> int:
     per_strand = plan.segments_max // max(plan.strands, 1) + 1
-    vertices = min(plan.strands * per_strand, PORTION + per_strand * W)
+    vertices = plan.strands * per_strand
+    if scene.image.resolver == "zbuffer":
+        vertices = min(vertices, PORTION + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
     total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
     total += plan.strands * (8 + 8 + 2 * (scene.emitter.particles - 1) + 4 + 8 + 32)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             total += 8 * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
+    if scene.image.resolver != "zbuffer":  # each pixel has a list, and vertices are marked twice
+        total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices
     return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8

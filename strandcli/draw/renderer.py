@@ -1,7 +1,8 @@
-"""One frame, stage by stage: curves, shadow maps, z-buffer, light on what is seen, film.
+"""One frame, stage by stage: curves, shadow maps, visibility, light on what is seen, film.
 
-Strands go through in portions, so that memory stays bounded however many there are. What is not seen is never shaded:
-the z-buffer is filled first and holds, for each sample, the segment in front.
+What is not seen is never shaded: either the z-buffer is filled first and holds, for each sample, the segment in front;
+or fragments are sorted first, and those that too much stands before are left out. Into a z-buffer strands go in
+portions, so that memory stays bounded however many there are.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ..constants import PORTION, W
 from ..groom.emit import Groom
 from . import raster
 from .camera import View, camera_view
+from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
 from .film import gradient, srgb_curve
@@ -55,6 +57,10 @@ class Renderer:
         self.visible = [solid for solid in scene.solids if solid.visible]
         deep = any(light.shadow.model == "opacity" for light in scene.lights)
         self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
+        self.coverage = (
+            None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
+        )
         self._clock = 0.0
         self._seen = 0
         top = np.array(scene.image.background, np.float32)
@@ -104,16 +110,29 @@ class Renderer:
             screen = raster.to_screen(lines, view, scratch)
             widths = self._widths(lines, screen, view, spread)
             self._lap("curves")
+            segments += lines.segments
+            if self.coverage is not None:
+                limit = None if packed is None else keys
+                for layer in self.coverage.layers(lines, screen, widths, limit, workers, scratch):
+                    self._lap("raster")
+                    self._before_light()
+                    if packed is not None and layer.top == 0:  # strands are laid over the solids
+                        self._surfaces(keys, view, lights, maps, packed, at, image)
+                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed)
+                    self._lap("shade")
+                    layer.compose(colours, image)
+                    self._lap("film")
+                continue
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
             self._lap("raster")
             self._before_light()
-            colours = self._shade(lines, keys, base, begin, end, view, lights, maps, packed)
+            marks = self._mark(lines, keys, base)
+            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed)
             self._lap("shade")
             film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
             self._lap("film")
             base += len(lines.world)
-            segments += lines.segments
-        if packed is not None:
+        if packed is not None and self.coverage is None:
             self._surfaces(keys, view, lights, maps, packed, at, image)
             self._lap("shade")
         self._develop(image, self._drawing.image)
@@ -123,6 +142,8 @@ class Renderer:
             "segments": segments,
             "fragments": self._fragments(keys, len(portions)),
         }
+        if self.coverage is not None:
+            self._drawing.counts["fragment_bytes"] = self.coverage.most
         self._lap("film")
         return self._drawing
 
@@ -137,14 +158,20 @@ class Renderer:
         keys = np.full(width * height, raster.kernel.EMPTY)
         image = self._backdrop.copy()
         packed = self._solids(0.0)
-        colours = self._shade(lines, keys, 0, 0, 1, view, lights, maps, packed)
-        film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
+        colours = self._shade(lines, self._mark(lines, keys, 0), 0, 1, view, lights, maps, packed)
+        if self.coverage is None:
+            film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
+        else:
+            self.coverage.nothing().compose(colours, image)
         if packed is not None:
             self._surfaces(keys, view, lights, maps, packed, 0.0, image)
         self._develop(image, self._blank())
 
     def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
-        """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted."""
+        """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted.
+        Of sorted strands, all that they cover before the solids."""
+        if self.coverage is not None:
+            return self.coverage.fragments
         if portions == 1:
             return self._seen
         return int(np.count_nonzero((keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
@@ -155,7 +182,9 @@ class Renderer:
         self._clock = now
 
     def _portions(self, strands: int, n: int) -> list[tuple[int, int]]:
-        """Ranges of strands, whole blocks each, that hold at most `PORTION` vertices."""
+        """Ranges of strands, whole blocks each, that hold at most `PORTION` vertices; all in one to be sorted."""
+        if self.coverage is not None:
+            return [(0, strands)]
         vertices = (n - 1) * greatest_pieces(self.scene.curves) + 1
         step = max(PORTION // vertices // W, 1) * W
         return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
@@ -194,30 +223,35 @@ class Renderer:
     def _widths(
         self, lines: Polylines, screen: NDArray[np.float32], view: View, spread: float
     ) -> NDArray[np.float32] | None:
-        """Widths in pixels, or None where every line is one pixel wide."""
+        """Widths in pixels, or None where every line is one pixel wide; for the z-buffer at least a pixel."""
         material = self.scene.material
         thickness = material.width * spread
         if thickness == 0 or not len(screen):
             return None
         nearest = float(screen[:, 2].max()) if view.perspective else 1.0
-        if thickness * view.focal * nearest <= 1.0:
+        least = np.float32(1 if self.coverage is None else 0)
+        if thickness * view.focal * nearest <= least:
             return None
         widths = self.scratch.take("widths", len(screen), np.float32)
         project.widths(
-            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), np.float32(1), widths
+            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), least, widths
         )
         return widths
 
-    def _shade(
-        self, lines: Polylines, keys: NDArray[np.uint64], base: int, begin: int, end: int, view: View,
-        lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
-    ) -> NDArray[np.float32]:  # fmt: skip
-        """(V, 3) radiance at the vertices that are seen; anything at the others."""
+    def _mark(self, lines: Polylines, keys: NDArray[np.uint64], base: int) -> NDArray[np.uint8]:
+        """(V,) not zero at the lit vertices of what is seen in the z-buffer."""
         count = len(lines.world)
         marks = self.scratch.take("marks", count, np.uint8)
         marks.fill(0)
         self._seen = film.mark(keys, base, count, lines.per, lines.stride, marks)
-        colours = self.scratch.take("colours", (count, 3), np.float32)
+        return marks
+
+    def _shade(
+        self, lines: Polylines, marks: NDArray[np.uint8], begin: int, end: int, view: View,
+        lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
+    ) -> NDArray[np.float32]:  # fmt: skip
+        """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others."""
+        colours = self.scratch.take("colours", (len(lines.world), 3), np.float32)
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,

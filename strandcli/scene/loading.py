@@ -12,6 +12,7 @@ from ..errors import UsageError
 from . import library
 from .checks import findings
 from .faults import Fault, Mark, SceneError, fault_at, hint, shown
+from .look import settle
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .rule_type import RuleType, check_of, refusal
@@ -256,6 +257,9 @@ def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
     """One scene without panels, and everything that is wrong with it."""
     reader = Reader(rules)
     scene: Scene = reader.model(Scene, root, "")
+    scene, clashes = settle(scene, reader.marks)
+    for path, message in clashes:
+        reader.refuse(reader.mark_near(path) or root.mark, path, message)
     reported = [fault.path for fault in reader.faults]
     for finding in findings(scene):
         if not any(_touches(path, about) for path in reported for about in finding.involves):

@@ -214,6 +214,15 @@ class Image:
     background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
     horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
     exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
+    resolver: str = choice(
+        "zbuffer",
+        ("zbuffer", "sorted", "kbuffer"),
+        doc="which strands a pixel shows. zbuffer: the nearest, as a hard line; sorted: all, each by what it covers of "
+        "the pixel, in the order of depth; kbuffer: the same with a bound on the fragments of a pixel",
+    )
+    nearest: int = integer(
+        8, low=1, high=64, doc="fragments that a pixel holds (kbuffer); the last one stands for all that are behind"
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -296,9 +305,13 @@ class Material:
         0.0,
         low=0,
         unit="m",
-        doc="strand diameter near the root; drawn only where it exceeds a pixel. 0: lines one pixel wide",
+        doc="strand diameter near the root; with the zbuffer drawn only where it exceeds a pixel. 0: lines one pixel "
+        "wide",
     )
     taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
+    opacity: float = number(
+        1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted, kbuffer)"
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -383,6 +396,12 @@ class Scene:
 
     title: str = text("", doc="what there is to see")
     seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    look: str = choice(
+        "free",
+        ("free", "source"),
+        doc="source: as the source draws, by the z-buffer, Marschner's model and min/max shadow maps; a setting that "
+        "says otherwise is refused. free: each setting by itself",
+    )
     solver: str = choice(
         "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
     )

@@ -1,0 +1,83 @@
+"""`look: source`: the source's own way of drawing by one word, and what clashes with it.
+
+A look stands for several settings. Those that were not written get its values; one that was written and says otherwise
+is a fault that names both, because neither could win without a surprise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Container, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from .faults import shown
+from .fields import settings_of
+from .model import Scene
+
+
+class Fixed(NamedTuple):
+    """A setting that a look fixes: the values that it allows, of which the first is its own."""
+
+    path: str
+    """Dotted; `*` stands for every entry of a list."""
+    values: tuple[str, ...]
+
+
+LOOKS: Mapping[str, tuple[Fixed, ...]] = {
+    "source": (
+        Fixed("image.resolver", ("zbuffer",)),
+        Fixed("material.model", ("marschner",)),
+        Fixed("lights.*.shadow.model", ("minmax", "off")),
+    ),
+}
+"""What each look fixes. Settings that do not exist are passed over: then there is but one way."""
+
+
+def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str, str]]]:
+    """``scene`` with what its look fixes, and the clashes: path and message. ``written``: paths that were given."""
+    clashes: list[tuple[str, str]] = []
+    for path, values in LOOKS.get(scene.look, ()):
+        for place in _places(scene, path.split(".")):
+            found = _get(scene, place)
+            name = ".".join(place)
+            if found in values:
+                continue
+            if name in written:
+                clashes.append(
+                    (
+                        name,
+                        f"{shown(found)} clashes with look: {scene.look}, which draws with {' or '.join(values)}; "
+                        "take one of the two out",
+                    )
+                )
+            else:
+                scene = _with(scene, place, values[0])
+    return scene, clashes
+
+
+def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
+    """Paths without `*` of what there is."""
+    if not parts:
+        yield ()
+    elif parts[0] == "*":
+        for index, item in enumerate(scene):
+            for rest in _places(item, parts[1:]):
+                yield (str(index), *rest)
+    elif parts[0] in settings_of(type(scene)):
+        for rest in _places(getattr(scene, parts[0]), parts[1:]):
+            yield (parts[0], *rest)
+
+
+def _get(scene: Any, place: tuple[str, ...]) -> Any:
+    for part in place:
+        scene = scene[int(part)] if isinstance(scene, tuple) else getattr(scene, part)
+    return scene
+
+
+def _with(scene: Any, place: tuple[str, ...], value: Any) -> Any:
+    if not place:
+        return value
+    if isinstance(scene, tuple):
+        index = int(place[0])
+        return (*scene[:index], _with(scene[index], place[1:], value), *scene[index + 1 :])
+    return dataclasses.replace(scene, **{place[0]: _with(getattr(scene, place[0]), place[1:], value)})
