@@ -26,7 +26,7 @@ from .film import gradient, srgb_curve
 from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing
+from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
 
 
@@ -50,11 +50,11 @@ class Renderer:
         self._before_light = before_light
         self.tones = groom.tones
         self.scratch = Scratch()
-        self.palette = Palette(scene.material)
+        deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
+        self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        self.palette = Palette(scene.material, deep)
         self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
-        deep = any(light.shadow.model == "opacity" for light in scene.lights)
-        self._spacing = strand_spacing(groom.roots) if deep else 0.0
         self._clock = 0.0
         self._seen = 0
         top = np.array(scene.image.background, np.float32)
@@ -221,8 +221,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, lights,
-            *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
+            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, p.dual,
+            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
 

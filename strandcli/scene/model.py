@@ -266,7 +266,7 @@ PIGMENTS = (
 @dataclass(frozen=True, slots=True, repr=False)
 class Material:
     """How strands take light: Marschner et al. 2003 (R, TT and TRT lobes) or Chiang et al. 2016 (those and the rest,
-    energy conserving), and a diffuse stand-in for the light that goes from strand to strand, which both leave out."""
+    energy conserving), and an approximation of the light that goes from strand to strand, which both leave out."""
 
     model: str = choice(
         "marschner",
@@ -291,6 +291,12 @@ class Material:
     beta_m: float = number(0.25, low=0.001, high=1, doc="longitudinal roughness (chiang)")
     beta_n: float = number(0.3, low=0.001, high=1, doc="azimuthal roughness (chiang)")
     specular: float = number(1.0, low=0, high=10, doc="scale of the lobes together; 0 leaves their tables out")
+    scatter: str = choice(
+        "diffuse",
+        ("diffuse", "dual"),
+        doc="light from strand to strand: a diffuse stand-in; or dual scattering, under lights whose shadow.model is "
+        "opacity, with Chiang's lobes",
+    )
     diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
     width: float = number(
         0.0,
