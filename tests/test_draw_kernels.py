@@ -62,6 +62,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 9),
     "dual scattered": (dual.scattered, (ONE,) * 10),
+    "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
     "toward": (light.toward, (ROW, ONE, ONE, ONE)),
     "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
     "sphere": (solids.sphere, (ROW, *[ONE] * 6)),

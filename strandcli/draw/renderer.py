@@ -22,6 +22,7 @@ from . import raster
 from .camera import View, camera_view
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
+from .environment import sky_of
 from .film import gradient, srgb_curve
 from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
@@ -52,6 +53,7 @@ class Renderer:
         self.scratch = Scratch()
         deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
         self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
         self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
@@ -221,7 +223,7 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, p.dual,
+            np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
             p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
@@ -231,8 +233,8 @@ class Renderer:
         packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
-            paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
+            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
         )  # fmt: skip
 
     def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:

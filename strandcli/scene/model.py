@@ -256,6 +256,17 @@ class PointLight:
 
 
 Light = DirectionalLight | PointLight
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Environment:
+    """Light from all round, from a lat-long picture; it is not drawn, and nothing casts a shadow in it."""
+
+    image: str = text("", doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
+    intensity: float = number(1.0, low=0, doc="scale")
+    rotation: float = number(0.0, unit="deg", doc="turn about +y")
+
+
 LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
 PIGMENTS = (
@@ -395,6 +406,9 @@ class Scene:
     image: Image = model(Image, doc="the picture")
     lights: tuple[Light, ...] = items(LIGHTS, default=(DirectionalLight(),), doc="lights; an empty list is darkness")
     ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
+    environment: Environment | None = optional(
+        Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
+    )
     material: Material = model(Material, doc="how strands take light")
     curves: Curves = model(Curves, doc="smoothing")
     detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")

@@ -14,7 +14,7 @@ from ...constants import W
 from ...jit import function, parallel, prange
 from . import chiang, dual, opacity, solids
 from .approximations import exp
-from .light import toward
+from .light import around, toward
 from .marschner import azimuthal, kajiya_diffuse, longitudinal
 from .shadow import between, held, texel_of, through
 
@@ -44,18 +44,19 @@ ROWS = 43 + dual.CHANNELS
 
 @parallel
 def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, fibre, nodes, paths, twice,
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
     scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
-    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths:
-    those of `strandcli.draw.chiang`; twice, scale: of `strandcli.draw.dual`; None where not needed;
+    diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`, or None;
+    lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;
+    twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
-    or intensity in W/sr; [7:10] shadow maps (`shadow.transmittance`); maps (T, 2), or None for no maps at all; starts,
-    sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
+    or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
+    each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -75,13 +76,13 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, lobes, fibre, nodes, paths, twice, scale, lights,
+                        work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
                         maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, lobes, fibre, nodes, paths, twice, scale, lights,
+            work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
         )  # fmt: skip
         scatter(work, which, n, out)
@@ -117,11 +118,16 @@ def scatter(work, which, n, out):
 
 @function
 def batch(
-    work, n, view, diffuse, lobes, fibre, nodes, paths, twice, scale, lights,
+    work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
     maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch."""
     frames(work, n, view)
+    if sky is not None:
+        for c in range(3):
+            for k in range(n):
+                whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
+                work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
     for i in range(lights.shape[0]):
         light = lights[i]
         aim(work, n, light)
