@@ -1,7 +1,5 @@
 """What the tests of scenes share: made-up rules, so that these tests know no real one, and short ways to load."""
 
-
-
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable

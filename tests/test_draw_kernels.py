@@ -14,9 +14,11 @@ from strandcli.constants import W
 from strandcli.draw.kernels import (
     chiang,
     curves,
+    dual,
     film,
     light,
     marschner,
+    opacity,
     project,
     raster,
     shade_strands,
@@ -51,6 +53,16 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "transmittance": (
         shadow.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
     ),
+    "optical depth": (
+        opacity.optical_depth, (ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
+    ),
+    "piece": (
+        opacity.piece, (*[ONE] * 8, 0, 8, 8, np.ones((64, 2), np.float32), 5, np.ones(64 * 8, np.float32)),
+    ),
+    "dual angles": (dual.angles, (*[ONE] * 9, 64)),
+    "dual lobes": (dual.lobes, (ONE,) * 9),
+    "dual scattered": (dual.scattered, (ONE,) * 10),
+    "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
     "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
     "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
     "sphere": (solids.sphere, (TABLE, 1, *[ONE] * 6)),

@@ -46,7 +46,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "as it is": {},
     "one strand of two particles": {"emitter.strands": 1, "emitter.particles": 2},
     "one strand along the light": {
-        "emitter.strands": 1, "emitter.direction": [-0.5, -1, -0.5], "emitter.jitter": 0, "rules": [],
+        "emitter.strands": 1,
+        "emitter.direction": [-0.5, -1, -0.5],
+        "emitter.jitter": 0,
+        "rules": [],
     },
     "a strand over a block": {"emitter.strands": W + 1},
     "lengths down to nothing": {"emitter.length_variation": 1, "emitter.strands": 500},
@@ -90,7 +93,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "finest curves": {"curves.level": 8, "curves.tolerance": 1e-9, "emitter.strands": 5},
     "fixed curves": {"curves.mode": "fixed", "curves.level": 8, "emitter.strands": 5},
     "tiny solids": {
-        "solids.0.radius": 1e-9, "solids.1.radius": 1e-9, "solids.1.length": 0, "solids.3.size": [1e-9] * 3,
+        "solids.0.radius": 1e-9,
+        "solids.1.radius": 1e-9,
+        "solids.1.length": 0,
+        "solids.3.size": [1e-9] * 3,
     },
     "huge solids": {"solids.0.radius": 1e9, "solids.1.radius": 1e9, "solids.3.size": [1e9] * 3},
     "a storm": {"wind.strength": 1e6, "gravity.acceleration": [0, -1e6, 0]},

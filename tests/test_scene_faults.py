@@ -97,9 +97,7 @@ def test_solids_need_different_names_but_may_have_none() -> None:
     assert complaint(text) == "p.yaml:4:24: solids.2.name: solids.0 has the name 'a' too; names must differ"
 
 
-@pytest.mark.parametrize(
-    "thing", ["emitter: {keys: %s}", "camera: {keys: %s}", "solids: [{kind: sphere, keys: %s}]"]
-)
+@pytest.mark.parametrize("thing", ["emitter: {keys: %s}", "camera: {keys: %s}", "solids: [{kind: sphere, keys: %s}]"])
 def test_keys_go_forward_in_time(thing: str) -> None:
     assert scene(thing % "[{time: -1}, {time: 0}, {time: 0.5}]")
     for later in ("0", "-1", "0.0"):

@@ -56,12 +56,15 @@ def fits(value: Any, schema: dict[str, Any]) -> bool:
             case "const":
                 good = value == rule
             case "minimum" | "maximum" | "exclusiveMinimum" | "exclusiveMaximum":
-                good = not is_type(value, "number") or {
-                    "minimum": value >= rule,
-                    "maximum": value <= rule,
-                    "exclusiveMinimum": value > rule,
-                    "exclusiveMaximum": value < rule,
-                }[word]
+                good = (
+                    not is_type(value, "number")
+                    or {
+                        "minimum": value >= rule,
+                        "maximum": value <= rule,
+                        "exclusiveMinimum": value > rule,
+                        "exclusiveMaximum": value < rule,
+                    }[word]
+                )
             case "pattern":
                 good = not isinstance(value, str) or re.search(rule, value) is not None
             case "items":

@@ -92,7 +92,7 @@ def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None
     sigma = absorption_of(material, material.beta_n)
     # The last node lies on the horizon, where η' is infinite: it is taken a hair's breadth inside.
     theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, n_theta), 0.5 * np.pi - 1e-4)
-    nodes, paths = _azimuthal(theta, n_phi, material.eta, sigma, s)
+    nodes, paths = azimuthal(theta, n_phi, material.eta, sigma, s)
     fibre = np.zeros(kernel.FIBRE_SIZE, np.float32)
     sharp = 1.0 / variances(material.beta_m)
     fibre[kernel.SHARP : kernel.SHARP + 4] = sharp
@@ -119,7 +119,7 @@ def detector(s: float) -> NDArray[np.float64]:
     return np.asarray(turned[: kept[-1] + 1])
 
 
-def _azimuthal(
+def azimuthal(
     theta: NDArray[np.float64], n_phi: int, eta: float, sigma: NDArray[np.float64], s: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """N, (n_θ, n_φ, 12), and mean paths, (n_θ, n_φ, 4): rays binned and blurred as for the Marschner tables."""

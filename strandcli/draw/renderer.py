@@ -24,11 +24,12 @@ from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
+from .environment import sky_of
 from .film import gradient, srgb_curve
 from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing
+from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
 
 
@@ -52,11 +53,12 @@ class Renderer:
         self._before_light = before_light
         self.tones = groom.tones
         self.scratch = Scratch()
-        self.palette = Palette(scene.material)
+        deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
+        self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        self.sky = sky_of(scene)
+        self.palette = Palette(scene.material, deep)
         self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
-        deep = any(light.shadow.model == "opacity" for light in scene.lights)
-        self._spacing = strand_spacing(groom.roots) if deep else 0.0
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
@@ -255,8 +257,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), p.lobes, p.fibre, p.nodes, p.paths, lights,
-            *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
+            np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
+            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
         )  # fmt: skip
         return colours
 
@@ -265,8 +267,8 @@ class Renderer:
         packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), lights, *self._maps(maps), *packed,
-            paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
+            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
         )  # fmt: skip
 
     def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:

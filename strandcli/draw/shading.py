@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..scene.model import DirectionalLight, Light, Material
 from .chiang import ChiangTables
 from .chiang import build_tables as build_chiang
+from .dual import build_tables as build_dual
 from .marschner import MarschnerTables, azimuthal_beta
 from .marschner import build_tables as build_marschner
 from .pigment import colour_of, tint, varies
@@ -23,7 +24,8 @@ TONES, TONES_GREY = 9, 65
 class Palette:
     """What the shading kernel needs of a material; an argument that a scene does not need is None."""
 
-    def __init__(self, material: Material) -> None:
+    def __init__(self, material: Material, deep: bool = False) -> None:
+        """``deep``: whether any light has an opacity map, without which dual scattering has nothing to count."""
         marschner = build_marschner(material) if material.model == "marschner" else None
         chiang = build_chiang(material) if material.model == "chiang" else None
         tables: MarschnerTables | ChiangTables | None = marschner or chiang
@@ -34,6 +36,9 @@ class Palette:
         self.diffuse = np.float32(material.diffuse)
         roughness = material.beta_n if material.model == "chiang" else azimuthal_beta(material.azimuthal)
         self.colour = colour_of(material, roughness).astype(np.float32)
+        dual = build_dual(material, roughness) if deep and material.scatter == "dual" else None
+        self.dual = None if dual is None else dual.rows
+        self.dual_scale = None if dual is None else dual.scale
         self.tint = (
             tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
         )
@@ -66,8 +71,9 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
         first, count = maps.owners[i] if maps is not None else (0, 0)
         bias = light.shadow.bias
         layers = maps.layers[first] if count and maps is not None else 0
-        if count and maps is not None and bias == 0:
-            bias = default_bias(maps.views[first], bounds, layers > 0)
+        if count and maps is not None and bias == 0 and layers == 0:
+            # an opacity map needs none: what a strand adds in front of itself is made up for by what is left out
+            bias = default_bias(maps.views[first], bounds)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
         rows.append([kind, *where, *power, first, count, bias, layers, *[0.0] * 5])

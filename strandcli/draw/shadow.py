@@ -24,8 +24,6 @@ from .scratch import Scratch
 
 TEXEL = 2.0
 """Strand spacings a texel of an opacity map."""
-BIAS = 0.5
-"""Texels by which depth is lessened in an opacity map: a strand does not shade itself."""
 SAMPLED = 64
 NEIGHBOURS = 8
 
@@ -236,9 +234,8 @@ def wants_map(light: Any) -> bool:
     return bool(light.shadow.model != "off" and light.intensity > 0 and any(light.colour))
 
 
-def default_bias(view: View, bounds: NDArray[np.float64], deep: bool = False) -> float:
-    """Depth in front of which nothing is shaded: in a min/max map what a strand covers within one texel, from the first
-    strand on; in an opacity map `BIAS` texels, from wherever a point is."""
+def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
+    """Depth that a strand covers within one texel: nearer than that to the first strand nothing is shaded."""
     centre, radius = ball(bounds)
     depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
-    return depth / view.focal * (BIAS if deep else 1.0)
+    return depth / view.focal

@@ -7,7 +7,7 @@ is a fault that names both, because neither could win without a surprise.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Hashable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .faults import shown
@@ -57,13 +57,14 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
 
 def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
     """Paths without `*` of what there is."""
+    kind: Hashable = type(scene)
     if not parts:
         yield ()
     elif parts[0] == "*":
         for index, item in enumerate(scene):
             for rest in _places(item, parts[1:]):
                 yield (str(index), *rest)
-    elif parts[0] in settings_of(type(scene)):
+    elif parts[0] in settings_of(kind):
         for rest in _places(getattr(scene, parts[0]), parts[1:]):
             yield (parts[0], *rest)
 

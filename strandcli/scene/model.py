@@ -265,6 +265,17 @@ class PointLight:
 
 
 Light = DirectionalLight | PointLight
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Environment:
+    """Light from all round, from a lat-long picture; it is not drawn, and nothing casts a shadow in it."""
+
+    image: str = text("", doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
+    intensity: float = number(1.0, low=0, doc="scale")
+    rotation: float = number(0.0, unit="deg", doc="turn about +y")
+
+
 LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
 PIGMENTS = (
@@ -275,7 +286,7 @@ PIGMENTS = (
 @dataclass(frozen=True, slots=True, repr=False)
 class Material:
     """How strands take light: Marschner et al. 2003 (R, TT and TRT lobes) or Chiang et al. 2016 (those and the rest,
-    energy conserving), and a diffuse stand-in for the light that goes from strand to strand, which both leave out."""
+    energy conserving), and an approximation of the light that goes from strand to strand, which both leave out."""
 
     model: str = choice(
         "marschner",
@@ -300,6 +311,12 @@ class Material:
     beta_m: float = number(0.25, low=0.001, high=1, doc="longitudinal roughness (chiang)")
     beta_n: float = number(0.3, low=0.001, high=1, doc="azimuthal roughness (chiang)")
     specular: float = number(1.0, low=0, high=10, doc="scale of the lobes together; 0 leaves their tables out")
+    scatter: str = choice(
+        "diffuse",
+        ("diffuse", "dual"),
+        doc="light from strand to strand: a diffuse stand-in; or dual scattering, under lights whose shadow.model is "
+        "opacity, with Chiang's lobes",
+    )
     diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
     width: float = number(
         0.0,
@@ -416,6 +433,9 @@ class Scene:
     image: Image = model(Image, doc="the picture")
     lights: tuple[Light, ...] = items(LIGHTS, default=(DirectionalLight(),), doc="lights; an empty list is darkness")
     ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
+    environment: Environment | None = optional(
+        Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
+    )
     material: Material = model(Material, doc="how strands take light")
     curves: Curves = model(Curves, doc="smoothing")
     detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")

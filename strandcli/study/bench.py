@@ -205,4 +205,3 @@ def _peak() -> int:
     from ..output.report import peak_rss_bytes
 
     return peak_rss_bytes()
-

@@ -150,9 +150,7 @@ def _tunnelling() -> dict[str, Any]:
     }
 
 
-def cut_share(
-    strands: NDArray[np.floating], a: NDArray[np.floating], b: NDArray[np.floating], radius: float
-) -> float:
+def cut_share(strands: NDArray[np.floating], a: NDArray[np.floating], b: NDArray[np.floating], radius: float) -> float:
     """Share of strands (S, n, 3) of which any of 33 points a segment is deeper than half the radius in the capsule
     from a to b."""
     t = np.linspace(0, 1, 33)[:, None]

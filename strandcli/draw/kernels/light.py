@@ -10,6 +10,7 @@ from ...jit import function
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+THREE = np.float32(3.0)
 TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
 
@@ -25,3 +26,12 @@ def toward(lights, i, x, y, z):
     square = max(lx * lx + ly * ly + lz * lz, TINY)
     size = math.sqrt(square)
     return lx / size, ly / size, lz / size, size, ONE / square
+
+
+@function
+def around(sky, which, c, x, y, z):
+    """Radiance in channel c of something white that lies in the sky's light, not negative: strands (which = 0) by their
+    unit tangent, surfaces (1) by their unit normal. sky (2, 9, 3) float32 of `strandcli.draw.environment`."""
+    even = sky[which, 0, c] + sky[which, 4, c] * x * y + sky[which, 5, c] * y * z
+    even += sky[which, 6, c] * (THREE * z * z - ONE) + sky[which, 7, c] * x * z + sky[which, 8, c] * (x * x - y * y)
+    return max(even + sky[which, 1, c] * x + sky[which, 2, c] * y + sky[which, 3, c] * z, ZERO)

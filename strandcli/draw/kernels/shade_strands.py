@@ -12,9 +12,9 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import chiang, opacity, solids
+from . import chiang, dual, opacity, solids
 from .approximations import exp
-from .light import toward
+from .light import around, toward
 from .marschner import azimuthal, kajiya_diffuse, longitudinal, mix
 from .shadow import between, held, texel_of, through
 
@@ -36,24 +36,28 @@ LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
 U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
 TEXELS = 27 * W
 R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
-PASSED = 35 * W
-ROWS = 36
+PASSED, WHOLE = 35 * W, 36 * W
+SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = (i * W for i in range(37, 43))
+TABLE = 43 * W
+ROWS = 43 + dual.CHANNELS
 
 
 @parallel
 def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, lobes, fibre, nodes, paths,
-    lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
+    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
-    diffuse: scale; ambient (3,); lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths:
-    those of `strandcli.draw.chiang`; None where not needed;
+    diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`, or None;
+    lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;
+    twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
-    or intensity in W/sr; [7:10] shadow maps (`shadow.transmittance`); maps (T, 2), or None for no maps at all; starts,
-    sizes (M,), views (M, 24); solids packed, `skin` metres; spheres None where no solid casts shadows; out (V, 3).
+    or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
+    each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres;
+    spheres None where no solid casts shadows; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -73,14 +77,14 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
-                        spheres, capsules, planes, boxes, skin,
+                        work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+                        maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
-            spheres, capsules, planes, boxes, skin,
+            work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+            maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
         )  # fmt: skip
         scatter(work, which, n, out)
 
@@ -115,11 +119,16 @@ def scatter(work, which, n, out):
 
 @function
 def batch(
-    work, n, view, diffuse, lobes, fibre, nodes, paths, lights, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, skin,
+    work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch."""
     frames(work, n, view)
+    if sky is not None:
+        for c in range(3):
+            for k in range(n):
+                whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
+                work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
         if spheres is not None:
@@ -133,8 +142,11 @@ def batch(
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
             for k in range(n):
+                work[WHOLE + k] = work[ARRIVES + k]
                 work[ARRIVES + k] *= exp(-work[PASSED + k])
-        if diffuse > ZERO:
+        if twice is not None and lights[i, 10] > ZERO:
+            glow(work, n, lights, i, twice, scale)
+        elif diffuse > ZERO:
             for k in range(n):
                 d = diffuse * kajiya_diffuse(
                     work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
@@ -322,6 +334,49 @@ def gleam(work, n, lights, i, fibre, nodes, paths):
             work[RADIANCE + k] += arrives * lights[i, 4] * r
             work[RADIANCE + W + k] += arrives * lights[i, 5] * g
             work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
+
+
+@function
+def glow(work, n, lights, one, twice, scale):
+    """Light that comes by way of other strands. What reaches a vertex with no strand in the way is in the row `WHOLE`,
+    what does with them in `ARRIVES`."""
+    nodes = twice.shape[0]
+    for k in range(n):
+        sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], nodes,
+        )  # fmt: skip
+        work[SIN_L + k] = sin_l
+        work[COS_L + k] = cos_l
+        work[SIN_V + k] = sin_v
+        work[COS_V + k] = cos_v
+        work[COS_PHI + k] = cos_phi
+        work[PLACE + k] = place
+    for k in range(n):
+        i = min(np.int64(work[PLACE + k]), nodes - 2)
+        part = work[PLACE + k] - np.float32(i)
+        for c in range(dual.CHANNELS):
+            low = twice[i, c]
+            work[TABLE + c * W + k] = low + part * (twice[i + 1, c] - low)
+    for k in range(n):
+        back, through = dual.lobes(
+            work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
+            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.SHIFT * W + k],
+            work[TABLE + dual.OWN * W + k],
+        )  # fmt: skip
+        work[U + k] = back
+        work[V + k] = through
+    for c in range(3):
+        power = lights[one, 4 + c]
+        per = scale[c]
+        for k in range(n):
+            s = dual.scattered(
+                work[PASSED + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
+                work[TABLE + (dual.STOPPED + c) * W + k], work[TABLE + (dual.BACKWARD + c) * W + k],
+                work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
+                work[COLOUR + c * W + k] * per,
+            )  # fmt: skip
+            work[RADIANCE + c * W + k] += work[WHOLE + k] * power * s
 
 
 @function

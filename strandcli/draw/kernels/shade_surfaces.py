@@ -8,7 +8,7 @@ import numpy as np
 
 from ...jit import parallel, prange
 from . import opacity, solids
-from .light import toward
+from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
 
@@ -20,7 +20,7 @@ INV_PI = np.float32(1 / math.pi)
 
 @parallel
 def surfaces(
-    keys, width, height, view, ambient, lights, maps, stacks, starts, sizes, views,
+    keys, width, height, view, ambient, sky, lights, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, paint, skin, image,
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
@@ -50,6 +50,10 @@ def surfaces(
             r = ambient[0]
             g = ambient[1]
             b = ambient[2]
+            if sky is not None:
+                r += around(sky, 1, 0, nx, ny, nz)
+                g += around(sky, 1, 1, nx, ny, nz)
+                b += around(sky, 1, 2, nx, ny, nz)
             for i in range(lights.shape[0]):
                 lx, ly, lz, reach, falloff = toward(lights, i, x, y, z)
                 cosine = nx * lx + ny * ly + nz * lz

@@ -11,8 +11,8 @@ from ...jit import function, parallel, prange
 
 @function
 def apart(ax, ay, az, dx, dy, dz, reach, px, py, pz, ex, ey, ez):
-    """Square of the least distance between the ray a + t d, d a unit vector, 0 <= t <= reach, and the piece p … p + e
-    (Ericson 2004, §5.1.9)."""
+    """Square of the least distance between the ray a + t d, d a unit vector and 0 <= t <= reach, and the piece
+    p … p + e (Ericson 2004, §5.1.9)."""
     wx = ax - px
     wy = ay - py
     wz = az - pz
