@@ -7,7 +7,7 @@ is a fault that names both, because neither could win without a surprise.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Container, Hashable, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .faults import shown
@@ -57,7 +57,7 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
 
 def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
     """Paths without `*` of what there is."""
-    kind: Hashable = type(scene)
+    kind: Any = type(scene)
     if not parts:
         yield ()
     elif parts[0] == "*":
