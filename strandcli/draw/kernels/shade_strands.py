@@ -56,8 +56,8 @@ def strands(
     twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
-    each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres; spheres
-    None where no solid casts shadows; out (V, 3).
+    each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres;
+    spheres None where no solid casts shadows; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
