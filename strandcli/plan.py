@@ -163,6 +163,15 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         skip(Stage(f"{scene.material.model} tables", "there is no light" if not lit else "material.specular is zero"))
     material = scene.material
     varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
+    if material.scatter == "dual":
+        if any(light.shadow.model == "opacity" for light in lit):
+            use(Stage("dual scattering", "light goes from strand to strand under lights with opacity maps"))
+        else:
+            skip(Stage("dual scattering", "no light has an opacity map to count strands by"))
+    else:
+        skip(Stage("dual scattering", "material.scatter is the diffuse stand-in"))
+    if scene.environment is not None:
+        use(Stage("environment", "a picture lights strands and solids from all round"))
     (use if varied else skip)(Stage("colour variation", "strands differ" if varied else "all strands have one colour"))
     visible = [solid for solid in scene.solids if solid.visible]
     if visible:
@@ -228,7 +237,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     total += plan.strands * (8 + 8 + 2 * (scene.emitter.particles - 1) + 4 + 8 + 32)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
-            total += 8 * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
+            deep = 4 * (one.shadow.layers + 3) if one.shadow.model == "opacity" else 0
+            total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list, and vertices are marked twice
         total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices
     return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8

@@ -47,7 +47,8 @@ def test_every_setting_is_written_out() -> None:
     data = to_dict(Scene())
     assert list(data) == [key for key in settings_of(Scene) if key != "panels"]
     assert list(data["camera"]) == ["kind", "position", "target", "up", "fov", "height", "near", "keys"]
-    assert data["lights"][0]["shadow"] == {"model": "minmax", "size": 512, "bias": 0.0}
+    shadow = {"model": "minmax", "size": 512, "layers": 13, "texel": None, "bias": 0.0}
+    assert data["lights"][0]["shadow"] == shadow
 
 
 def test_what_is_dumped_is_plain_yaml_for_other_readers_too() -> None:

@@ -158,7 +158,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--frame", type=int, default=1)
     parser.add_argument("--light", type=int, default=0)
     parser.add_argument("--probes", type=int, default=400)
-    parser.add_argument("--bias", type=float, default=0.0, help="in texels, in place of the default")
     parser.add_argument("--width", type=float, help="width of strands in metres, in place of the preset's")
     chosen = parser.parse_args(arguments)
     scene = load(chosen.preset)
