@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
+from strandcli.simulate.kernels import contact
 from strandcli.simulate.rod import RodSolver
 
 
@@ -99,3 +101,18 @@ def test_a_ball_that_moves_pushes() -> None:
         errors = solver.errors(i + 2)
         assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
         assert solver._depth((i + 1) / 24) <= 1e-6  # type: ignore[operator]
+
+
+@njit(error_model="numpy")
+def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
+    """The kernel, which has no way in from Python."""
+    return contact.off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole)
+
+
+def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:
+    ways = []
+    for height in (1 - 1e-6, 1.0, 1 + 1e-6):
+        start = (0.0, height, 0.0)
+        toward = (0.8, -0.6, 0.0)
+        ways.append(off_ball(*start, *toward, 0.3, 0.0, 0.0, 0.0, 1.0, True))
+    np.testing.assert_allclose(ways, np.tile([1.0, 0.0, 0.0], (3, 1)), atol=3e-3)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from test_simulate_rod import PULL, scene
 
 import strandcli
-from strandcli.groom.emit import emit
+from strandcli.groom.emit import Groom, emit
 from strandcli.simulate.rod import RodSolver
 
 
@@ -196,3 +198,28 @@ def test_material_and_length_decide_how_a_strand_hangs() -> None:
         thick.step((i + 1) / 24, 1 / 24)
     # less weight far out: the clamp carries less, and the middle of the strand hangs higher
     assert first(thin)[4, 1] > first(thick)[4, 1]
+
+
+@dataclasses.dataclass(frozen=True)
+class Collapsed(Groom):
+    """A groom whose particles coincide from ``place`` on."""
+
+    place: int = 0
+
+    def edge(self, j: int, edges: int) -> NDArray[np.float64]:
+        return super().edge(j, edges) * float(j < self.place)
+
+
+@pytest.mark.parametrize("place", [0, 4])
+def test_edges_without_a_direction_go_on_as_the_one_before(place: int) -> None:
+    one = scene(1e9, **{"emitter.strands": 3, "emitter.jitter": 20.0, "rules": []})
+    groom = emit(one.emitter, one.seed)
+    straight = RodSolver(one, groom)
+    lost = RodSolver(one, Collapsed(**{f.name: getattr(groom, f.name) for f in dataclasses.fields(groom)}, place=place))
+    np.testing.assert_allclose(lost.particles(), straight.particles(), atol=1e-6)
+    for i in range(3):
+        lost.step((i + 1) / 24, 1 / 24)
+    errors = lost.errors(1)
+    assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+    assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
+    np.testing.assert_allclose(lost.particles(), straight.particles(), atol=1e-5)

@@ -10,24 +10,23 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids
 from ..blocks import lanes
 from ..constants import W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
-from ..scene.motion import emitter_pose, solid_pose
+from ..scene.motion import emitter_pose
 from .kernels import rod as dense
 from .kernels import rod_long, rod_step
-from .rules import collision as collision_rule
-from .rules import wind as wind_rule
 from .solver import Solver
+from .surroundings import Surroundings
 
 MATERIALS = {
     # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
@@ -39,6 +38,9 @@ MATERIALS = {
 }
 DENSE_MOST = 20
 """Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
+CONTRAST = 1e7
+"""Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
+one is a load to the other. A tip a hundred times as thick as the root has it, and none that a preset can ask for."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
@@ -76,15 +78,21 @@ class RodSolver(Solver):
                 )
         rod: Rod = scene.rod
         n = scene.emitter.particles - 1
-        self.long = n > DENSE_MOST
+        self._set_matter(rod, n)
+        self.long = n > DENSE_MOST or np.ptp(np.log(self.joint)) > np.log(CONTRAST)
         self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         lengths = groom.lengths.astype(np.float64) / n
-        self._set_matter(rod, n, lengths)
+        self.mass, self.joint = self.mass.astype(self.dtype), self.joint.astype(self.dtype)
+        self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
+        self.own_lengths = lanes(lengths[:, None], self.dtype)
+        self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
-        turn = np.array(self.pose[0])
         self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
-        for j in range(n):
-            self.edges[:, j] = lanes(groom.edge(j, n) @ turn.T, self.dtype)
+        edges, mended = _edges(groom, n)
+        for j, edge in enumerate(edges):
+            self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
+            if mended:
+                self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
         self.velocity = np.zeros_like(self.edges)
         self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
@@ -95,7 +103,7 @@ class RodSolver(Solver):
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
-        bends = self._rest_shape(rod, groom, lengths)
+        bends = self._rest_shape(rod, groom, edges, lengths)
         self.curled = bends is not None
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
@@ -107,10 +115,8 @@ class RodSolver(Solver):
         self.residuals = np.zeros(len(self.lengths), self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
-        self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
-        self.contacts = [use.parameters for use in scene.rules if use.name == "collision"]
 
-    def _set_matter(self, rod: Rod, n: int, lengths: NDArray[np.float64]) -> None:
+    def _set_matter(self, rod: Rod, n: int) -> None:
         """Masses of particles and rigidities of joints, relative to a segment at the root; half a mass at the tip and
         twice the rigidity at the root make the discretisation second order."""
         radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
@@ -118,46 +124,14 @@ class RodSolver(Solver):
         mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
         joint = radius[:-1] ** 4
         joint[0] *= 2
-        self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
-        self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
-        self.own_lengths = lanes(lengths[:, None], self.dtype)
+        self.mass: NDArray[Any] = mass
+        self.joint: NDArray[Any] = joint
 
     def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The emitter's rotation and translation; at rest where no rule carries the roots along."""
         moving = any(use.name == "emitter_motion" for use in self.scene.rules)
         rotation, translation = emitter_pose(self.scene.emitter, max(time, 0.0) if moving else 0.0)
         return np.array(rotation), np.array(translation)
-
-    def gravity(self) -> NDArray[np.float64]:
-        """The sum of all gravity rules, m/s²."""
-        pulls = [use.parameters.acceleration for use in self.scene.rules if use.name == "gravity"]
-        return np.sum([np.zeros(3), *pulls], axis=0)
-
-    def air(self, time: float) -> NDArray[np.float64]:
-        """Velocity of the air, m/s, without the part of gusts that differs from strand to strand."""
-        total = np.zeros(3)
-        for wind in self.winds:
-            phases = wind_rule.phases(self.scene.seed)
-            speed = wind.strength
-            if not wind_rule.travels(wind):
-                speed *= 1 - wind.gust * 0.5 * (1 - wind_rule.gusts(time, wind.period, phases[:3]))
-            total += speed * np.array(wind_rule.downwind(wind, time, phases[3:]))
-        return total
-
-    def _gust(self, time: float) -> NDArray[Any]:
-        """(blocks, W) factor of the air's velocity: not 1 where gusts travel."""
-        travelling = [wind for wind in self.winds if wind_rule.travels(wind)]
-        if not travelling:
-            return self.still_air
-        wind = travelling[0]
-        roots = self.positions[:, 1].reshape(-1, 3, W).astype(np.float64)
-        way = np.array(wind.direction) / np.linalg.norm(wind.direction)
-        along = np.einsum("bck,c->bk", roots, way) / wind.wavelength
-        wave = sum(
-            a * wind_rule.waves(time / (wind.period * scale) + phase - along / scale)
-            for (scale, a), phase in zip(wind_rule.WAVES, wind_rule.phases(self.scene.seed)[:3], strict=True)
-        )
-        return np.asarray(1 - wind.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
     def step(self, time: float, dt: float) -> None:
         """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
@@ -171,17 +145,19 @@ class RodSolver(Solver):
         second = self.second and not restart
         packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
         delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
-        rod = self.scene.rod
+        rod, around = self.scene.rod, self.surroundings
+        gust = around.gust(time, self.positions)
         h = 2 * dt / 3 if second else dt
         numbers = np.array(
-            [h, *self.gravity(), *self.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
+            [h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
              self.enough],
             self.dtype,
         )  # fmt: skip
         given = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
-            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends, self._gust(time), packed,
-            delta, numbers, rod.iterations, self.second, self.curled, *self._solids(time, dt),
+            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.still_air if gust is None else gust, packed, delta, numbers, rod.iterations, self.second, self.curled,
+            *around.solids(time, dt),
         )  # fmt: skip
         self._share_out(given)
         if self.dtype != np.float32:
@@ -230,37 +206,17 @@ class RodSolver(Solver):
             rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
         self.pose = pose
 
-    def _solids(self, time: float, dt: float) -> tuple[Any, Any, bool]:
-        """Packed solids with their motion in this step, as the kernel's arguments `balls`, `others` and `whole`."""
-        touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
-        whole = any(one.segments for one in self.contacts)
-        if not touched:
-            return np.zeros((0, 17), self.dtype), None, False
-        emitter = self.scene.emitter
-        now, past = max(time, 0.0), max(time - dt, 0.0)
-        out = []
-        for kind, columns in solids.COLUMNS.items():
-            mine = [one for one in touched.values() if one.kind == kind]
-            rows = np.zeros((len(mine), columns + 12))
-            rows[:, :columns] = solids.pack(kind, mine, emitter, now, np.float64)
-            for row, one in zip(rows, mine, strict=True):
-                r1, t1 = (np.array(part) for part in solid_pose(one, emitter, now))
-                r0, t0 = (np.array(part) for part in solid_pose(one, emitter, past))
-                turn = r1 @ r0.T
-                row[columns:] = [*turn.ravel(), *(t1 - turn @ t0)]
-            out.append(rows.astype(self.dtype))
-        if not whole and len(out[0]) == len(touched):
-            return out[0], None, False
-        return out[0], tuple(out), whole
-
-    def _rest_shape(self, rod: Rod, groom: Groom, lengths: NDArray[np.float64]) -> NDArray[Any] | None:
-        """(blocks, N + 1, 3 W) rest bends as the kernel reads them; None where rods are straight."""
+    def _rest_shape(
+        self, rod: Rod, groom: Groom, begun: list[NDArray[np.float64]], lengths: NDArray[np.float64]
+    ) -> NDArray[Any] | None:
+        """(blocks, N + 1, 3 W) rest bends as the kernel reads them, of rods whose edges are ``begun`` so; None where
+        they are straight."""
         n = self.edges.shape[1]
         axes = groom.directions.astype(np.float64)
-        edges = np.stack([groom.edge(j, n) for j in range(n)])  # (N, strands, 3), the emitter's frame
-        bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
-        if rod.rest == "straight" or (rod.rest == "shape" and not np.abs(bends).max() > 1e-6):
+        if rod.rest == "straight" or (rod.rest == "shape" and _straight([axes, *begun])):
             return None
+        edges = np.stack(begun)  # (N, strands, 3), the emitter's frame
+        bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
         rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
@@ -283,7 +239,7 @@ class RodSolver(Solver):
         F_j of all that hangs on edge j is its tension and the difference of the moments b at its ends,
         F_j = τ_j e_j + b_j − b_{j+1}. Where a joint would have to be bent by more than 1.5 it is not, and the strand
         sags after all: a straight level one holds still up to Γ = 6 N."""
-        pull = self.pose[0].T @ self.gravity()
+        pull = self.pose[0].T @ self.surroundings.gravity
         out = np.zeros_like(edges)
         moment = np.zeros_like(edges[0])
         weight = np.zeros_like(edges[0])
@@ -320,6 +276,27 @@ class RodSolver(Solver):
     def residual(self) -> float | None:
         """Greatest error of an edge's length that the last step's iterations left, as a share: made exact after."""
         return float(self.residuals.max())
+
+
+def _edges(groom: Groom, n: int) -> tuple[list[NDArray[np.float64]], bool]:
+    """(strands, 3) unit vectors, edge by edge from the root, in the emitter's frame. An edge whose ends coincide takes
+    the direction of the one before it, the first that of the strand, for no iteration finds any from nothing; whether
+    there are such edges."""
+    before = groom.directions.astype(np.float64)
+    edges, mended = [], False
+    for j in range(n):
+        edge = groom.edge(j, n)
+        lost = ~edge.any(1)
+        if lost.any():
+            edge, mended = np.where(lost[:, None], before, edge), True
+        before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
+        edges.append(before)
+    return edges, mended
+
+
+def _straight(ways: list[NDArray[np.float64]]) -> bool:
+    """Whether directions, (strands, 3) each, are all the same."""
+    return all(a is b or np.abs(b - a).max() <= 1e-6 for a, b in pairwise(ways))
 
 
 def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:

@@ -173,9 +173,11 @@ def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
     ax /= distance
     ay /= distance
     az /= distance
-    limit = (length * length + distance * distance - r * r) / (TWO * length * distance)
-    if whole and distance > r and distance * distance - r * r < length * length:
-        limit = np.sqrt(ONE - r * r / (distance * distance))
+    outside = distance * distance - r * r  # square of the tangent's length
+    limit = (length * length + outside) / (TWO * length * distance)
+    if whole and outside < length * length:
+        # an edge from the surface itself is a tangent whichever way its beginning is rounded
+        limit = min(limit, np.sqrt(max(outside, ZERO)) / distance)
     return bend(dx, dy, dz, ax, ay, az, limit)
 
 

@@ -1,0 +1,107 @@
+"""What acts on rods from outside in a step: gravity, moving air, and solids with their motion.
+
+All that does not change from step to step is worked out once; of solids, those that stand still are.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..constants import W
+from ..scene.motion import Pose, multiply, rotate, solid_pose
+from .rules import collision, wind
+
+
+class Surroundings:
+    """Those of one scene, in numbers of a floating type."""
+
+    def __init__(self, scene: Any, dtype: Any) -> None:
+        self.scene, self.dtype = scene, dtype
+        pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
+        self.gravity: NDArray[np.float64] = np.sum([np.zeros(3), *pulls], axis=0)
+        """The sum of all gravity rules, m/s²."""
+        self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
+        self._phases = wind.phases(scene.seed).tolist()
+        contacts = [use.parameters for use in scene.rules if use.name == "collision"]
+        touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
+        self._whole = bool(touched) and any(one.segments for one in contacts)
+        self._kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
+        self._balls_alone = not self._whole and len(self._kinds["sphere"]) == len(touched)
+        self._rows = {kind: self._at_rest(kind) for kind in solids.COLUMNS}
+        self._moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in self._kinds.items()}
+        self._poses: tuple[float, dict[int, Pose]] = (-1.0, {})
+
+    def air(self, time: float) -> tuple[float, float, float]:
+        """Velocity of the air, m/s, without the part of gusts that differs from strand to strand."""
+        x = y = z = 0.0
+        for one in self.winds:
+            speed = one.strength
+            if not wind.travels(one):
+                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases[:3]))
+            way = wind.downwind(one, time, self._phases[3:])
+            x, y, z = x + speed * way[0], y + speed * way[1], z + speed * way[2]
+        return x, y, z
+
+    def gust(self, time: float, positions: NDArray[Any]) -> NDArray[Any] | None:
+        """(blocks, W) factor of the air's velocity at strands whose ``positions`` (blocks, rows, 3 W) have the root in
+        row 1; None where it is 1 for all."""
+        travelling = [one for one in self.winds if wind.travels(one)]
+        if not travelling:
+            return None
+        one = travelling[0]
+        roots = positions[:, 1].reshape(-1, 3, W).astype(np.float64)
+        way = np.array(one.direction) / np.linalg.norm(one.direction)
+        along = np.einsum("bck,c->bk", roots, way) / one.wavelength
+        wave = sum(
+            a * wind.waves(time / (one.period * scale) + phase - along / scale)
+            for (scale, a), phase in zip(wind.WAVES, self._phases[:3], strict=True)
+        )
+        return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
+
+    def solids(self, time: float, dt: float) -> tuple[Any, Any, bool]:
+        """Packed solids with their motion in a step that ends at ``time``, as the kernel's arguments `balls`, `others`
+        and `whole`."""
+        now, past = max(time, 0.0), max(time - dt, 0.0)
+        emitter = self.scene.emitter
+        before = self._poses[1] if abs(self._poses[0] - past) <= 1e-9 * dt else {}
+        after: dict[int, Pose] = {}
+        for kind, mine in self._moving.items():
+            if not mine:
+                continue
+            columns, rows = solids.COLUMNS[kind], self._rows[kind]
+            packed = solids.pack(kind, mine, emitter, now, np.float64)
+            for i, one in enumerate(mine):
+                pose = after[id(one)] = solid_pose(one, emitter, now)
+                last = before.get(id(one)) or solid_pose(one, emitter, past)
+                (a, b, c), (x, y, z) = _between(last, pose)
+                row = rows[len(rows) - len(mine) + i]
+                row[:columns] = packed[i]
+                row[columns:] = (*a, *b, *c, x, y, z)
+        self._poses = now, after
+        balls = self._rows["sphere"]
+        return balls, None if self._balls_alone else tuple(self._rows.values()), self._whole
+
+    def _moves(self, solid: Any) -> bool:
+        return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
+
+    def _at_rest(self, kind: str) -> NDArray[Any]:
+        """(m, columns + 12) all solids of a kind as they begin, those that move last, and no motion."""
+        mine = sorted(self._kinds[kind], key=self._moves)
+        columns = solids.COLUMNS[kind]
+        rows = np.zeros((len(mine), columns + 12), self.dtype)
+        rows[:, :columns] = solids.pack(kind, mine, self.scene.emitter, 0.0, np.float64)
+        rows[:, columns : columns + 9] = np.eye(3).ravel()
+        return rows
+
+
+def _between(last: Pose, pose: Pose) -> Pose:
+    """The rigid motion that takes one pose to another."""
+    a, b, c = last.rotation
+    turn = multiply(pose.rotation, ((a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2])))
+    x, y, z = rotate(turn, last.translation)
+    p = pose.translation
+    return Pose(turn, (p[0] - x, p[1] - y, p[2] - z))

@@ -1,0 +1,77 @@
+"""What acts on rods from outside: solids with their motion, and moving air."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from test_simulate_rod import scene
+
+from strandcli import solids
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.surroundings import Surroundings
+
+TURN = [{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0.5, 0], "rotation": [30, 120, -20]}]
+ALL = [
+    {"kind": "sphere", "radius": 0.2, "position": [0, 1, 0], "follow": "emitter"},
+    {"kind": "sphere", "radius": 0.3, "position": [3, 0, 0]},
+    {"kind": "sphere", "radius": 0.1, "keys": TURN},
+    {"kind": "capsule", "radius": 0.1, "length": 1, "keys": TURN},
+    {"kind": "capsule", "radius": 0.2, "length": 2, "position": [5, 0, 0]},
+    {"kind": "plane", "position": [0, -3, 0], "keys": TURN},
+    {"kind": "box", "size": [1, 2, 3], "position": [0, 0, 2], "follow": "emitter"},
+]
+
+
+def around(collision: Any = "collision", *rules: Any, **changes: Any) -> Surroundings:
+    one = scene(10.0, **{"solids": ALL, "emitter.keys": TURN, "rules": ["gravity", collision, *rules], **changes})
+    return Surroundings(one, np.float64)
+
+
+@pytest.mark.parametrize("times", [(0.25,), (0.25, 0.5, 0.75, 1.0, 1.25), (0.5, 0.25)])
+def test_solids_are_where_they_are_with_the_motion_that_took_them_there(times: tuple[float, ...]) -> None:
+    mine, dt = around(), 0.25
+    for time in times:
+        balls, others, whole = mine.solids(time, dt)
+    assert not whole
+    assert balls is others[0]
+    emitter = mine.scene.emitter
+    for kind, rows in zip(solids.COLUMNS, others, strict=True):
+        columns = solids.COLUMNS[kind]
+        expected = [one for one in mine.scene.solids if one.kind == kind]
+        expected.sort(key=lambda one: bool(one.keys or one.follow == "emitter"))
+        np.testing.assert_allclose(rows[:, :columns], solids.pack(kind, expected, emitter, times[-1], np.float64))
+        for row, one in zip(rows, expected, strict=True):
+            now, past = (solid_pose(one, emitter, max(at, 0)) for at in (times[-1], times[-1] - dt))
+            local = np.array([0.3, -0.7, 0.2])
+            before = np.array(past.rotation) @ local + past.translation
+            after = np.array(now.rotation) @ local + now.translation
+            motion = row[columns:]
+            np.testing.assert_allclose(motion[:9].reshape(3, 3) @ before + motion[9:], after, atol=1e-12)
+
+
+def test_only_the_solids_that_are_named_are_touched() -> None:
+    named = [{**one, "name": f"solid{i}"} for i, one in enumerate(ALL)]
+    balls, others, whole = around({"collision": {"with": ["solid1"]}}, solids=named).solids(0.1, 0.1)
+    assert balls.shape == (1, 17)
+    assert others is None
+    assert not whole
+    balls, others, whole = around({"collision": {"with": ["solid1"], "segments": True}}, solids=named).solids(0.1, 0.1)
+    assert whole
+    assert [len(rows) for rows in others] == [1, 0, 0, 0]
+    balls, others, whole = around("emitter_motion", solids=named).solids(0.1, 0.1)
+    assert balls.shape == (0, 17)
+    assert others is None
+
+
+def test_gusts_that_travel_differ_from_place_to_place_and_others_do_not() -> None:
+    calm = around("collision", {"wind": {"strength": 3.0, "direction": [0, 0, 2]}})
+    assert calm.gust(0.3, np.zeros((1, 3, 24))) is None
+    np.testing.assert_allclose(calm.air(0.3), (0, 0, 3))
+    gusty = around("collision", {"wind": {"strength": 3.0, "gust": 1.0}})
+    speeds = [gusty.air(time)[0] for time in np.linspace(0, 5, 50)]
+    assert 0 <= min(speeds) < 0.6
+    assert 2.4 < max(speeds) <= 3
+    travelling = around("collision", {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}})
+    np.testing.assert_allclose(travelling.air(0.3), (3, 0, 0))
