@@ -63,7 +63,10 @@ def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
         for index, item in enumerate(scene):
             for rest in _places(item, parts[1:]):
                 yield (str(index), *rest)
-    elif parts[0] in settings_of(type(scene)):
+    else:
+        kind: type = type(scene)
+        if parts[0] not in settings_of(kind):
+            return
         for rest in _places(getattr(scene, parts[0]), parts[1:]):
             yield (parts[0], *rest)
 
