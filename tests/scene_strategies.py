@@ -28,6 +28,7 @@ from strandcli.scene.fields import (
     VectorSpec,
     settings_of,
 )
+from strandcli.scene.look import settle
 
 CONTROLS = [chr(code) for code in (*range(32), 127)]
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=CONTROLS), max_size=12)
@@ -106,5 +107,5 @@ def single_scenes() -> st.SearchStrategy[Scene]:
         for setting in settings_of(Scene).values()
         if setting.key != "panels"
     }
-    scenes = st.fixed_dictionaries({}, optional=settings).map(lambda chosen: Scene(**chosen))
+    scenes = st.fixed_dictionaries({}, optional=settings).map(lambda chosen: settle(Scene(**chosen), ())[0])
     return scenes.filter(lambda scene: not list(findings(scene)))

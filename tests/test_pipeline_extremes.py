@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from strand_kit import frames_of
 
-from strandcli.constants import W
+from strandcli.constants import FRAGMENT_BYTES, W
 from strandcli.draw.kernels import film
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import registry
@@ -155,6 +155,27 @@ def test_a_picture_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]
         for number in frame.report["error"].values():
             assert number is None or np.isfinite(number)
         assert frame.report["counts"]["fragments"] <= width * height * scene.image.supersample**2
+
+
+@pytest.mark.parametrize("resolver", ["sorted", "kbuffer"])
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES.keys())
+def test_a_picture_of_sorted_strands_comes_of_it(
+    changes: dict[str, Any], resolver: str, linear: list[np.ndarray]
+) -> None:
+    changes = {"image.resolver": resolver, "material.width": 0.004} | changes
+    scene = scene_of(EVERYTHING, changes)
+    (frame,) = frames_of(scene, 3, threads=1)
+    assert frame.image is not None
+    assert np.isfinite(linear[0]).all()
+    assert (linear[0] >= 0).all()
+    assert frame.report["counts"]["fragment_bytes"] == FRAGMENT_BYTES * frame.report["counts"]["fragments"]
+
+
+def test_sorted_strands_are_the_same_on_any_number_of_threads() -> None:
+    scene = scene_of(EVERYTHING, {"image.resolver": "sorted", "image.size": [90, 70], "material.width": 0.01})
+    one, two = (frames_of(scene, 3, threads=threads)[0] for threads in (1, 2))
+    assert one.report["counts"]["fragments"] > 1000
+    np.testing.assert_array_equal(one.image, two.image)
 
 
 @pytest.mark.parametrize("scale", [1e-5, 1e-3, 1e3, 1e6])

@@ -67,7 +67,8 @@ class Coverage:
         self.opacity = np.float32(opacity)
         self.nearest = nearest
         self.room = room
-        self._expected = 0
+        self._rows = np.zeros(size[1])
+        """Fragments in each row of the last frame."""
         self.fragments = 0
         """In the last frame; with a bound on the fragments of a pixel, those that were held."""
         self.most = 0
@@ -111,7 +112,6 @@ class Coverage:
             elif bottom < self.size[1]:
                 lit = marks.copy()
             yield Layer(lists, kept, top, lines.stride, marks)
-        self._expected = self.fragments
 
     def _bands(
         self,
@@ -123,16 +123,12 @@ class Coverage:
         scratch: Scratch,
     ) -> Iterator[tuple[int, int, Lists]]:
         """Rows from top to bottom with their lists, cut finer where they hold too much."""
-        width, height = self.size
-        parts = math.ceil(1.3 * self._expected / self.room)
-        if self.nearest is not None:
-            parts = math.ceil(2 * width * height * self.nearest / self.room)
-        parts = min(max(parts, 1), height)
-        ahead = [(height * i // parts, height * (i + 1) // parts) for i in range(parts)][::-1]
+        ahead = self._cuts()[::-1]
         while ahead:
             top, bottom = ahead.pop()
             found = self._lists(lines, screen, widths, limit, top, bottom, workers, scratch)
             if isinstance(found, Lists):
+                self._rows[top:bottom] = found.counts.reshape(bottom - top, -1).sum(1)
                 yield top, bottom, found
             elif bottom - top > 1:
                 parts = min(max(math.ceil(1.3 * found / self.room), 2), bottom - top)
@@ -144,6 +140,15 @@ class Coverage:
                     f"{self.room:,} ({self.room * FRAGMENT_BYTES / 1e6:,.0f} MB): use fewer --strands, a smaller "
                     "material.width, or image.resolver: zbuffer"
                 )
+
+    def _cuts(self) -> list[tuple[int, int]]:
+        """Rows from top to bottom that fit in memory as far as the last frame tells."""
+        width, height = self.size
+        load = self._rows if self.nearest is None else np.full(height, width * self.nearest)
+        # a strand's own fragments need some room beside the lists of their pixels, and strands move
+        share = np.cumsum(load) * (1.15 if self.nearest is None else 2.0) / self.room
+        cuts = [0, *(np.flatnonzero(np.diff(share.astype(np.int64))) + 1).tolist(), height]
+        return list(pairwise(cuts))
 
     def _lists(
         self,

@@ -57,14 +57,16 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
 
 def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
     """Paths without `*` of what there is."""
-    kind: Any = type(scene)
     if not parts:
         yield ()
     elif parts[0] == "*":
         for index, item in enumerate(scene):
             for rest in _places(item, parts[1:]):
                 yield (str(index), *rest)
-    elif parts[0] in settings_of(kind):
+    else:
+        kind: type = type(scene)
+        if parts[0] not in settings_of(kind):
+            return
         for rest in _places(getattr(scene, parts[0]), parts[1:]):
             yield (parts[0], *rest)
 

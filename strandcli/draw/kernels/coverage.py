@@ -170,10 +170,19 @@ def thin(screen, widths, opacity, v, run, start, closing, top, bottom, width, li
         elif c == after_start:
             a, b, norm = trapezoid(h, abs(slope))
         row = whole(middle - a)
+        at = place + c * along + row * over
+        if limit is not None and least <= row and row + 2 < most:
+            # what a solid hides it hides for a while, so that this branch is guessed right
+            depth = np.float32(max(q, ZERO)).view(np.uint32)
+            if (
+                hidden(depth, limit, at)
+                and hidden(depth, limit, at + over)
+                and hidden(depth, limit, at + over + over)
+            ):
+                continue
         d = np.float32(row + 1) - middle
         one = below(d, a, b, norm)
         two = below(d + ONE, a, b, norm)
-        at = place + c * along + row * over
         i = np.uint32(v - 1)
         n = put(at, row, least, most, area, one, q, i, t, top * width, limit, pixels, stream, n)
         n = put(at + over, row + 1, least, most, area, two - one, q, i, t, top * width, limit, pixels, stream, n)
@@ -217,11 +226,17 @@ def put(at, row, least, most, area, share, q, identity, t, base, limit, pixels, 
 
 
 @function
+def hidden(depth, limit, at):
+    """Whether a solid stands before this depth, given as the bits of its number, in pixel `at`."""
+    return np.uint64(depth) < LOW - (limit[np.uint64(at)] >> SHIFT)
+
+
+@function
 def append(at, kept, alpha, q, identity, t, base, limit, pixels, stream, n):
     """Append one fragment, unless a solid hides it. Returns how many there are then."""
     depth = np.float32(max(q, ZERO)).view(np.uint32)
     if limit is not None:
-        kept &= np.uint64(depth) >= LOW - (limit[np.uint64(at)] >> SHIFT)
+        kept &= not hidden(depth, limit, at)
     slot = np.uint64(min(n, np.int64(pixels.shape[0] - 1)))
     pixels[slot] = np.uint32(at - base)
     stream[slot, 0] = depth

@@ -188,7 +188,8 @@ def weigh(counts, ends, keys, stream, most, ordered, per, stride, tasks, kept, m
     """Sort each pixel's list by depth, ties by index, and turn opacities into weights.
 
     counts, ends, keys, stream: as `collect` leaves them; most: greatest of counts; ordered: None, or anything where
-    lists are sorted already; per, stride: as in `film.mark`; the `tasks` share the pixels.
+    lists are sorted already; per, stride: as in `film.mark`, stride a power of two; the
+    `tasks` share the pixels.
     kept (P,) uint32: of each list only so many at its head matter: what lies behind where less than `OPAQUE` gets
     through does not. Of these, stream becomes [1] the lit vertex before the fragment, [2] the bits of its weight, the
     share of the pixel's light that comes from it, [3] the bits of the place from that lit vertex to the next; marks
@@ -231,7 +232,7 @@ def weigh_pixel(keys, stream, ordered, per, stride, spare, marks):
         room -= alpha
         through = front * room
         if stride > 1:
-            past = np.int64(np.uint32(identity) % np.uint32(per) % np.uint32(stride))
+            past = np.int64(np.uint32(identity) % np.uint32(per)) & (stride - 1)
             identity -= past
             t = (np.float32(past) + t) / np.float32(stride)
         marks[identity] = 1
