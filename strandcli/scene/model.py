@@ -361,6 +361,11 @@ class Scene:
 
     title: str = text("", doc="what there is to see")
     seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    quality: str = choice(
+        "preset",
+        ("preset", "draft", "default", "best"),
+        doc="settings of drawing by name, where they are not written beside it; preset: as the rest says",
+    )
     solver: str = choice(
         "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
     )
