@@ -106,7 +106,8 @@ def on_screen(points: NDArray[np.float64], view: View) -> tuple[NDArray[np.float
     """Points (..., 3) in pixels (..., 2), and which of them the picture shows."""
     away = points - view.eye
     depth = away @ view.forward
-    scale = view.focal / np.where(depth > view.near, depth, 1.0) if view.perspective else np.full_like(depth, view.focal)
+    away_from = np.where(depth > view.near, depth, 1.0) if view.perspective else np.ones_like(depth)
+    scale = view.focal / away_from
     x = view.width / 2 + scale * (away @ view.right)
     y = view.height / 2 - scale * (away @ view.up)
     inside = (depth > view.near) & (x >= 0) & (y >= 0) & (x < view.width) & (y < view.height)

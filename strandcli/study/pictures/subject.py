@@ -208,7 +208,8 @@ def knows(scene: Scene, path: str, value: Any = None) -> bool:
             continue
         if node is None and spec is not None:
             node = Detail() if part in settings_of(Detail) else None
-        settings = settings_of(type(node)) if dataclasses.is_dataclass(node) else {}
+        cls: Any = type(node)
+        settings = settings_of(cls) if dataclasses.is_dataclass(cls) else {}
         if part not in settings:
             return False
         spec = settings[part].spec

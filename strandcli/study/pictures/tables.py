@@ -71,7 +71,8 @@ class TableStudy(Pictures):
             for i in range(ROWS):
                 self.exact[i, :, c] = truth.scattering(one, self.theta_l[i], self.theta_v[i], self.phi[i])
         self.exact *= material.specular
-        self.finest = self.subject.draw(self.scene, tables=(finest.nodes, finest.lobes, finest.paths), keep_shading=True)
+        parts = (finest.nodes, finest.lobes, finest.paths)
+        self.finest = self.subject.draw(self.scene, tables=parts, keep_shading=True)
         lights = sum(light.intensity > 0 for light in self.scene.lights)
         self.lit = lights * sum(int(np.isfinite(colours[:, 0]).sum()) for _, colours in self.finest.shaded)
         return {"what": f"quadrature in double precision at {ROWS * COLUMNS} directions",
@@ -131,8 +132,8 @@ class TableStudy(Pictures):
         material = self.scene.material
         shape = self.phi.shape
         arguments = (
-            np.broadcast_to(self.theta_l[:, None], shape).ravel(), np.broadcast_to(self.theta_v[:, None], shape).ravel(),
-            self.phi.ravel(), material.eta, math.radians(material.alpha), math.radians(material.beta),
+            np.broadcast_to(self.theta_l[:, None], shape).ravel(),
+            np.broadcast_to(self.theta_v[:, None], shape).ravel(), self.phi.ravel(), material.eta, math.radians(material.alpha), math.radians(material.beta),
             math.radians(material.azimuthal), self.sigma, knobs["h"],
         )  # fmt: skip
         out: NDArray[np.float64] = np.empty((self.phi.size, 3))
