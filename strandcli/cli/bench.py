@@ -23,10 +23,10 @@ from .progress import Progress
 @click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
 @click.option(
     "--quality",
-    type=click.Choice(("draft", "default", "best")),
-    default="default",
+    type=click.Choice(("preset", "draft", "default", "best")),
+    default="preset",
     show_default=True,
-    help="How finely the scene is drawn.",
+    help="How finely the scene is drawn; preset: as it is written.",
 )
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @options.threads

@@ -15,7 +15,7 @@ from . import options, signals
 from .progress import Progress
 
 if TYPE_CHECKING:
-    from ..study.axes import Request
+    from ..study.axes import Axis, Request
     from ..study.sweep import Study
 
 
@@ -99,7 +99,8 @@ max_error = click.option(
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, catenary, "
               "pendulum, twist, or all.")  # fmt: skip
-@click.option("--axis", metavar="NAME", help="What to study of a preset.  [default: motion]")
+@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures curves, coverage, "
+              "shadow, lod, tables, end-to-end.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,foil"), metavar="NAMES",
               help="Solvers: thesis, rod, foil.  [default: all]")  # fmt: skip
@@ -113,9 +114,11 @@ max_error = click.option(
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
-              help="Strands of the preset to run: the first N.  [default: 256]")  # fmt: skip
+              help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
+@click.option("--frame", type=click.IntRange(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
+@click.option("--size", type=options.SizeType(), help="Size of pictures.  [default: some 30,000 pixels]")
 @options.seed
 @options.overrides
 @options.folder("out/study")
@@ -137,10 +140,11 @@ def command(
     no_progress: bool,
     **wishes: Any,
 ) -> None:
-    """Measure error against run time over solvers, steps, iterations and particles.
+    """Measure error against run time: of motion over solvers, steps, iterations and particles; of pictures over the
+    knobs of one stage of drawing, or all.
 
-    Of PRESET: where strands are, against the limit of finer settings. With --reference: against exact solutions. Prints
-    a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest setting under an error. A solver that
+    Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
+    far finer one, or rays, or quadrature. With --reference: against exact solutions. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest setting under an error. A solver that
     cannot represent something is told as not represented. Exit code 3: no setting keeps under --max-error.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
@@ -150,7 +154,7 @@ def command(
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
     for request in requests:
-        options.refuse_existing(folder / f"{file_name(request.name)}.json", overwrite)
+        options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
 
     from .. import runtime
     from ..study import sweep
@@ -172,7 +176,7 @@ def command(
 
         click.echo("\n\n".join(to_text(one) for one in studies))
     if not quiet:
-        names = ", ".join(file_name(one.name) for one in studies)
+        names = ", ".join(file_name(one.name, one.axis) for one in studies)
         click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)
     missed = [one for one in studies if one.offered and not one.recommended]
     if max_error is not None and missed:
@@ -182,14 +186,14 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import STRANDS, Request, chosen_solvers, find, settled
+    from ..study.axes import Request, chosen_solvers, find, settled
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):
         raise UsageError("study takes either a PRESET or --reference NAMES")
     if reference is not None:
         given = {"--strands": wishes.pop("strands"), "--span": wishes.pop("span"), "--axis": axis, "--seed": seed}
-        given["--set"] = overrides or None
+        given |= {"--set": overrides or None, "--frame": wishes.pop("frame"), "--size": wishes.pop("size")}
         for option, value in given.items():
             if value is not None:
                 raise UsageError(f"{option} is for presets; a --reference has its own scene")
@@ -206,16 +210,31 @@ def _requests(
         requests = [Request(name=name, **wishes) for name in names]
     else:
         assert preset is not None
-        if axis is not None and not find(axis).of_preset:
+        chosen = find(axis or "motion")
+        if not chosen.of_preset:
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
+        _refuse_others(chosen, wishes)
+        frame = wishes.pop("frame")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
-        wishes["strands"] = wishes["strands"] or STRANDS
         paths = [text.partition("=")[0].strip() for text in overrides]
-        for name, values in settled(scene, paths).items():  # what is set by hand is not turned
-            wishes[name] = wishes[name] or values
+        if not chosen.pictures:
+            for name, values in settled(scene, paths).items():  # what is set by hand is not turned
+                wishes[name] = wishes[name] or values
+        wishes |= {"frame": frame or 1, "fixed": frozenset(paths)}
         requests = [Request(scene=scene, name=options.preset_name(preset), **wishes)]
     chosen_solvers(requests[0])
     return requests
+
+
+def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
+    """Raise `UsageError` for options of motion at an axis of pictures, and the other way round."""
+    motion = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
+              "integrators": "--integrators", "particles": "--particles", "span": "--span"}  # fmt: skip
+    foreign = motion if axis.pictures else {"frame": "--frame", "size": "--size"}
+    for name, option in foreign.items():
+        if wishes.get(name) is not None:
+            what = "use --set for the preset's own settings" if axis.pictures else "name an --axis of pictures with it"
+            raise UsageError(f"{option} does not go with axis {axis.name}; {what}")
 
 
 def beginner(progress: Progress) -> Callable[[int], None]:
@@ -237,8 +256,10 @@ def stepper(progress: Progress) -> Callable[[str], None]:
     return step
 
 
-def file_name(name: str) -> str:
-    """A subject's name as that of a file."""
+def file_name(name: str, axis: str | None = None) -> str:
+    """A subject's name as that of a file, with the axis where that is one of pictures."""
+    if axis not in (None, "motion", "reference"):
+        name = f"{name}-{axis}"
     return re.sub(r"[^\w.-]+", "-", name).strip("-.") or "study"
 
 
@@ -257,7 +278,7 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from ..study.tables import to_csv
 
     prepare_folder(folder, 1_000_000)
-    name = file_name(study.name)
+    name = file_name(study.name, study.axis)
     drawing = chart(study, max_error)
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
     write_pieces(folder / f"{name}.svg", [drawing.svg().encode()])
@@ -270,7 +291,9 @@ def _missed(studies: list[Study], most: float) -> str:
     from ..study.chart import share
 
     words = []
+    drawn = any(study.axis not in ("motion", "reference") for study in studies)
+    hint = "allow a greater error" if drawn else "try finer --substeps or --particles"
     for study in studies:
         least = study.nearest()
         words.append(study.name if least is None else f"{study.name} (nearest {share(least)})")
-    return f"no setting keeps under an error of {share(most)}: {', '.join(words)}; try finer --substeps or --particles"
+    return f"no setting keeps under an error of {share(most)}: {', '.join(words)}; {hint}"

@@ -16,7 +16,7 @@ from .look import settle
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .rule_type import RuleType, check_of, refusal
-from .settings import Unreachable, merge_scenes, place
+from .settings import Unreachable, merge_scenes, place, with_quality
 from .validate import Reader
 from .yaml_source import LARGEST_FILE, read, read_value
 
@@ -122,10 +122,10 @@ def _chain(source: Path, rules: Rules, files: list[str], faults: list[Fault], di
         links.append(_Link(path, root))
         path = _parent(links, faults)
     links.reverse()
-    root = links[0].root.without("extends")
+    root = with_quality(links[0].root.without("extends"), rules, beside=links[0].root)
     for link in links[1:]:
         try:
-            root = merge_scenes(root, link.root.without("extends"), rules)
+            root = with_quality(merge_scenes(root, link.root.without("extends"), rules), rules, beside=link.root)
         except Unreachable as problem:
             entry = link.root.entries["rules"]
             faults.append(fault_at(entry.mark, "rules", str(problem)))
@@ -186,9 +186,12 @@ def _override(
             changes.append((path, node_of(value, Mark(""))))
         except TypeError as error:
             faults.append(Fault("", 0, 0, path, str(error)))
+    changes.sort(key=lambda change: change[0] != "quality")  # single settings win over it, wherever they stand
     for path, node in changes:
         try:
             root = place(root, path, node, rules)
+            if path == "quality":
+                root = with_quality(root, rules)
         except Unreachable as problem:
             faults.append(fault_at(node.mark, path, str(problem)))
     return root
@@ -232,13 +235,15 @@ def _panel(
         root = root.with_entry("label", label)
     changes = node.get("set")
     if isinstance(changes, MapNode):
-        for key, entry in changes.entries.items():
+        for key, entry in sorted(changes.entries.items(), key=lambda item: item[0] != "quality"):
             where = f"{path}.set.{key}"
             if key.split(".")[0] in ("panels", "extends"):
                 faults.append(fault_at(entry.mark, where, "a panel cannot hold this; panels do not nest"))
                 continue
             try:
                 root = place(root, key, entry.node, rules)
+                if key == "quality":
+                    root = with_quality(root, rules)
             except Unreachable as problem:
                 faults.append(fault_at(entry.mark, where, str(problem)))
     elif changes is not None and not (isinstance(changes, Scalar) and (changes.null or changes.empty)):

@@ -419,6 +419,11 @@ class Scene:
         doc="source: as the source draws, by the z-buffer, Marschner's model and min/max shadow maps; a setting that "
         "says otherwise is refused. free: each setting by itself",
     )
+    quality: str = choice(
+        "preset",
+        ("preset", "draft", "default", "best"),
+        doc="settings of drawing by name, where they are not written beside it; preset: as the rest says",
+    )
     solver: str = choice(
         "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
     )

@@ -27,6 +27,7 @@ from .fields import (
 )
 from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
+from .quality import expanded
 from .rule_type import RuleType
 
 SCENE = ModelSpec(Scene)
@@ -91,6 +92,37 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     placed = _place(SCENE, root, parts, value, rules)
     assert isinstance(placed, MapNode)
     return placed
+
+
+def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode | None = None) -> MapNode:
+    """``root``, a whole preset, with the settings that its `quality` stands for; what is written ``beside`` it in the
+    same file is kept. A quality that there is not changes nothing here: it is refused where values are read."""
+    name = root.get("quality") if beside is None else beside.get("quality")
+    if not isinstance(name, Scalar):
+        return root
+    lights = root.get("lights")
+    if lights is None:
+        lights = node_of(plain(settings_of(Scene)["lights"].spec.default), name.mark)
+    items = lights.items if isinstance(lights, ListNode) else ()
+    shadowed = [i for i, light in enumerate(items) if not _is_off(_at(light, ["shadow", "model"]))]
+    for path, value in expanded(name.text, shadowed):
+        if beside is None or _at(beside, path.split(".")) is None:
+            root = place(root, path, node_of(value, name.mark), rules)
+    return root
+
+
+def _at(node: Node | None, parts: Sequence[str]) -> Node | None:
+    """What is written at a path; None where nothing is."""
+    for part in parts:
+        if isinstance(node, ListNode) and part.isdecimal():
+            node = node.items[int(part)] if int(part) < len(node.items) else None
+        else:
+            node = node.get(part) if isinstance(node, MapNode) else None
+    return node
+
+
+def _is_off(model: Node | None) -> bool:
+    return isinstance(model, Scalar) and model.text == "off"
 
 
 def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:

@@ -28,7 +28,7 @@ class Request:
     """The preset; None where a reference is studied."""
     name: str = ""
     """Of the preset or the reference."""
-    strands: int = STRANDS
+    strands: int | None = None
     """Of a preset, at most: the first so many of its groom."""
     span: float | None = None
     """Seconds of a preset's film."""
@@ -39,6 +39,12 @@ class Request:
     iterations: tuple[int, ...] | None = None
     particles: tuple[int, ...] | None = None
     integrators: tuple[str, ...] | None = None
+    size: tuple[int, int] | None = None
+    """Of a picture; None: small."""
+    frame: int = 1
+    """That pictures are drawn of."""
+    fixed: frozenset[str] = frozenset()
+    """Dotted paths that were set by hand: axes of pictures do not turn them."""
 
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
@@ -97,13 +103,17 @@ class Axis:
     of_preset: bool
     """Whether it studies a preset; else a reference by name."""
     open: Callable[[Request], Experiment]
+    pictures: bool = False
+    """Whether it draws; else it is about motion."""
 
 
 def registry() -> Mapping[str, Axis]:
     """All axes by name."""
     from . import exactness, motion
+    from .pictures import coverage, curves, end_to_end, lod, shadow, tables
 
-    return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS)}
+    drawn = (curves.AXIS, coverage.AXIS, shadow.AXIS, lod.AXIS, tables.AXIS, end_to_end.AXIS)
+    return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS, *drawn)}
 
 
 def find(name: str) -> Axis:

@@ -21,15 +21,12 @@ from numpy.typing import NDArray
 
 from .. import load, runtime
 from ..scene.model import Scene
+from ..scene.quality import QUALITIES
 
 Notify = Callable[[str], None]
 
-QUALITY: dict[str, dict[str, Any]] = {
-    "draft": {"curves.level": 1},
-    "default": {"curves.level": 2},
-    "best": {"curves.level": 4, "image.supersample": 2},
-}
-"""Settings of the headline scene by name."""
+QUALITY = ("preset", *QUALITIES)
+"""The headline scene as it is written, and by the table of `scene.quality`."""
 
 
 def run(
@@ -39,7 +36,7 @@ def run(
     size: tuple[int, int] = (800, 600),
     threads: int | None = None,
     solver: str = "thesis",
-    quality: str = "default",
+    quality: str = "preset",
     level: int | None = None,
     notify: Notify | None = None,
 ) -> dict[str, Any]:
@@ -50,7 +47,7 @@ def run(
         "image.size": list(size),
         "time.frames": max(frames + 1, 2),
         "solver": solver,
-        **QUALITY[quality],
+        "quality": quality,
     }
     if level is not None:
         settings["curves.level"] = level

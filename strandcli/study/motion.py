@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..errors import UsageError
 from ..groom.emit import Groom, emit
 from ..scene.model import Scene
-from .axes import Axis, Request, chosen_solvers
+from .axes import STRANDS, Axis, Request, chosen_solvers
 from .contestants import CONTESTANTS, Contestant, warm_up
 from .points import Knobs, Limit, Point, grid, limit
 from .resample import apart, resample
@@ -72,7 +72,7 @@ class Motion:
         return with_knobs(self.scene, {**knobs, "solver": solver})
 
     def _groom(self, scene: Scene) -> Groom:
-        return emit(scene.emitter, scene.seed, min(self.request.strands, scene.emitter.strands))
+        return emit(scene.emitter, scene.seed, min(self.request.strands or STRANDS, scene.emitter.strands))
 
     def particles(self) -> tuple[int, ...]:
         """Counts to try: half the preset's segments, and its own number."""

@@ -30,10 +30,16 @@ class Point:
     sizes: dict[str, float] = field(default_factory=dict)
     """What is refined, by name: ``dt`` in seconds, ``segment`` as a share of the length. Smaller is finer."""
     pareto: bool = False
+    series: str = ""
+    """What else than a solver makes points one line of the chart."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+    """Segments, fragments, bytes: what does not depend on the machine."""
 
     @property
     def line(self) -> str:
         """The solver, with its integrator where there is a choice: points that lie on one line of the chart."""
+        if self.series:
+            return self.series
         integrator = self.knobs.get("rod.integrator")
         return self.solver if integrator is None else f"{self.solver} {integrator}"
 

@@ -60,6 +60,7 @@ class Study:
                     "seconds": point.seconds,
                     "error": point.error,
                     "pareto": point.pareto,
+                    **({"counts": dict(point.counts)} if point.counts else {}),
                 }
                 for point in self.points
             ],

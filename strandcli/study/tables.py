@@ -18,7 +18,7 @@ HEADS = {
     "rod.integrator": "integrator",
     "dt": "step",
 }
-MOST_METRICS = 5
+MOST_METRICS = 6
 """Columns of errors in the table for people; the files hold all."""
 
 
@@ -26,16 +26,19 @@ def to_csv(study: Study) -> str:
     """A row a point: its knobs, step, seconds, every error, and whether it is on the front."""
     knobs = list(dict.fromkeys(name for point in study.points for name in point.knobs if name != "dt"))
     metrics = list(dict.fromkeys(name for point in study.points for name in point.error))
+    counts = list(dict.fromkeys(name for point in study.points for name in point.counts))
+    steps = ["dt"] if any("dt" in point.sizes for point in study.points) or not study.points else []
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([*knobs, "dt", "seconds", *metrics, "pareto"])
+    writer.writerow([*knobs, *steps, "seconds", *metrics, *counts, "pareto"])
     for point in study.points:
         writer.writerow(
             [
                 *[point.knobs.get(name, "") for name in knobs],
-                point.sizes.get("dt", ""),
+                *[point.sizes.get(name, "") for name in steps],
                 point.seconds,
                 *["" if point.error.get(name) is None else point.error[name] for name in metrics],
+                *[point.counts.get(name, "") for name in counts],
                 int(point.pareto),
             ]
         )
@@ -61,6 +64,9 @@ def to_text(study: Study) -> str:
 
 
 def _known(study: Study) -> list[str]:
+    what = study.reference.get("what")
+    if what:
+        return [f"reference: {what}", ""]
     exact = study.reference.get("exact")
     if exact:
         return [f"exact: {', '.join(f'{name} {value:.6g}' for name, value in exact.items())}", ""]
@@ -77,7 +83,9 @@ def _known(study: Study) -> list[str]:
 
 
 def _rows(study: Study) -> list[str]:
-    knobs = [name for name in ("solver", *HEADS) if any(name in point.knobs for point in study.points)]
+    known = ("solver", *HEADS)
+    found = dict.fromkeys(name for point in study.points for name in point.knobs)
+    knobs = [name for name in ("solver", *HEADS) if name in found] + [name for name in found if name not in known]
     metrics = list(dict.fromkeys(name for point in study.points for name in point.error))
     metrics = [study.metric, *[name for name in metrics if name != study.metric]][:MOST_METRICS]
     table = [["", *[HEADS.get(name, name) for name in knobs], "time", *metrics]]
@@ -88,7 +96,7 @@ def _rows(study: Study) -> list[str]:
         row.append(seconds(point.seconds))
         for name in metrics:
             value = point.error.get(name)
-            row.append("-" if value is None else share(value))
+            row.append(cell(name, value))
         table.append(row)
     widths = [max(len(row[i]) for row in table) for i in range(len(table[0]))]
     left = 2  # the mark and the solver's name stand to the left of their columns
@@ -102,7 +110,14 @@ def _rows(study: Study) -> list[str]:
 
 
 def _cell(value: Any) -> str:
-    return "-" if value is None else str(value)
+    return "-" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def cell(metric: str, value: float | None) -> str:
+    """An error for people: a share, or pixels where the metric's name ends so."""
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if metric.endswith(" px") else share(value)
 
 
 def _advice(study: Study) -> list[str]:

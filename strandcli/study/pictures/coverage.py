@@ -1,0 +1,67 @@
+"""Coverage: samples a pixel, and what decides who is seen, against 16×16 samples."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..axes import Axis
+from ..points import Knobs
+from .experiment import Pictures
+from .subject import Picture, changed, knows, silhouette
+
+SAMPLES = 16
+"""Of the reference, along each side of a pixel."""
+
+
+class CoverageStudy(Pictures):
+    """Samples and resolvers of `image`."""
+
+    axis, stages = "coverage", ("raster", "shade", "film")
+
+    def choices(self) -> list[Knobs]:
+        """Every resolver with its own useful range of samples."""
+        if not knows(self.scene, "image.resolver"):
+            return [{"image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
+        out: list[Knobs] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
+        out += [{"image.resolver": "sorted", "image.supersample": n} for n in (1, 2, 3, 4)]
+        out += [{"image.resolver": "kbuffer", "image.nearest": k, "image.supersample": 1} for k in (2, 4, 8, 16)]
+        return out
+
+    def series(self, knobs: Knobs) -> str:
+        """The resolver."""
+        return str(knobs.get("image.resolver", "zbuffer"))
+
+    def reference(self) -> dict[str, Any]:
+        """Opaque strands need no more than who is in front; those that let light through are sorted."""
+        fine: dict[str, Any] = {"image.supersample": SAMPLES}
+        if knows(self.scene, "image.resolver"):
+            clear = knows(self.scene, "material.opacity") and getattr(self.scene.material, "opacity", 1.0) < 1
+            thin = self.subject.pixels_wide() * SAMPLES < 1  # a z-buffer draws nothing thinner than a sample
+            fine["image.resolver"] = "sorted" if clear or thin else "zbuffer"
+        scene = changed(self.scene, fine)
+        self.fine = self.subject.draw(scene, draws=1)
+        self.covered = self.subject.draw(silhouette(scene), draws=1)
+        return {"what": f"{SAMPLES}×{SAMPLES} samples a pixel", "mean": float(self.fine.image.mean()),
+                "counts": self.fine.counts, "covered": float(self.covered.image.mean())}  # fmt: skip
+
+    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+        """Of the picture; and of white strands before black their whole area, signed, and the root mean square of a
+        pixel's share that they cover."""
+        error = self.against(picture.image, self.fine.image)
+        white = self.subject.draw(silhouette(changed(self.scene, knobs)), draws=1)
+        shape = self.against(white.image, self.covered.image)
+        error["area"] = shape["bias"]
+        off = white.image - self.covered.image
+        error["cover"] = float((off**2).mean() ** 0.5)
+        return error
+
+
+AXIS = Axis(
+    name="coverage",
+    doc="samples and resolvers against 16×16 samples a pixel",
+    knobs=("image.resolver", "image.supersample", "image.nearest"),
+    metric="rmse",
+    of_preset=True,
+    open=CoverageStudy,
+    pictures=True,
+)

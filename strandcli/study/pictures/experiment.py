@@ -1,0 +1,97 @@
+"""What the axes of pictures have in common as experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ...errors import UsageError
+from ...scene.model import Scene
+from ..axes import Request
+from ..points import Knobs, Point
+from .subject import Picture, Subject, changed, differences, knows, total, value_at
+
+
+class Pictures:
+    """Pictures of one preset at many settings, each against one reference."""
+
+    axis = ""
+    metric, unit = "rmse", "of the mean of the reference picture"
+    stages: tuple[str, ...] = ()
+    """Those whose time counts; none: all."""
+    references = 1
+
+    def __init__(self, request: Request) -> None:
+        self.request = request
+        self.absent: list[dict[str, str]] = []
+        self.subject = Subject(request)
+        scene = self.subject.scene
+        size = "×".join(map(str, scene.image.size))
+        self.title = f"{request.name}, {scene.emitter.strands} strands at {size}: {self.axis}"
+
+    @property
+    def scene(self) -> Scene:
+        """The preset at the size that is studied."""
+        return self.subject.scene
+
+    def choices(self) -> Sequence[Knobs]:
+        """Settings to be tried. Those that the program does not have are left out by `settings`."""
+        raise NotImplementedError
+
+    def series(self, knobs: Knobs) -> str:
+        """The line of the chart that a setting belongs to."""
+        raise NotImplementedError
+
+    def settings(self) -> list[Knobs]:
+        """The choices that there are, and that leave what was set by hand as it is. Raises `UsageError` for none."""
+        scene = self.scene
+        found = []
+        for knobs in self.choices():
+            own = {path: value for path, value in knobs.items() if path in self.request.fixed}
+            if all(knows(scene, path, value) for path, value in knobs.items()) and all(
+                value_at(scene, path) == value for path, value in own.items()
+            ):
+                found.append(knobs)
+        if not found:
+            raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its knobs")
+        return found
+
+    def margins(self) -> Mapping[str, float]:
+        """Nothing: references are finer by far than what is measured against them."""
+        return {}
+
+    def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
+        """Move the strands, and draw the reference."""
+        self.subject.move()
+        told = self.reference()
+        step(f"{self.subject.name}: reference")
+        return {
+            "name": self.subject.name, "frame": self.subject.frame, "size": list(self.scene.image.size),
+            "strands": self.scene.emitter.strands, "strand_px": self.subject.pixels_wide(),
+            "width_given": self.subject.widened, **told,
+        }  # fmt: skip
+
+    def reference(self) -> dict[str, Any]:
+        """Make the reference; what the report says of it, ``what`` for people."""
+        raise NotImplementedError
+
+    def measure(self, knobs: Knobs) -> Point:
+        """Draw one setting."""
+        picture = self.subject.draw(changed(self.scene, knobs))
+        return self.point(knobs, picture, self.errors(knobs, picture))
+
+    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+        """How far a picture of these settings is off."""
+        raise NotImplementedError
+
+    def point(self, knobs: Knobs, picture: Picture, error: dict[str, float | None]) -> Point:
+        """The figures of a setting."""
+        return Point(
+            knobs=knobs,
+            seconds=total(picture.seconds, self.stages),
+            error=error,
+            series=self.series(knobs),
+            counts=picture.counts,
+        )
+
+    against = staticmethod(differences)

@@ -1,0 +1,180 @@
+"""Shadow: maps of the brightest light against rays that meet strands as cylinders.
+
+What is compared is the share of light that reaches the points the picture shows, as the picture has it: the light on
+matt white strands with the map, over that without.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...draw.camera import axes
+from ...draw.curves import flatten
+from ...draw.scratch import Scratch
+from ...errors import UsageError
+from ...groom.emit import PLASTIC
+from ...scene.model import DirectionalLight, Scene
+from ..axes import Axis, Request
+from ..kernels import cylinders
+from ..points import Knobs
+from .experiment import Pictures
+from .subject import Picture, changed, knows
+
+PROBES = 400
+RAYS = 256
+BUNDLE = 1.5
+"""Radius of a probe's bundle of rays, in distances between strands: a map has no finer answer than that to give."""
+BEYOND = 1e9
+"""Metres: a bias behind which nothing is, for the light without a map's shade."""
+
+
+class ShadowStudy(Pictures):
+    """Models and sizes of one light's map."""
+
+    axis = "shadow"
+    metric, unit, stages = "transmittance", "of the light", ("shadow", "shade")
+
+    def __init__(self, request: Request) -> None:
+        super().__init__(request)
+        power = [light.intensity * sum(light.colour) * (2 if light.shadow.model != "off" else 1)
+                 for light in self.scene.lights]  # fmt: skip
+        if not power or max(power) <= 0:
+            raise UsageError(f"{request.name}: has no light, and so no shadow to be studied")
+        self.light = int(np.argmax(power))
+        self.path = f"lights.{self.light}.shadow"
+        self.title += f" of light {self.light}"
+
+    def choices(self) -> list[Knobs]:
+        """Every model, coarse to fine; of deep maps the layers as well."""
+        sizes = (32, 64, 128, 256, 512, 1024)
+        out: list[Knobs] = [{f"{self.path}.model": "off"}]
+        out += [{f"{self.path}.model": "minmax", f"{self.path}.size": size} for size in sizes]
+        if knows(self.scene, f"{self.path}.model", "opacity"):
+            deep = {f"{self.path}.model": "opacity"}
+            out += [{**deep, f"{self.path}.size": size} for size in sizes]
+            out += [{**deep, f"{self.path}.layers": layers} for layers in (1, 3, 5, 29)]
+        return out
+
+    def series(self, knobs: Knobs) -> str:
+        """The model."""
+        return str(knobs[f"{self.path}.model"])
+
+    def reference(self) -> dict[str, Any]:
+        """Rays from points that are seen and lit."""
+        rng = np.random.default_rng(0)
+        strands, points, self.lit, self.places = self._light({f"{self.path}.model": "minmax", f"{self.path}.size": 8,
+                                                              f"{self.path}.bias": BEYOND})  # fmt: skip
+        if not len(points):
+            raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
+        chosen = rng.permutation(len(points))[:PROBES]
+        self.places, self.lit = self.places[chosen], self.lit[chosen]
+        self.spacing = strand_spacing(self.subject.groom.roots)
+        turns = rng.random(2) + np.arange(RAYS)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])
+        u, v = (turns % 1.0).T
+        radius = BUNDLE * self.spacing * np.sqrt(u)
+        jitter = np.stack([radius * np.cos(2 * np.pi * v), radius * np.sin(2 * np.pi * v)], 1)
+        halves = self._rays(points[chosen], strands[chosen], jitter)
+        self.truth = halves.mean(1)
+        noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
+        return {"what": f"{RAYS} rays each from {len(chosen)} points that are seen, against cylinders",
+                "light": self.light, "mean": float(self.truth.mean()), "noise": noise, "spacing": self.spacing,
+                "radius": BUNDLE * self.spacing}  # fmt: skip
+
+    def measure(self, knobs: Knobs) -> Any:
+        """One map: timed with the strands' own material, compared on white ones."""
+        picture = self.subject.draw(changed(alone(self.scene, self.light), knobs))
+        point = self.point(knobs, picture, self.errors(knobs, picture))
+        size = 0 if point.series == "off" else changed(self.scene, knobs).lights[self.light].shadow.size
+        point.counts = {**picture.counts, "map_bytes": 8 * size * size} if point.series == "minmax" else picture.counts
+        return point
+
+    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+        """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
+        found = np.ones(len(self.truth))
+        if knobs[f"{self.path}.model"] != "off":
+            light = self._light(knobs)
+            order = np.searchsorted(light[3], self.places)
+            found = light[2][order] / self.lit
+        off = found - self.truth
+        return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
+                "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
+
+    def _light(
+        self, knobs: Knobs
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        """Of the vertices that the light could reach and the picture shows: strands, places in metres, light, and their
+        numbers, ascending. With a map's shade some may be dark."""
+        picture = self.subject.draw(changed(matt(alone(self.scene, self.light)), knobs), draws=1, keep_shading=True)
+        strands, points, light, numbers = [], [], [], []
+        strand = vertex = 0
+        for lines, colours in picture.shaded:
+            value = colours.sum(1, dtype=np.float64)
+            seen = np.flatnonzero(np.isfinite(value) & ((value > 1e-6) | (f"{self.path}.bias" not in knobs)))
+            strands.append(strand + np.searchsorted(lines.first, seen, "right") - 1)
+            points.append(lines.world[seen].astype(np.float64))
+            light.append(value[seen])
+            numbers.append(vertex + seen)
+            strand, vertex = strand + len(lines.first) - 1, vertex + len(lines.world)
+        return np.concatenate(strands), np.concatenate(points), np.concatenate(light), np.concatenate(numbers)
+
+    def _rays(
+        self, points: NDArray[np.float64], own: NDArray[np.int64], jitter: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        scene, light = self.scene, self.scene.lights[self.light]
+        lines = flatten(
+            self.subject.positions, self.subject.lengths, self.subject.groom.strands, scene.curves,
+            self.subject.view(scene), True, Scratch(),
+        )  # fmt: skip
+        count = np.diff(lines.first)
+        along = np.concatenate([np.linspace(0, 1, n) for n in count]) if len(count) else np.empty(0)
+        radii = 0.5 * scene.material.width * (1 - scene.material.taper * along)
+        if isinstance(light, DirectionalLight):
+            ways = np.broadcast_to(-np.array(light.direction, np.float64), points.shape)
+            reaches = np.full(len(points), np.inf)
+        else:
+            ways = np.array(light.position) - points
+            reaches = np.linalg.norm(ways, axis=1)
+        frames = np.array([np.stack(axes(way, (0.0, 1.0, 0.0))) for way in ways])
+        out = np.empty((len(points), 2))
+        cylinders.transmittance(
+            lines.first, lines.world.astype(np.float64), radii, points, own, frames, reaches, jitter, out
+        )
+        return out
+
+
+def alone(scene: Scene, light: int) -> Scene:
+    """A scene with one light that shines, in its place in the list."""
+    others = {f"lights.{i}.intensity": 0.0 for i in range(len(scene.lights)) if i != light}
+    return changed(scene, others)
+
+
+def matt(scene: Scene) -> Scene:
+    """A scene whose strands scatter what reaches them evenly and colourlessly, and are lit by lamps alone."""
+    settings = {"material.colour": (1.0, 1.0, 1.0), "material.tip_colour": None, "material.colour_variation": 0.0,
+                "material.specular": 0.0, "material.diffuse": 1.0, "ambient": (0.0, 0.0, 0.0),
+                "material.pigment": "rgb", "material.eumelanin": None, "material.pheomelanin": None,
+                "material.grey": 0.0}  # fmt: skip
+    return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
+
+
+def strand_spacing(roots: NDArray[np.float32], asked: int = 256) -> float:
+    """Median distance in metres from a root to the nearest other, of the first roots; 1e-6 where there is no other."""
+    some = roots[:asked].astype(np.float64)
+    square = ((some[:, None] - roots[None].astype(np.float64)) ** 2).sum(2)
+    square[np.arange(len(some)), np.arange(len(some))] = np.inf
+    nearest = float(np.sqrt(np.median(square.min(1))))
+    return nearest if np.isfinite(nearest) and nearest > 0 else 1e-6
+
+
+AXIS = Axis(
+    name="shadow",
+    doc="models and sizes of a shadow map against rays and cylinders",
+    knobs=("model", "size", "layers"),
+    metric="transmittance",
+    of_preset=True,
+    open=ShadowStudy,
+    pictures=True,
+)

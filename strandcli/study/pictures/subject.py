@@ -1,0 +1,244 @@
+"""A preset's frame as something to be measured: strands moved once, then drawn at any setting, in linear light."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...draw.camera import View, camera_view
+from ...draw.curves import Polylines
+from ...draw.renderer import Renderer
+from ...errors import RefusedError, SimulationError, UsageError
+from ...groom.emit import emit
+from ...plan import available_memory
+from ...scene.fields import ChoiceSpec, settings_of
+from ...scene.model import Detail, Scene
+from ..axes import Request
+from ..points import Knobs
+
+STRANDS = 2000
+"""Of a preset, where not said otherwise."""
+PIXELS = 30_000
+"""Of a picture, about, where not said otherwise."""
+SAMPLE_BYTES = 48
+"""Memory a sample of a picture: z-buffer, light, backdrop, and what keeps them for a moment."""
+DRAWS = 3
+"""Times that a setting is drawn; a stage takes the least of its times."""
+
+
+@dataclass
+class Picture:
+    """One picture in linear light, and what it took."""
+
+    image: NDArray[np.float64]
+    """(height, width, 3), exposure not applied."""
+    seconds: dict[str, float]
+    """By stage."""
+    counts: dict[str, int]
+    shaded: list[tuple[Polylines, NDArray[np.float32]]] = field(default_factory=list)
+    """Where asked for: polylines, with the light at their vertices (V, 3); NaN where none was needed."""
+
+
+class LinearRenderer(Renderer):
+    """Keeps the picture as it is before exposure and encoding, and on request the light at vertices."""
+
+    keep_shading = False
+
+    def draw(self, *args: Any, **kwargs: Any) -> Any:
+        """As in `Renderer`."""
+        self.shaded: list[tuple[Polylines, NDArray[np.float32]]] = []
+        return super().draw(*args, **kwargs)
+
+    def _develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
+        height, width = self.scene.image.size[1], self.scene.image.size[0]
+        samples = image.shape[0] // height
+        self.linear = (
+            image.reshape(height, samples, width, samples, 3).mean((1, 3), dtype=np.float64) if samples else None
+        )
+        return super()._develop(image, *rest)
+
+    def _shade(self, lines: Polylines, *args: Any, **kwargs: Any) -> NDArray[np.float32]:
+        if not self.keep_shading:
+            return super()._shade(lines, *args, **kwargs)
+        self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
+        colours = super()._shade(lines, *args, **kwargs)
+        self.shaded.append((dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy()),
+                            colours.copy()))  # fmt: skip
+        return colours
+
+
+class Subject:
+    """The first strands of a preset at one frame.
+
+    Lines of no width, a sample wide whatever the sampling, have no finer picture to be compared with: such strands are
+    given the width in metres that the preset draws them with in the middle of the groom, at the size studied.
+    """
+
+    def __init__(self, request: Request) -> None:
+        scene = request.scene
+        assert scene is not None
+        if scene.panels:
+            raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        strands = min(request.strands or STRANDS, scene.emitter.strands)
+        scene = changed(scene, {"emitter.strands": strands, "image.size": request.size or _small(scene.image.size)})
+        self.name, self.frame = request.name, request.frame
+        if self.frame > scene.time.frames:
+            raise UsageError(f"--frame {self.frame}: the film of {self.name} has {scene.time.frames} frames")
+        self.at = (self.frame - 1) / scene.time.fps
+        self.groom = emit(scene.emitter, scene.seed, strands)
+        self.scene = scene
+        self.positions: NDArray[np.float32] = np.empty(0, np.float32)
+        self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
+        self.widened = scene.material.width == 0
+
+    def move(self) -> None:
+        """Simulate up to the frame. Raises `SimulationError` where strands cannot be drawn."""
+        from ...simulate import solver_of
+
+        solver = solver_of(self.scene)(self.scene, self.groom)
+        solver.advance(self.frame)
+        if not np.isfinite(solver.particles()).all():
+            raise SimulationError(f"{self.name}: at frame {self.frame} strands are no longer finite; study another")
+        self.positions, self.lengths = solver.positions, solver.lengths
+        if self.widened:
+            view = self.view(self.scene)
+            low, high = self.bounds()
+            depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
+            width = depth / view.focal / self.scene.image.supersample
+            self.scene = changed(self.scene, {"material.width": width, "material.taper": 0.0})
+
+    def points(self) -> NDArray[np.float64]:
+        """(strands, particles + 1, 3) metres: the row before the root, then the particles."""
+        from ...blocks import unpack
+
+        return np.asarray(unpack(self.positions, self.groom.strands), np.float64)
+
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) box of the strands."""
+        points = self.points()[:, 1:]
+        return np.stack([points.min((0, 1)), points.max((0, 1))])
+
+    def view(self, scene: Scene) -> View:
+        """The camera of a scene at the frame, in its picture's own pixels."""
+        return camera_view(scene.camera, self.at, *scene.image.size, self.bounds())
+
+    def pixels_wide(self) -> float:
+        """Width of a strand at its root in pixels, in the middle of the groom."""
+        view, (low, high) = self.view(self.scene), self.bounds()
+        depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
+        return self.scene.material.width * view.focal / depth
+
+    def draw(self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, tables: Any = None) -> Picture:
+        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own Marschner tables.
+
+        Raises `RefusedError` where the samples would not fit into memory."""
+        import numba
+
+        need = SAMPLE_BYTES * math.prod(scene.image.size) * scene.image.supersample**2
+        free = available_memory()
+        if free is not None and need > free:
+            raise RefusedError(
+                f"{self.name}: {scene.image.supersample}×{scene.image.supersample} samples a pixel would take about "
+                f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
+            )
+        renderer = LinearRenderer(scene, self.groom)
+        renderer.keep_shading = keep_shading
+        if tables is not None:
+            renderer.palette.nodes, renderer.palette.lobes, renderer.palette.paths = tables
+        seconds: dict[str, float] = {}
+        for _ in range(draws):
+            drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())
+            for stage, took in drawing.seconds.items():
+                seconds[stage] = min(took, seconds.get(stage, math.inf))
+        assert renderer.linear is not None
+        return Picture(renderer.linear, seconds, dict(drawing.counts), renderer.shaded)
+
+
+def _small(size: tuple[int, int]) -> tuple[int, int]:
+    """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
+    share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
+    return max(1, round(size[0] * share)), max(1, round(size[1] * share))
+
+
+def silhouette(scene: Scene) -> Scene:
+    """A scene whose picture is what strands cover of each pixel: white strands in even light before black, alone."""
+    plain = {"colour": (1.0, 1.0, 1.0), "tip_colour": None, "colour_variation": 0.0, "specular": 0.0, "pigment": "rgb",
+             "eumelanin": None, "pheomelanin": None, "grey": 0.0}  # fmt: skip
+    settings: dict[str, Any] = {f"material.{key}": value for key, value in plain.items()}
+    settings |= {"image.background": (0.0, 0.0, 0.0), "image.horizon": None, "ambient": (1.0, 1.0, 1.0)}
+    settings |= {"lights": (), "solids": ()}
+    return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
+
+
+def changed(scene: Scene, settings: Knobs) -> Scene:
+    """A scene with settings at dotted paths replaced, items of lists by their number. Values are not validated."""
+    for path, value in settings.items():
+        scene = _replaced(scene, path.split("."), value)
+    return scene
+
+
+def _replaced(node: Any, parts: list[str], value: Any) -> Any:
+    if not parts:
+        return value
+    head, rest = parts[0], parts[1:]
+    if isinstance(node, tuple):
+        index = int(head)
+        return (*node[:index], _replaced(node[index], rest, value), *node[index + 1 :])
+    inner = getattr(node, head)
+    if inner is None and head == "detail" and rest:
+        inner = Detail()
+    return dataclasses.replace(node, **{head: _replaced(inner, rest, value)})
+
+
+def knows(scene: Scene, path: str, value: Any = None) -> bool:
+    """Whether a scene has a setting at a dotted path, and where that is one of a few words, ``value`` (not None)."""
+    node: Any = scene
+    spec = None
+    for part in path.split("."):
+        if isinstance(node, tuple):
+            if not part.isdecimal() or int(part) >= len(node):
+                return False
+            node = node[int(part)]
+            continue
+        if node is None and spec is not None:
+            node = Detail() if part in settings_of(Detail) else None
+        cls: Any = type(node)
+        settings = settings_of(cls) if dataclasses.is_dataclass(cls) else {}
+        if part not in settings:
+            return False
+        spec = settings[part].spec
+        node = getattr(node, settings[part].attribute)
+    return value is None or not isinstance(spec, ChoiceSpec) or value in spec.options
+
+
+def value_at(scene: Scene, path: str) -> Any:
+    """The setting at a dotted path; None where there is none."""
+    node: Any = scene
+    for part in path.split("."):
+        node = node[int(part)] if isinstance(node, tuple) else getattr(node, part, None)
+    return node
+
+
+def differences(image: NDArray[np.float64], reference: NDArray[np.float64]) -> dict[str, float | None]:
+    """How far a picture is from another, as shares of that one's mean: root mean square, signed mean, and what 99 % of
+    all values stay under."""
+    off = image - reference
+    mean = float(reference.mean())
+    if not mean > 0:
+        return {"rmse": None, "bias": None, "p99": None}
+    return {
+        "rmse": float(np.sqrt((off**2).mean())) / mean,
+        "bias": float(off.mean()) / mean,
+        "p99": float(np.percentile(np.abs(off), 99)) / mean,
+    }
+
+
+def total(seconds: Mapping[str, float], stages: tuple[str, ...]) -> float:
+    """Seconds of some stages together; of all where none is named."""
+    return sum(took for stage, took in seconds.items() if not stages or stage in stages)
