@@ -89,5 +89,5 @@ class Recorder:
             height, width, _ = image.shape
             k = self._samples
             mean = image.reshape(height // k, k, width // k, k, 3).mean((1, 3), dtype=np.float32)
-            self._found["linear"] = np.nan_to_num(mean, nan=0.0, posinf=np.finfo(np.float32).max, neginf=0.0)
+            self._found["linear"] = np.where(np.isfinite(mean), mean, np.float32(0))
         return {name: self._found[name] for name in self._names}
