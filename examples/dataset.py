@@ -3,10 +3,10 @@
 
     python examples/dataset.py --count 4 -o out/dataset
 
-Each sample is a folder: `frame_0001.png`, layers as .npz with PNGs to look at (depth, mask, tangent, orientation, strand
-id; `strandcli/draw/aovs.py` tells what they hold), `scene.yaml`, which draws the same picture again, and `camera.json`.
-`dataset.json` lists the samples. Sample i depends on --seed and i alone, so a set can be made in parts (--first), on any
-number of threads.
+Each sample is a folder: `frame_0001.png`, layers as .npz with PNGs to look at (depth, mask, tangent, orientation,
+strand id; `strandcli/draw/aovs.py` tells what they hold), `scene.yaml`, which draws the same picture again, and
+`camera.json`. `dataset.json` lists the samples. Sample i depends on --seed and i alone, so a set can be made in parts
+(--first), on any number of threads.
 
 Cameras follow OpenCV: a point X of the world, in metres, is seen at K (R X + t) / depth, x to the right and y down,
 pixel centres at .5; strands of the picture are those of `strand_id`, as emitted by the scene's seed.
