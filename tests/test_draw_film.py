@@ -110,6 +110,13 @@ def test_segments_of_another_portion_and_solids_are_left_alone() -> None:
     assert coloured(screen, vertex, {3: 100}, base=100)[3].tolist() == [1, 1, 1]
 
 
+def test_without_any_vertex_nothing_is_coloured() -> None:
+    """All strands behind the camera, and no shadow map that would keep them."""
+    none = np.zeros((0, 3), np.float32)
+    for low in (0, 7, 0xFFF00000, 0xFFFFFFFF):
+        assert (coloured(none, none, {3: low}) == -1).all()
+
+
 def test_colour_runs_on_between_lit_vertices() -> None:
     """Where only every second vertex is lit, linear over two pieces; strands have five vertices here."""
     screen = [[float(x), 0.5, 1] for x in (1, 3, 5, 7, 9, 1, 3, 5, 7, 9)]

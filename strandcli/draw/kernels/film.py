@@ -44,7 +44,7 @@ def colours(keys, base, screen, per, stride, vertex, image):
     (V, 3) radiance at lit vertices; per, stride: which these are, as in `mark`; image (height, width, 3).
     """
     height, width, _ = image.shape
-    last = np.uint64(screen.shape[0] - 1)
+    last = np.uint64(max(screen.shape[0] - 1, 0))  # with no vertex at all no number is below it
     share = ONE / np.float32(stride)
     for y in prange(height):
         # first which, then what: without branches in between, one pixel's memory is fetched while others compute
