@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import runtime
 from .blocks import lanes, pack, unpack
 from .crew import in_order, share_out
-from .errors import SimulationError
+from .errors import SimulationError, UsageError
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
 from .rehearsal import Rehearsal
@@ -34,6 +34,8 @@ class Frame:
     """(strands, particles, 3) metres, where they were asked for."""
     report: dict[str, Any]
     """Seconds a stage, counts and errors, as in report.json."""
+    aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
+    """Layers that ``image.aovs`` asks for, by name: (height, width) or (height, width, 3); see `draw.aovs`."""
 
 
 def render(
@@ -56,6 +58,8 @@ def render(
     ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`).
     """
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))
+    if scene.panels and any(panel.image.aovs for panel in scene.panels):
+        raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
     runtime.start(threads, notify)
     if scene.panels:
         from .panels import side_by_side
@@ -148,6 +152,10 @@ class _Begun:
     positions: NDArray[np.float32]
     lengths: NDArray[np.float32]
     tones: NDArray[np.float32]
+    before: NDArray[np.float32] | None
+    """The strands a frame earlier, where the shutter is open."""
+    ids: NDArray[np.int32] | None = None
+    """Of each strand its index in the groom, where some are left out."""
 
 
 class _Film:
@@ -178,10 +186,17 @@ class _Film:
     def begin(self, number: int) -> _Begun:
         """Move on to a frame, and look at what came out."""
         solver = self.solver
+        before = None
         seconds: dict[str, float | None] = {"simulate": None if self.given is not None else 0.0}
         # frames that nobody asked for are looked at too: a run that has gone wrong stops there
         for passed in [number] if self.given is not None else range(self._done + 1, number + 1):
             began = time.perf_counter()
+            if self.draw and self.scene.camera.shutter > 0 and passed == number > 1:
+                if self.given is None:
+                    solver.advance(number - 1)
+                else:
+                    solver.take(number - 1, self.given(number - 1))
+                before = solver.positions.copy()
             if self.given is None:
                 solver.advance(passed)
                 seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
@@ -194,9 +209,9 @@ class _Film:
         kept = unpack(solver.positions[:, 1:], self.groom.strands) if self.keep_positions else None
         frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
         if self._wrong and self.draw:
-            return self._sound(frame)
+            return self._sound(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
-        return _Begun(frame, positions, solver.lengths, self.groom.tones)
+        return _Begun(frame, positions, solver.lengths, self.groom.tones, before)
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
@@ -216,7 +231,7 @@ class _Film:
         if self.conduct.warn is not None:
             self.conduct.warn(words)
 
-    def _sound(self, frame: Frame) -> _Begun:
+    def _sound(self, frame: Frame, before: NDArray[np.float32] | None) -> _Begun:
         """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
         from .draw.detail import drawn_fraction
         from .simulate.health import drawable
@@ -229,7 +244,11 @@ class _Film:
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
         frame.report["counts"]["left_out"] = first - len(kept)
         positions = pack(unpack(solver.positions, strands)[kept])
-        return _Begun(frame, positions, lanes(solver.lengths.reshape(-1)[kept, None]), self.groom.tones[kept])
+        lengths = lanes(solver.lengths.reshape(-1)[kept, None])
+        if before is not None:
+            before = pack(unpack(before, strands)[kept])
+            before = before if np.isfinite(before).all() else None
+        return _Begun(frame, positions, lengths, self.groom.tones[kept], before, kept.astype(np.int32))
 
     def draughtsman(self, rehearsal: Rehearsal | None = None) -> _Draughtsman:
         """One that draws, with memory of its own."""
@@ -249,8 +268,10 @@ class _Draughtsman:
         film, frame = self._film, begun.frame
         at = (frame.number - 1) / film.scene.time.fps
         self._renderer.tones = begun.tones
-        drawing = self._renderer.draw(begun.positions, begun.lengths, at, numba.get_num_threads())
+        self._renderer.ids = begun.ids
+        drawing = self._renderer.draw(begun.positions, begun.lengths, at, numba.get_num_threads(), begun.before)
         frame.image = drawing.image
+        frame.aovs = drawing.aovs
         frame.report["threads"] = numba.get_num_threads()
         frame.report["seconds"] |= drawing.seconds
         frame.report["counts"] |= drawing.counts

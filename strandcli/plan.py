@@ -138,7 +138,7 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     curves = scene.curves
     pieces = 1 if curves.mode == "off" else 2**curves.level
     plan.segments_max = plan.strands * (n - 1) * pieces
-    width, height = scene.image.size
+    width, height = scene.image.drawn
     plan.pixels = width * height
     plan.samples = plan.pixels * scene.image.supersample**2
     if curves.mode == "off":
@@ -202,6 +202,20 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     else:
         skip(Stage("supersampling", "one sample a pixel"))
     use(Stage("shading", "only vertices of segments that are seen"))
+    camera = scene.camera
+    times = f"{camera.samples} pictures a frame"
+    if camera.aperture > 0:
+        use(Stage("depth of field", times))
+    else:
+        skip(Stage("depth of field", "the camera is a pinhole"))
+    if camera.shutter > 0:
+        use(Stage("motion blur", times))
+    else:
+        skip(Stage("motion blur", "the shutter is not open"))
+    if scene.image.aovs:
+        use(Stage("layers", ", ".join(scene.image.aovs)))
+    else:
+        skip(Stage("layers", "image.aovs is empty"))
 
 
 def needs_shadow_maps(scene: Scene) -> bool:
@@ -241,4 +255,10 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
             total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list, and vertices are marked twice
         total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices
+    if scene.camera.shutter > 0:  # the frame before, and the moment between
+        total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
+    if scene.camera.aperture > 0 or scene.camera.shutter > 0:
+        total += plan.samples * 12
+    if scene.image.aovs:
+        total += plan.pixels * 60 * 3  # three more pictures may wait to be written
     return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8

@@ -26,6 +26,7 @@ from strandcli.scene.fields import (
     TextSpec,
     UnionSpec,
     VectorSpec,
+    WindowSpec,
     settings_of,
 )
 from strandcli.scene.look import settle
@@ -59,6 +60,8 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
             found = st.tuples(*[floats(Range(low=0))] * 3)
         case SizeSpec():
             found = st.tuples(*[st.integers(1, int(spec.limits.high or 1))] * 2)
+        case WindowSpec():
+            found = st.tuples(*[st.integers(0, 9)] * 2, *[st.integers(1, 9)] * 2)
         case ChoiceSpec():
             found = st.sampled_from(spec.options)
         case BooleanSpec():

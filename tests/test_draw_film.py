@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from strandcli.draw.film import gradient, srgb_curve
+from strandcli.draw.film import curve_of, filmic, gradient, srgb_curve
 from strandcli.draw.kernels import film
 from strandcli.draw.kernels.raster import EMPTY
 
@@ -16,10 +16,10 @@ def encoded(linear: np.ndarray) -> np.ndarray:
     return np.asarray(255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055))
 
 
-def developed(image: np.ndarray, samples: int = 1, exposure: float = 1.0) -> np.ndarray:
+def developed(image: np.ndarray, samples: int = 1, exposure: float = 1.0, tone: str = "srgb") -> np.ndarray:
     height, width, _ = image.shape
     out = np.zeros((height // samples, width // samples, 3), np.uint8)
-    film.develop(image.astype(np.float32), samples, np.float32(exposure), srgb_curve(), out)
+    film.develop(image.astype(np.float32), samples, np.float32(exposure), *curve_of(tone), out)
     return out
 
 
@@ -46,6 +46,21 @@ def test_exposure_scales_light() -> None:
     for stops in (-3, -1, 0, 1, 3):
         exact = encoded(np.array(0.1 * 2.0**stops))
         assert developed(image, exposure=2.0**stops)[0, 0, 0] == pytest.approx(exact, abs=0.56)
+
+
+def test_the_filmic_curve_keeps_mid_grey_and_cuts_nothing_off() -> None:
+    light = np.concatenate([np.linspace(0, 1, 3000), np.logspace(-7, 6, 1000)]).reshape(40, 100, 1)
+    found = developed(np.repeat(light, 3, 2), tone="filmic")
+    assert np.abs(found - encoded(filmic(light))).max() < 0.65
+    assert filmic(np.array(0.18)) == pytest.approx(0.18)
+    np.testing.assert_allclose(filmic(np.array([0, 1, 4, 16])), [0, 0.671, 0.925, 0.987], atol=5e-4)
+    rise = np.log(filmic(0.18 * np.array([0.99, 1.01]))) / np.log(1.01 / 0.99)
+    assert rise[1] - rise[0] == pytest.approx(1.3 * 0.82, rel=1e-4)
+    bright = np.linspace(1, 8, 300).reshape(1, -1, 1) * np.ones(3)
+    steps = np.diff(developed(bright, tone="filmic")[0, :, 0].astype(int))
+    assert set(steps) == {0, 1}  # where srgb is white throughout
+    odd = np.array([np.nan, -np.inf, -1.0, 0.0, 1e30, np.inf]).reshape(1, -1, 1) * np.ones(3)
+    assert developed(odd, tone="filmic")[0, :, 0].tolist() == [0, 0, 0, 0, 255, 255]
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 8])
@@ -93,6 +108,13 @@ def test_segments_of_another_portion_and_solids_are_left_alone() -> None:
     for low in (99, 101, 102, 0xFFFFFFFF, 0xFFF00000):
         assert (coloured(screen, vertex, {3: low}, base=100) == -1).all()
     assert coloured(screen, vertex, {3: 100}, base=100)[3].tolist() == [1, 1, 1]
+
+
+def test_without_any_vertex_nothing_is_coloured() -> None:
+    """All strands behind the camera, and no shadow map that would keep them."""
+    none = np.zeros((0, 3), np.float32)
+    for low in (0, 7, 0xFFF00000, 0xFFFFFFFF):
+        assert (coloured(none, none, {3: low}) == -1).all()
 
 
 def test_colour_runs_on_between_lit_vertices() -> None:

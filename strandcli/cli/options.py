@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -134,6 +134,7 @@ def load_scene(
     particles: int | None = None,
     seed: int | None = None,
     overrides: tuple[str, ...] = (),
+    aovs: Sequence[str] | None = None,
 ) -> Scene:
     """The preset with what the common options change."""
     import strandcli
@@ -143,6 +144,7 @@ def load_scene(
         "emitter.strands": strands,
         "emitter.particles": particles,
         "seed": seed,
+        "image.aovs": None if aovs is None else list(aovs),
     }
     settings = {path: value for path, value in chosen.items() if value is not None}
     return strandcli.load(preset, overrides=overrides, settings=settings)
@@ -158,12 +160,12 @@ def frame_numbers(frames: FrameRange | None, scene: Scene) -> tuple[int, ...]:
 def picture_size(scene: Scene) -> tuple[int, int]:
     """Width and height of what is drawn; panels, their gaps and their labels included."""
     if not scene.panels:
-        return scene.image.size
+        return scene.image.drawn
     import numpy as np
 
     from ..panels import join
 
-    empty = [np.zeros((panel.image.size[1], panel.image.size[0], 3), np.uint8) for panel in scene.panels]
+    empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
     height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
     return width, height
 
@@ -191,6 +193,8 @@ def open_cache(
 
     if scene.panels:
         raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
+    if scene.camera.shutter > 0:  # what moves is drawn between two frames
+        frames = tuple(sorted({*frames, *(frame - 1 for frame in frames if frame > 1)}))
     return PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles, finite=not keep_going)
 
 

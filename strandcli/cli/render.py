@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import SimulationError, StrandError
+from ..errors import SimulationError, StrandError, UsageError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration
@@ -36,6 +37,20 @@ class KindsType(click.ParamType):
         return kinds
 
 
+class LayersType(click.ParamType):
+    """Names of layers, separated by commas; which there are the scene knows."""
+
+    name = "LAYERS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        names = tuple(word.strip() for word in str(value).split(","))
+        if not all(names):
+            self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
+        return names
+
+
 @click.command()
 @options.preset
 @options.folder("out/PRESET")
@@ -44,6 +59,11 @@ class KindsType(click.ParamType):
 @options.threads
 @max_error_option
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
+@click.option(
+    "--aov", "aovs", type=LayersType(), metavar="LAYERS",
+    help="Also write layers as .npz and PNG: depth, mask, tangent, orientation, strand_id, shadow, linear.",
+)  # fmt: skip
+@click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
 @options.from_cache
 @options.keep_going
 @options.resume
@@ -56,6 +76,8 @@ def command(
     threads: int | None,
     max_error: float | None,
     animate: tuple[str, ...] | None,
+    aovs: tuple[str, ...] | None,
+    exr: bool,
     from_cache: Path | None,
     keep_going: bool,
     resume: bool,
@@ -76,12 +98,14 @@ def command(
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
+    scene_settings["aovs"] = aovs
     scene = options.load_scene(preset, **scene_settings)
     if max_error is not None:
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run")
         chosen = _advised(scene, preset, max_error, scene_settings, talk, quiet)
         scene_settings["overrides"] += chosen
         scene = options.load_scene(preset, **scene_settings)
+    scene = _with_layers(scene, exr)
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan, require_memory
@@ -101,6 +125,8 @@ def command(
         resume=resume,
         scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
         also=[f"animation.{kind}" for kind in animate or ()],
+        layers=scene.image.aovs,
+        exr=exr,
     )
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan)
@@ -111,6 +137,21 @@ def command(
         options.print_json(data)
     if not quiet:
         _tell(data, writer, made)
+
+
+def _with_layers(scene: Scene, exr: bool) -> Scene:
+    """The scene with what EXR files hold; raises ``UsageError`` where its layers cannot be written."""
+    if (exr or scene.image.aovs) and scene.panels:
+        asked = "--exr" if exr else "image.aovs"
+        raise UsageError(f"{asked}: a preset of several panels has no layers; draw one without panels")
+    if not exr:
+        return scene
+    from ..output.layers import require_exr
+
+    require_exr(scene.emitter.strands)
+    if "linear" in scene.image.aovs:
+        return scene
+    return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
 
 
 def _advised(
@@ -180,7 +221,7 @@ def _run(
                 for frame in found:
                     report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
-                        writer.submit(frame.number, frame.image)
+                        writer.submit(frame.number, frame.image, frame.aovs)
                     progress.step(_line(frame.number, frame.report))
                     signals.check()
         status = "complete"

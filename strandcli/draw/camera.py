@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..scene.model import Camera
 from ..scene.motion import camera_at
 
-SIZE = 24
+SIZE = 26
 
 
 @dataclass(frozen=True)
@@ -28,20 +28,48 @@ class View:
     far: float
     width: float
     height: float
+    centre: tuple[float, float] | None = None
+    """Pixel that the view's axis goes through; None: the middle. Elsewhere for a crop window and off a lens's axis."""
+
+    def cropped(self, x: float, y: float, width: float, height: float) -> View:
+        """The part of this view that begins x and y pixels from the upper left."""
+        cx, cy = self.middle
+        return replace(self, width=width, height=height, centre=(cx - x, cy - y))
+
+    def through(self, right: float, up: float, focus: float) -> View:
+        """The view from a point of a thin lens, metres from its middle: what lies at the depth ``focus`` stays where
+        it is on the screen, and what lies at a depth z moves by focal · (1 / focus − 1 / z) · offset pixels."""
+        cx, cy = self.middle
+        shift = self.focal / focus
+        return replace(
+            self,
+            eye=self.eye + right * self.right + up * self.up,
+            centre=(cx + shift * right, cy - shift * up),
+        )
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Pixel that the view's axis goes through."""
+        return self.centre or (self.width / 2, self.height / 2)
 
     def pack(self) -> NDArray[np.float32]:
-        """(24,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
-        perspective; [13] focal; [14] near; [15], [16] half width and height in pixels; [17], [18] how much further out
-        a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times
-        longer than in the middle of the screen a short way can be in its corner, at the same depth."""
+        """(26,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
+        perspective; [13] focal; [14] near; [15], [16] the pixel of the axis; [17], [18] how much further out a slanted
+        side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times longer than in
+        the middle of the screen a short way can be in its corner, at the same depth; [24], [25] how far the picture
+        reaches from the axis, in pixels."""
         out = np.zeros(SIZE, np.float64)
         for row, axis in enumerate((self.right, self.up, self.forward)):
             out[4 * row : 4 * row + 3] = axis
             out[4 * row + 3] = -axis @ self.eye
-        half = np.array([self.width, self.height]) / 2
+        middle = np.array(self.middle)
+        half = np.maximum(np.array([self.width, self.height]) - middle, middle)
         slant = np.sqrt(1 + (half / self.focal) ** 2) if self.perspective else np.ones(2)
         stretch = np.sqrt(1 + half @ half / self.focal**2) if self.perspective else 1.0
-        out[12:] = [self.perspective, self.focal, self.near, *half, *slant, self.far - self.near, *self.eye, stretch]
+        out[12:24] = [
+            self.perspective, self.focal, self.near, *middle, *slant, self.far - self.near, *self.eye, stretch
+        ]  # fmt: skip
+        out[24:] = half
         return out.astype(np.float32)
 
 

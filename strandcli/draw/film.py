@@ -1,4 +1,4 @@
-"""What the film needs beside its kernels: the sRGB transfer function as a table, and the background."""
+"""What the film needs beside its kernels: its tone curves as tables, and the background."""
 
 from __future__ import annotations
 
@@ -12,7 +12,36 @@ from numpy.typing import NDArray
 def srgb_curve() -> NDArray[np.uint8]:
     """(65536,) uint8: linear [0, 1] in even steps to 8-bit sRGB (IEC 61966-2-1). The steepest part, 12.92 at black,
     takes 0.05 of a level a step, so the table is never off by more than rounding."""
-    linear = np.arange(65536) / 65535
+    return _levels(np.arange(65536) / 65535)
+
+
+GREY = 0.18
+CONTRAST = 1.3
+
+
+def filmic(light: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A response that rolls off at both ends, as film's: xᶜ / (xᶜ + k), c = 1.3, with k such that mid grey, 0.18, stays
+    (the form of Naka and Rushton 1966). White is reached nowhere: light 1 becomes 0.67, light 4 0.93, light 16 0.99;
+    around mid grey contrast is 1.3 · 0.82 = 1.07 times that of the scene."""
+    power = np.asarray(light, np.float64) ** CONTRAST
+    return np.asarray(power / (power + GREY**CONTRAST * (1 / GREY - 1)))
+
+
+@functools.cache
+def filmic_curve() -> NDArray[np.uint8]:
+    """(65536,) uint8: x / (1 + x), for light x, in even steps over [0, 1] to 8 bits by `filmic` and sRGB. Near black x
+    and x / (1 + x) are the same, so steps there are as fine as those of `srgb_curve`."""
+    rolled = np.arange(65536) / 65536
+    return _levels(filmic(rolled / (1 - rolled)))
+
+
+def curve_of(tone: str) -> tuple[NDArray[np.uint8], np.float32]:
+    """The table of a tone curve for `kernels.film.develop`, and 1 where it is one over x / (1 + x), else 0."""
+    return (filmic_curve(), np.float32(1)) if tone == "filmic" else (srgb_curve(), np.float32(0))
+
+
+def _levels(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Linear [0, 1] to 8-bit sRGB."""
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return np.rint(255 * encoded).astype(np.uint8)
 

@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from .. import solids as shapes
 from ..constants import PORTION, W
 from ..groom.emit import Groom
-from . import raster
+from . import lens, raster
+from .aovs import Recorder
 from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import drawn_fraction
 from .environment import sky_of
-from .film import gradient, srgb_curve
+from .film import curve_of, gradient
 from .kernels import film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
@@ -42,6 +43,8 @@ class Drawing:
     seconds: dict[str, float] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
     curve_px_max: float | None = None
+    aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
+    """Layers that the scene asks for, by name (see `strandcli.draw.aovs`)."""
 
 
 class Renderer:
@@ -57,7 +60,9 @@ class Renderer:
         self._spacing = strand_spacing(groom.roots) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
-        self.size = (scene.image.size[0] * scene.image.supersample, scene.image.size[1] * scene.image.supersample)
+        self.ids: NDArray[np.int32] | None = None
+        """Of each strand its index in the groom, where some are left out."""
+        self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
@@ -67,25 +72,81 @@ class Renderer:
         self._seen = 0
         top = np.array(scene.image.background, np.float32)
         bottom = top if scene.image.horizon is None else np.array(scene.image.horizon, np.float32)
-        rows = gradient(top, bottom, self.size[1])
+        samples, crop = scene.image.supersample, scene.image.crop or (0, 0, *scene.image.size)
+        rows = gradient(top, bottom, scene.image.size[1] * samples)[crop[1] * samples :][: self.size[1]]
         self._backdrop = np.ascontiguousarray(np.broadcast_to(rows[:, None], (self.size[1], self.size[0], 3)))
         self._drawing: Drawing
 
-    def draw(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int) -> Drawing:
-        """Draw strands (blocks, n + 1, 3 W) with segment rest lengths (blocks, W) at a time in seconds."""
-        scene, scratch = self.scene, self.scratch
+    def draw(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int,
+        before: NDArray[np.float32] | None = None,
+    ) -> Drawing:  # fmt: skip
+        """Draw strands (blocks, n + 1, 3 W) with segment rest lengths (blocks, W) at a time in seconds.
+
+        ``before``: the strands a frame earlier, for a shutter that is open; None: they have not moved.
+        """
         self._drawing = Drawing(self._blank())
         self._clock = time.perf_counter()
+        scene, camera = self.scene, self.scene.camera
+        recorder = Recorder(self) if scene.image.aovs else None
+        if not lens.is_sampled(camera):
+            image, _ = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder)
+        else:
+            image = self._average(positions, before, lengths, at, workers)
+        self._develop(image, self._drawing.image)
+        if recorder is not None:
+            if lens.is_sampled(camera):  # layers are those of a pinhole at the frame's own time
+                self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder, pinhole=True)
+            self._drawing.aovs = recorder.layers(image)
+        self._lap("film")
+        return self._drawing
+
+    def _average(
+        self, positions: NDArray[np.float32], before: NDArray[np.float32] | None, lengths: NDArray[np.float32],
+        at: float, workers: int,
+    ) -> NDArray[np.float32]:  # fmt: skip
+        """The mean of a frame's exposures (see `lens`), linear, (height, width, 3)."""
+        scene, camera = self.scene, self.scene.camera
+        total = self.scratch.take("total", (self.size[1], self.size[0], 3), np.float32)
+        total.fill(0)
+        carried = any(use.name == "emitter_motion" for use in scene.rules)
+        moving = camera.shutter > 0 and before is not None
+        where, maps = positions, None
+        shots = lens.exposures(camera, scene.seed, at, scene.time.fps)
+        for shot in shots:
+            if moving:
+                assert before is not None
+                where = self.scratch.take("between", positions.shape, np.float32)
+                start = at - 1 / scene.time.fps
+                lens.between(before, positions, scene.emitter, carried, start, at, shot, where)
+                self._lap("curves")
+            image, made = self._expose(where, lengths, shot, workers, maps)
+            maps = made if camera.shutter == 0 else None  # with the shutter closed the light does not change
+            np.add(total, image, out=total)
+            self._lap("film")
+        total *= np.float32(1 / len(shots))
+        self._drawing.counts["exposures"] = len(shots)
+        return total
+
+    def _expose(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], shot: lens.Exposure, workers: int,
+        made: ShadowMaps | None = None, recorder: Recorder | None = None, pinhole: bool = False,
+    ) -> tuple[NDArray[np.float32], ShadowMaps | None]:  # fmt: skip
+        """One exposure, linear, and the shadow maps that it used: those ``made`` before, or its own."""
+        scene, scratch, at = self.scene, self.scratch, shot.at
         fraction, spread = drawn_fraction(scene, at)
         strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
         bounds = self._bounds(positions, strands)
-        view = camera_view(scene.camera, at, *self.size, bounds)
+        view = self._view(shot, bounds, pinhole)
         portions = self._portions(strands, positions.shape[1] - 1)
 
         spacing = self._spacing / math.sqrt(fraction)
-        maps = plan_maps(scene.lights, bounds, scratch, self._thickness(view, bounds, spread), spacing)
+        thickness = self._thickness(view, bounds, spread)
+        maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
+        fresh = maps is not None and made is None
         self._lap("shadow")
-        if maps is not None and len(portions) > 1:  # every strand has to be in the maps before the first is shaded
+        if maps is not None and fresh and len(portions) > 1:
+            # every strand has to be in the maps before the first is shaded
             for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
                 for begin, end in portions:
                     lines = self._flatten(positions, lengths, begin, end, view, True)
@@ -103,10 +164,11 @@ class Renderer:
 
         base = 0
         segments = 0
+        front: NDArray[np.uint64] | None = None
         lights = pack_lights(scene.lights, maps, bounds)
         for begin, end in portions:
             lines = self._flatten(positions, lengths, begin, end, view, maps is not None)
-            if maps is not None and len(portions) == 1:
+            if maps is not None and fresh and len(portions) == 1:
                 maps.build(lines, workers, scratch)
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
@@ -114,6 +176,10 @@ class Renderer:
             self._lap("curves")
             segments += lines.segments
             if self.coverage is not None:
+                if recorder is not None:  # layers tell what is in front
+                    front = keys.copy()
+                    raster.draw(lines, screen, widths, base, self.size, workers, scratch, front)
+                    recorder.strands(lines, screen, front, base, begin, view)
                 limit = None if packed is None else keys
                 for layer in self.coverage.layers(lines, screen, widths, limit, workers, scratch):
                     self._lap("raster")
@@ -126,6 +192,8 @@ class Renderer:
                     self._lap("film")
                 continue
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
+            if recorder is not None:
+                recorder.strands(lines, screen, keys, base, begin, view)
             self._lap("raster")
             self._before_light()
             marks = self._mark(lines, keys, base)
@@ -137,8 +205,9 @@ class Renderer:
         if packed is not None and self.coverage is None:
             self._surfaces(keys, view, lights, maps, packed, at, image)
             self._lap("shade")
-        self._develop(image, self._drawing.image)
-        self._drawing.counts = {
+        if recorder is not None:
+            recorder.rest(keys if front is None else front, view, packed, lights, maps, self._skin())
+        self._drawing.counts |= {
             "strands": strands,
             "particles": strands * (positions.shape[1] - 1),
             "segments": segments,
@@ -147,7 +216,16 @@ class Renderer:
         if self.coverage is not None:
             self._drawing.counts["fragment_bytes"] = self.coverage.most
         self._lap("film")
-        return self._drawing
+        return image, maps
+
+    def _view(self, shot: lens.Exposure, bounds: NDArray[np.float64], pinhole: bool) -> View:
+        """The camera at an exposure's moment: what the crop window shows, through its point of the lens."""
+        scene, samples = self.scene, self.scene.image.supersample
+        width, height = scene.image.size
+        view = camera_view(scene.camera, shot.at, width * samples, height * samples, bounds)
+        if scene.image.crop is not None:
+            view = view.cropped(*(samples * number for number in scene.image.crop))
+        return view if pinhole else lens.through_lens(view, scene.camera, shot)
 
     def rehearse(self) -> None:
         """Run what comes after the z-buffer with nothing to be seen, so that it is compiled."""
@@ -273,10 +351,11 @@ class Renderer:
 
     def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:
         settings = self.scene.image
-        film.develop(image, settings.supersample, np.float32(2.0**settings.exposure), srgb_curve(), out)
+        curve, roll = curve_of(settings.tone)
+        film.develop(image, settings.supersample, np.float32(2.0**settings.exposure), curve, roll, out)
 
     def _blank(self) -> NDArray[np.uint8]:
-        width, height = self.scene.image.size
+        width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
     def _thickness(self, view: View, bounds: NDArray[np.float64], spread: float) -> Thickness:

@@ -38,7 +38,7 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
     """Pixels that a ball covers, or None where it reaches behind the eye."""
     x, y, z = (float(axis @ (centre - view.eye)) for axis in (view.right, view.up, view.forward))
     out: list[int] = []
-    for along, half in ((x, view.width / 2), (-y, view.height / 2)):
+    for along, axis, size in zip((x, -y), view.middle, (view.width, view.height), strict=True):
         if view.perspective:
             flat = along * along + z * z
             if z <= radius or flat <= radius * radius:
@@ -50,7 +50,7 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
             low, high = view.focal * np.tan([middle - reach, middle + reach])
         else:
             low, high = view.focal * (along - radius), view.focal * (along + radius)
-        out += [int(np.clip(np.floor(half + low), 0, 2 * half)), int(np.clip(np.ceil(half + high), 0, 2 * half))]
+        out += [int(np.clip(np.floor(axis + low), 0, size)), int(np.clip(np.ceil(axis + high), 0, size))]
     return out[0], out[1], out[2], out[3]
 
 

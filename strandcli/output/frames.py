@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .files import prepare_folder, write_pieces
+from .layers import Layers, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
 BYTES_PER_PIXEL = 1.5
@@ -56,9 +57,12 @@ class FrameWriter:
         resume: bool = False,
         scene: str = "",
         also: Sequence[str] = (),
+        layers: Sequence[str] = (),
+        exr: bool = False,
     ) -> None:
         """``size`` is (width, height). ``scene`` is a fingerprint kept inside each file, so that ``resume`` can tell
-        frames of another scene. ``also`` names further files that the run will write and must not find.
+        frames of another scene. ``also`` names further files that the run will write and must not find. ``layers`` are
+        those that come with each picture, and ``exr`` whether as EXR too (see `layers.write_layers`).
 
         Raises ``RefusedError`` for a folder that cannot be written to or has too little room, and ``UsageError`` for
         files that are in the way.
@@ -68,19 +72,23 @@ class FrameWriter:
         self.directory = directory
         self.size = size
         self.scene = scene
+        self.layers = tuple(layers)
+        self.exr = exr
         self.written: dict[int, Written] = {}
         self._failure: BaseException | None = None
-        self._queue: queue.Queue[tuple[int, png.Pixels] | None] = queue.Queue(maxsize=2)
+        self._queue: queue.Queue[tuple[int, png.Pixels, Layers] | None] = queue.Queue(maxsize=2)
         self._thread: threading.Thread | None = None
         width, height = size
         if directory.is_dir():
             self._look(frames, overwrite, resume, also)
         self.wanted = tuple(frame for frame in frames if frame not in self.written)
-        prepare_folder(directory, round(len(self.wanted) * width * height * BYTES_PER_PIXEL))
+        each = width * height * BYTES_PER_PIXEL + layer_bytes(self.layers, exr, width * height)
+        prepare_folder(directory, round(len(self.wanted) * each))
 
     def _look(self, frames: Sequence[int], overwrite: bool, resume: bool, also: Sequence[str]) -> None:
         there = [frame for frame in frames if (self.directory / frame_file(frame)).exists()]
-        others = [name for name in also if (self.directory / name).exists()]
+        beside = [name for frame in frames for name in layer_files(frame, self.layers, self.exr)]
+        others = [name for name in (*beside, *also) if (self.directory / name).exists()]
         if resume:
             for frame in there:
                 self._keep(frame)
@@ -95,6 +103,8 @@ class FrameWriter:
     def _keep(self, frame: int) -> None:
         """Keep a frame that is whole and of the right size; one that is neither will be drawn again."""
         path = self.directory / frame_file(frame)
+        if not all((self.directory / name).exists() for name in layer_files(frame, self.layers, self.exr)):
+            return
         try:
             image = png.load(path)
         except UsageError:
@@ -124,17 +134,18 @@ class FrameWriter:
         if kind is None:
             self._raise()
 
-    def submit(self, frame: int, image: png.Pixels) -> None:
-        """Hand in a picture: uint8, (height, width, 3), which the caller may reuse at once. Waits while two are queued.
+    def submit(self, frame: int, image: png.Pixels, layers: Layers | None = None) -> None:
+        """Hand in a picture: uint8, (height, width, 3), which the caller may reuse at once, and its layers, which the
+        caller may not. Waits while two are queued.
 
         Raises what went wrong with an earlier frame.
         """
         self._raise()
         if (image.shape[1], image.shape[0]) != self.size:
             raise ValueError(f"frame {frame} is {image.shape[1]}x{image.shape[0]}, not {self.size[0]}x{self.size[1]}")
-        self._put((frame, np.array(image, copy=True)))
+        self._put((frame, np.array(image, copy=True), layers or {}))
 
-    def _put(self, item: tuple[int, png.Pixels] | None) -> None:
+    def _put(self, item: tuple[int, png.Pixels, Layers] | None) -> None:
         """Queue an item, but never wait for a thread that has died."""
         while self._thread is not None and self._thread.is_alive():
             with suppress(queue.Full):
@@ -162,12 +173,13 @@ class FrameWriter:
                 self._failure = error
                 return
 
-    def _write(self, frame: int, image: png.Pixels) -> None:
+    def _write(self, frame: int, image: png.Pixels, layers: Layers) -> None:
         start = time.perf_counter()
         path = self.directory / frame_file(frame)
         text = {"Software": "strandcli"}
         if self.scene:
             text[SCENE_KEYWORD] = self.scene
         digest = png.pixels_sha256(image)
+        write_layers(self.directory, frame, layers, self.exr)  # before the picture, which is the sign that all is there
         write_pieces(path, png.encode(image, text))
         self.written[frame] = Written(frame, path.name, digest, time.perf_counter() - start)

@@ -51,23 +51,28 @@ def pixels_sha256(image: Pixels) -> str:
     return digest.hexdigest()
 
 
-def encode(image: Pixels, text: Mapping[str, str] | None = None) -> list[bytes]:
+def encode(image: npt.NDArray[Any], text: Mapping[str, str] | None = None) -> list[bytes]:
     """A PNG file, as pieces to be written one after the other, of ``image``: uint8, shape (height, width, 3), sRGB.
 
-    ``text`` becomes tEXt chunks: Latin-1 keywords and values. Releases the GIL while it compresses.
+    Data that are no picture may have 16 bits, (height, width) or (height, width, 3) uint16. ``text`` becomes tEXt
+    chunks: Latin-1 keywords and values. Releases the GIL while it compresses.
     """
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
+    deep = image.dtype == np.uint16
+    grey = deep and image.ndim == 2
+    fits = grey or (image.ndim == 3 and image.shape[2] == 3)
+    if not (deep or image.dtype == np.uint8) or not fits or 0 in image.shape:
         raise ValueError(f"a frame must be uint8 of shape (height, width, 3), not {image.dtype} {image.shape}")
-    height, width, _ = image.shape
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    pieces = [SIGNATURE, *_chunk(b"IHDR", header), *_chunk(b"sRGB", b"\0")]
+    height, width = image.shape[:2]
+    header = struct.pack(">IIBBBBB", width, height, 16 if deep else 8, 0 if grey else 2, 0, 0, 0)
+    pieces = [SIGNATURE, *_chunk(b"IHDR", header), *([] if deep else _chunk(b"sRGB", b"\0"))]
     for keyword, value in (text or {}).items():
         pieces += _chunk(b"tEXt", keyword.encode("latin-1") + b"\0" + value.encode("latin-1", "replace"))
-    rows = np.empty((height, 1 + 3 * width), dtype=np.uint8)
-    flat = image.reshape(height, 3 * width)
+    step = (1 if grey else 3) * image.itemsize
+    rows = np.empty((height, 1 + step * width), dtype=np.uint8)
+    flat = np.ascontiguousarray(image, ">u2" if deep else None).view(np.uint8).reshape(height, step * width)
     rows[:, 0] = SUB
-    rows[:, 1:4] = flat[:, :3]
-    np.subtract(flat[:, 3:], flat[:, :-3], out=rows[:, 4:])  # modulo 256, as the format wants
+    rows[:, 1 : 1 + step] = flat[:, :step]
+    np.subtract(flat[:, step:], flat[:, :-step], out=rows[:, 1 + step :])  # modulo 256, as the format wants
     data = _deflate(rows)
     for start in range(0, len(data), _PIECE):
         pieces += _chunk(b"IDAT", data[start : start + _PIECE])

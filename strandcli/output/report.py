@@ -40,7 +40,7 @@ def fingerprint(scene: Any, *more: str) -> str:
     return hashlib.sha256(data.encode()).hexdigest()[:32]
 
 
-_IGNORED = {"Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}}
+_IGNORED = {"Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}, "Image": {"aovs"}}
 
 
 def _values(thing: Any) -> Any:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from .faults import shown
+from .faults import hint, shown
 from .fields import Vector
-from .model import Camera, CameraKey, Emitter, PoseKey, Scene, Solid
+from .model import AOVS, Camera, CameraKey, Emitter, Image, PoseKey, Scene, Solid
 from .motion import camera_key
 
 CLOSEST_PARTICLES = 1e-6
@@ -39,6 +39,8 @@ def findings(scene: Scene) -> Iterator[Finding]:
         yield from _times(solid.keys, f"solids.{index}.keys")
     yield from _camera(scene.camera)
     yield from _times(scene.camera.keys, "camera.keys")
+    yield from _lens(scene.camera)
+    yield from _picture(scene.image)
 
 
 def _spacing(emitter: Emitter) -> Iterator[Finding]:
@@ -92,6 +94,29 @@ def _camera(camera: Camera) -> Iterator[Finding]:
             if problem:
                 before = (f"camera.keys.{index - 1}.position", f"camera.keys.{index - 1}.target")
                 yield Finding(places, problem, (*involves, *before))
+
+
+def _lens(camera: Camera) -> Iterator[Finding]:
+    if camera.aperture > 0 and camera.kind == "orthographic":
+        message = "an orthographic camera has no lens; make the camera perspective, or the aperture 0"
+        yield Finding(("camera.aperture", "camera.kind"), message, ("camera.aperture", "camera.kind"))
+
+
+def _picture(image: Image) -> Iterator[Finding]:
+    if image.crop is not None:
+        x, y, width, height = image.crop
+        if x + width > image.size[0] or y + height > image.size[1]:
+            message = (
+                f"the window {width}x{height}+{x}+{y} reaches beyond the picture of {image.size[0]}x{image.size[1]}"
+            )
+            yield Finding(("image.crop", "image.size"), message, ("image.crop", "image.size"))
+    for index, name in enumerate(image.aovs):
+        path = f"image.aovs.{index}"
+        if name not in AOVS:
+            message = f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}"
+            yield Finding((path, "image.aovs"), message, (path, "image.aovs"))
+        elif name in image.aovs[:index]:
+            yield Finding((path, "image.aovs"), f"the layer {shown(name)} is listed twice", (path, "image.aovs"))
 
 
 def _blind(look: Vector, camera: Camera) -> str:

@@ -17,6 +17,7 @@ from .fields import (
     Spec,
     TextSpec,
     VectorSpec,
+    WindowSpec,
 )
 
 
@@ -34,6 +35,8 @@ def wanted(spec: Spec) -> str:
             return 'three linear numbers [r, g, b] or "#rrggbb" in quotes'
         case SizeSpec():
             return f'a size [w, h] or "800x600" of at least 1 and at most {spec.limits.high}{_unit(spec.unit)}'
+        case WindowSpec():
+            return f'a part of the picture [x, y, width, height] or "400x300+100+50"{_unit(spec.unit)}'
         case ChoiceSpec():
             return spec.options[0] if len(spec.options) == 1 else f"one of {', '.join(spec.options)}"
         case BooleanSpec():

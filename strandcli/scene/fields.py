@@ -101,6 +101,11 @@ class SizeSpec(Spec):
     """Two whole numbers within ``limits``, as [w, h] or "800x600"."""
 
 
+class WindowSpec(Spec):
+    """Part of a picture as (x, y, width, height) in whole pixels from the upper left, as [x, y, w, h] or
+    "400x300+100+50"."""
+
+
 class ChoiceSpec(Spec):
     """One of a few words."""
 
@@ -208,6 +213,11 @@ def colour(default: Colour | None, *, doc: str = "") -> Any:
 def size(default: tuple[int, int], *, high: int, unit: str = "px", doc: str = "") -> Any:
     """A field that is a width and a height."""
     return _field(SizeSpec(default, limits=Range(low=1, high=high), unit=unit, doc=doc))
+
+
+def window(*, high: int, unit: str = "px", doc: str = "") -> Any:
+    """A field that is part of a picture, or None, which is its default."""
+    return _field(WindowSpec(None, limits=Range(low=0, high=high), unit=unit, doc=doc))
 
 
 def choice(default: str, options: tuple[str, ...], *, doc: str = "") -> Any:

@@ -24,6 +24,7 @@ from .fields import (
     integer,
     items,
     model,
+    names,
     number,
     optional,
     panels,
@@ -32,6 +33,7 @@ from .fields import (
     text,
     union,
     vector,
+    window,
 )
 
 
@@ -202,7 +204,21 @@ class Camera:
     fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
     height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
     near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
+    aperture: float = number(
+        0.0, low=0, high=1000, unit="m", doc="diameter of the lens (perspective); 0: a pinhole, sharp everywhere"
+    )
+    focus: float | None = number(None, above=0, unit="m", doc="depth that is sharp; absent: that of the target")
+    shutter: float = number(
+        0.0, low=0, high=1, doc="share of a frame that the shutter is open, up to the frame's own time; 0.5 is usual"
+    )
+    samples: int = integer(
+        16, low=1, high=4096, doc="pictures that are averaged over lens and shutter, where either is open"
+    )
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
+
+
+AOVS = ("depth", "mask", "tangent", "orientation", "strand_id", "shadow", "linear")
+"""Layers beside the picture; what each holds is told in `strandcli.draw.aovs`."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -223,6 +239,18 @@ class Image:
     nearest: int = integer(
         8, low=1, high=64, doc="fragments that a pixel holds (kbuffer); the last one stands for all that are behind"
     )
+    tone: str = choice(
+        "srgb", ("srgb", "filmic"), doc="srgb: light beyond 1 is cut off; filmic: it rolls off, mid grey stays"
+    )
+    crop: tuple[int, int, int, int] | None = window(
+        high=32_768, doc="part that is drawn: x, y, width, height; absent: all of it"
+    )
+    aovs: tuple[str, ...] = names(doc=f"layers written beside each picture, of {', '.join(AOVS)}")
+
+    @property
+    def drawn(self) -> tuple[int, int]:
+        """Width and height of what is drawn: of the crop window, where there is one."""
+        return self.size if self.crop is None else self.crop[2:]
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -100,6 +100,15 @@ def linear(encoded: float) -> float:
     return math.pow((encoded + 0.055) / 1.055, 2.4)
 
 
+def as_window(scalar: Scalar) -> tuple[int, int, int, int]:
+    """x, y, width and height of "400x300+100+50", the size first. Raises Refusal."""
+    parts = re.fullmatch(r"([0-9]{1,9})\s*[x×]\s*([0-9]{1,9})\s*\+\s*([0-9]{1,9})\s*\+\s*([0-9]{1,9})", scalar.text)
+    if parts is None:
+        raise Refusal(f"not {shown(scalar.text)}")
+    width, height, x, y = (int(part) for part in parts.groups())
+    return x, y, width, height
+
+
 def as_size(scalar: Scalar) -> tuple[int, int]:
     """The two numbers of "800x600". Raises Refusal."""
     parts = re.fullmatch(r"([0-9]{1,9})\s*[x×]\s*([0-9]{1,9})", scalar.text)

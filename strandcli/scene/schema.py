@@ -27,6 +27,7 @@ from .fields import (
     TextSpec,
     UnionSpec,
     VectorSpec,
+    WindowSpec,
     settings_of,
 )
 from .model import Scene
@@ -114,6 +115,10 @@ class _Writer:
             case SizeSpec():
                 sides = _numbers(2, {"type": "integer", **_limits(spec.limits)})
                 return {"anyOf": [sides, {"type": "string", "pattern": "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}$"}]}
+            case WindowSpec():
+                numbers = _numbers(4, {"type": "integer", **_limits(spec.limits)})
+                pattern = "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}$"
+                return {"anyOf": [numbers, {"type": "string", "pattern": pattern}]}
             case ChoiceSpec():
                 return {"enum": list(spec.options)}
             case BooleanSpec():

@@ -23,6 +23,7 @@ from .fields import (
     Spec,
     UnionSpec,
     VectorSpec,
+    WindowSpec,
     settings_of,
 )
 from .model import Scene
@@ -150,7 +151,7 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         return _place_rule(node, parts, value, rules)
     if isinstance(spec, PanelsSpec):
         raise Unreachable("single panels are changed in the preset itself")
-    if not isinstance(spec, ItemsSpec | VectorSpec | ColourSpec | SizeSpec | NamesSpec):
+    if not isinstance(spec, ItemsSpec | VectorSpec | ColourSpec | SizeSpec | WindowSpec | NamesSpec):
         raise Unreachable("there is nothing inside this setting")
     if node is None and spec.default is not None:
         node = node_of(plain(spec.default), value.mark)

@@ -29,12 +29,13 @@ from .fields import (
     TextSpec,
     UnionSpec,
     VectorSpec,
+    WindowSpec,
     settings_of,
 )
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of
 from .rule_type import RuleType
-from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size
+from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size, as_window
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -112,6 +113,8 @@ class Reader:
                     return self.colour(spec, node, path)
                 case SizeSpec():
                     return self.size(spec, node, path)
+                case WindowSpec():
+                    return _window(spec, node)
                 case NamesSpec():
                     return self.names(spec, node, path)
             if not isinstance(node, Scalar) or node.empty:
@@ -282,6 +285,20 @@ def _whole(node: Scalar, limits: Range) -> int:
         raise Refusal(f"not {shown(node.text)}")
     _in_range(value, limits, node)
     return int(value)
+
+
+def _window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
+    """Left, top, width and height of a part of a picture that holds a pixel at least."""
+    if isinstance(node, Scalar) and not node.empty:
+        found = as_window(node)
+    elif isinstance(node, ListNode) and len(node.items) == 4 and all(isinstance(i, Scalar) for i in node.items):
+        x, y, width, height = (_whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
+        found = (x, y, width, height)
+    else:
+        raise Refusal(f"not {_given(node)}")
+    if not all(spec.limits.holds(number) for number in found) or 0 in found[2:]:
+        raise Refusal(f"not {_given(node)}")
+    return found
 
 
 def _option(node: Scalar, spec: ChoiceSpec) -> str:

@@ -95,7 +95,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
     counts: dict[str, int] = {}
     share = 1
     with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
-        with FrameWriter(Path(folder), numbers, scene.image.size) as writer:
+        with FrameWriter(Path(folder), numbers, scene.image.drawn) as writer:
             for frame in pipeline.render(scene, numbers, threads=threads, notify=notify):
                 assert frame.image is not None
                 writer.submit(frame.number, frame.image)

@@ -73,7 +73,7 @@ def count(
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
     difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W); view (24,) as in `project.points`; most: greatest number of
+    positions (blocks, n + 1, 3 W), lengths (blocks, W); view (26,) as in `project.points`; most: greatest number of
     pieces; tolerance in pixels; fade: pieces of segments that are off the screen (0 leaves their strands out);
     as_printed: array or None, a switch for the source's tangents; out (strands, n − 1) uint16; sizes (strands,) int64:
     vertices of each strand, 0 where it is left out; error (strands,) float32: bound in pixels that is left.
@@ -149,8 +149,8 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
     if max(z0, z1) + margin < near:
         return ZERO
     # the half widths of the view at the depth of each end
-    wx = view[15] / view[13]
-    wy = view[16] / view[13]
+    wx = view[24] / view[13]
+    wy = view[25] / view[13]
     f0 = ONE
     f1 = ONE
     scale = view[13]

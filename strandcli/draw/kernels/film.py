@@ -11,6 +11,7 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 LAST = np.float32(65535.0)
+MOST = np.float32(1e30)
 
 
 @function
@@ -43,7 +44,7 @@ def colours(keys, base, screen, per, stride, vertex, image):
     (V, 3) radiance at lit vertices; per, stride: which these are, as in `mark`; image (height, width, 3).
     """
     height, width, _ = image.shape
-    last = np.uint64(screen.shape[0] - 1)
+    last = np.uint64(max(screen.shape[0] - 1, 0))  # with no vertex at all no number is below it
     share = ONE / np.float32(stride)
     for y in prange(height):
         # first which, then what: without branches in between, one pixel's memory is fetched while others compute
@@ -76,19 +77,21 @@ def colours(keys, base, screen, per, stride, vertex, image):
 
 
 @parallel
-def develop(image, samples, exposure, curve, out):
+def develop(image, samples, exposure, curve, roll, out):
     """Average samples × samples squares and encode.
 
-    image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8, the transfer function
-    of [0, 1]; out (height, width, 3) uint8. What is not a number is drawn as black, never cast.
+    image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8 over light x in [0, 1],
+    or over x / (1 + x) where `roll` is 1 and not 0; out (height, width, 3) uint8. What is not a number is drawn as
+    black, never cast.
     """
     height, width, _ = out.shape
     share = exposure / np.float32(samples * samples) * LAST
+    roll = roll / LAST
     for y in prange(height):
         if samples == 1:
             for x in range(width):
                 for c in range(3):
-                    out[y, x, c] = encode(image[y, x, c] * share, curve)
+                    out[y, x, c] = encode(image[y, x, c] * share, roll, curve)
             continue
         for x in range(width):
             for c in range(3):
@@ -96,11 +99,13 @@ def develop(image, samples, exposure, curve, out):
                 for j in range(samples):
                     for i in range(samples):
                         total += image[y * samples + j, x * samples + i, c]
-                out[y, x, c] = encode(total * share, curve)
+                out[y, x, c] = encode(total * share, roll, curve)
 
 
 @function
-def encode(value, curve):
+def encode(value, roll, curve):
     """The curve at a value of 0 to 65535; beyond that range, at its end."""
     value = value if value > ZERO else ZERO
+    value = min(value, MOST)
+    value /= ONE + roll * value
     return curve[np.uint64(min(value, LAST) + HALF)]

@@ -32,9 +32,9 @@ def points(first, world, stride, view, screen):
     """Project polylines.
 
     first (S + 1,) int64; world (V, 3) metres; stride: of each strand every which vertex, where all have a multiple of
-    that and one; view (24,) float32, built by `strandcli.draw.camera.View.pack`: three
+    that and one; view (26,) float32, built by `strandcli.draw.camera.View.pack`: three
     rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
-    depth 1 for perspective); [14] near; [15], [16] half width and height in pixels; [17], [18] margins; [19] depth
+    depth 1 for perspective); [14] near; [15], [16] the pixel of the axis; [17], [18] margins; [19] depth
     range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
     toward the eye and is linear on the screen; 0 where the point is behind `near`. A vertex behind is moved to the near
     plane where a neighbour is in front of it, so that a piece that crosses is clipped and not lost.

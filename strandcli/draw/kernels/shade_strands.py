@@ -49,7 +49,7 @@ def strands(
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
-    first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (24,);
+    first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (26,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
     diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`, or None;
     lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;

@@ -1,0 +1,95 @@
+"""Layers beside the picture (arbitrary output variables), exact where reconstruction from photographs estimates them.
+
+Per pixel, by the nearest thing that any of its samples shows; through a pinhole at the frame's own time, whatever lens
+and shutter do to the picture. Each is an array of the picture's height and width:
+
+============= ========= =========================================================================================
+`depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
+`mask`        float32   share of the pixel's samples that show a strand, 0 to 1
+`tangent`     float32   (…, 3) unit vector in the world along the strand, root to tip; 0 where there is no strand
+`orientation` float32   angle of the tangent as it is seen, radians in [0, π): 0 to the right, π / 2 upright,
+                        counted against the clock; a line's, so root and tip are alike; −1 where there is no strand
+`strand_id`   int32     index in the groom; −1 nothing, −2 a solid
+`shadow`      float32   share of all lights' irradiance that strands and solids let through; 1 where nothing is
+`linear`      float32   (…, 3) the picture itself as linear light, before exposure and tone curve
+============= ========= =========================================================================================
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import View
+from .curves import Polylines
+from .kernels import aovs as kernel
+from .shadow import ShadowMaps
+
+if TYPE_CHECKING:
+    from .renderer import Renderer
+
+NOTHING = -1
+SOLID = -2
+
+
+class Recorder:
+    """Gathers the layers of one frame while it is drawn: `strands` after each portion, then `rest`."""
+
+    def __init__(self, renderer: Renderer) -> None:
+        self._names: tuple[str, ...] = renderer.scene.image.aovs
+        self._samples: int = renderer.scene.image.supersample
+        self._ids = renderer.ids
+        width, height = renderer.scene.image.drawn
+        self._found: dict[str, NDArray[Any]] = {
+            "strand_id": np.full((height, width), NOTHING, np.int32),
+            "tangent": np.zeros((height, width, 3), np.float32),
+            "orientation": np.full((height, width), -1, np.float32),
+        }
+
+    def strands(
+        self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,
+        view: View,
+    ) -> None:  # fmt: skip
+        """Note the strands of a portion, the first of which is strand ``begin``, that are in front in ``keys``
+        (samples · samples · height · width,); their vertices are numbered from ``base``."""
+        found = self._found
+        kernel.strands(
+            keys, self._samples, base, begin, lines.first, lines.world, screen, view.pack(), found["strand_id"],
+            found["tangent"], found["orientation"],
+        )  # fmt: skip
+
+    def rest(
+        self, keys: NDArray[np.uint64], view: View, packed: list[NDArray[np.float32]] | None,
+        lights: NDArray[np.float32], maps: ShadowMaps | None, skin: np.float32,
+    ) -> None:  # fmt: skip
+        """What a finished z-buffer tells of depth, mask and solids, and the light that arrives there."""
+        shape = self._found["strand_id"].shape
+        depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        point = np.empty((*shape, 3), np.float32)
+        solids = packed or [np.zeros((0, 1), np.float32)] * 4
+        kernel.depths(keys, self._samples, view.pack(), *solids, depth, mask, point, self._found["strand_id"])
+        self._found |= {"depth": depth, "mask": mask}
+        if "shadow" in self._names:
+            through = np.ones(shape, np.float32)
+            shades: tuple[Any, ...] = (None,) * 5
+            if maps is not None:
+                shades = (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)
+            kernel.shadows(
+                self._found["strand_id"], keys, self._samples, point, lights, *shades, *(packed or (None,) * 4), skin,
+                through,
+            )  # fmt: skip
+            self._found["shadow"] = through
+
+    def layers(self, image: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
+        """The layers that were asked for; ``image`` is the linear picture in samples."""
+        if self._ids is not None:  # strands that could not be drawn were left out before
+            ids = self._found["strand_id"]
+            ids[ids >= 0] = self._ids[ids[ids >= 0]]
+        if "linear" in self._names:
+            height, width, _ = image.shape
+            k = self._samples
+            mean = image.reshape(height // k, k, width // k, k, 3).mean((1, 3), dtype=np.float32)
+            self._found["linear"] = np.where(np.isfinite(mean), mean, np.float32(0))
+        return {name: self._found[name] for name in self._names}

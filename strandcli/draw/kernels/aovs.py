@@ -1,0 +1,178 @@
+"""Layers beside the picture, read from the z-buffer's keys (see `strandcli.draw.aovs`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function, parallel, prange
+from . import opacity, solids
+from .light import toward
+from .raster import EMPTY, LOW, SHIFT
+from .shadow import transmittance
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
+PI = np.float32(math.pi)
+RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
+INF = np.float32(np.inf)
+
+
+@function
+def nearest(keys, samples, width, y, x):
+    """The smallest key of a pixel's samples × samples, and the row and column of that sample."""
+    best = EMPTY
+    row = y * samples
+    column = x * samples
+    for j in range(y * samples, (y + 1) * samples):
+        for i in range(x * samples, (x + 1) * samples):
+            key = keys[j * width * samples + i]
+            if key < best:
+                best = key
+                row = j
+                column = i
+    return best, row, column
+
+
+@parallel
+def strands(keys, samples, base, begin, first, world, screen, view, ids, tangents, angles):
+    """Which strand is in front, and which way it runs there: tangents are linear between those at vertices, which are
+    the directions from the vertex before to the one after.
+
+    keys (samples² · height · width,) uint64; base: number that was added to vertex indices; begin: number of the first
+    of these strands; first (S + 1,), world (V, 3), screen (V, 3), view (26,) as in `project.points`; ids (height,
+    width) int32, tangents (height, width, 3), angles (height, width): written where one of these strands is in front.
+    """
+    height, width = ids.shape
+    last = world.shape[0] - 1
+    for y in prange(height):
+        for x in range(width):
+            key, row, column = nearest(keys, samples, width, y, x)
+            v = np.int64(key & LOW) - base
+            if key == EMPTY or v < 0 or v >= last:
+                continue
+            s = np.searchsorted(first, v, side="right") - 1
+            low = first[s]
+            high = first[s + 1] - 1
+            dx = screen[v + 1, 0] - screen[v, 0]
+            dy = screen[v + 1, 1] - screen[v, 1]
+            flat = abs(dx) >= abs(dy)
+            way = dx if flat else dy
+            past = np.float32(column) + HALF - screen[v, 0] if flat else np.float32(row) + HALF - screen[v, 1]
+            t = min(max(past / way if way != ZERO else ZERO, ZERO), ONE)
+            ax, ay, az = along(world, max(v - 1, low), v + 1)
+            bx, by, bz = along(world, v, min(v + 2, high))
+            ax, ay, az = unit(ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az))
+            ids[y, x] = begin + s
+            tangents[y, x, 0] = ax
+            tangents[y, x, 1] = ay
+            tangents[y, x, 2] = az
+            # seen along the ray (u, v, 1): the derivative of (x, y) / z, times z
+            tx = view[0] * ax + view[1] * ay + view[2] * az
+            ty = view[4] * ax + view[5] * ay + view[6] * az
+            tz = view[8] * ax + view[9] * ay + view[10] * az
+            u = view[12] * (np.float32(column) + HALF - view[15]) / view[13]
+            w = view[12] * (view[16] - np.float32(row) - HALF) / view[13]
+            angle = math.atan2(ty - w * tz, tx - u * tz)
+            angle += PI if angle < ZERO else ZERO
+            angles[y, x] = angle if angle < PI else ZERO
+
+
+@function
+def along(world, i, j):
+    """Unit vector from vertex i to vertex j."""
+    return unit(world[j, 0] - world[i, 0], world[j, 1] - world[i, 1], world[j, 2] - world[i, 2])
+
+
+@function
+def unit(x, y, z):
+    """A vector at length 1; none stays none."""
+    size = max(abs(x), max(abs(y), abs(z)))  # squares of what is very short would vanish
+    if not size > TINY:
+        return ZERO, ZERO, ZERO
+    x /= size
+    y /= size
+    z /= size
+    size = ONE / math.sqrt(x * x + y * y + z * z)
+    return x * size, y * size, z * size
+
+
+@parallel
+def depths(keys, samples, view, spheres, capsules, planes, boxes, depth, mask, point, ids):
+    """Depth of the nearest sample in metres along the view, and the point itself; the share of samples with a strand;
+    ids −2 where a solid is nearest. Solids packed as in `solids.draw`; point (height, width, 3), 0 where nothing is."""
+    height, width = depth.shape
+    share = ONE / np.float32(samples * samples)
+    for y in prange(height):
+        for x in range(width):
+            key, row, column = nearest(keys, samples, width, y, x)
+            count = 0
+            for j in range(y * samples, (y + 1) * samples):
+                for i in range(x * samples, (x + 1) * samples):
+                    count += (keys[j * width * samples + i] & LOW) < solids.FIRST
+            mask[y, x] = np.float32(count) * share
+            depth[y, x] = np.inf
+            point[y, x] = ZERO
+            if key == EMPTY:
+                continue
+            right = (np.float32(column) + HALF - view[15]) / view[13]
+            up = (view[16] - np.float32(row) - HALF) / view[13]
+            ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+            q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+            t = ONE / q if view[12] > ZERO else view[14] + (ONE - q) * view[19]
+            if (key & LOW) >= solids.FIRST:
+                which = np.int64((key & LOW) - solids.FIRST)
+                if view[12] == ZERO:  # a key ends with the depth range, a solid does not
+                    far = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+                    t = far if far < INF else t
+                ids[y, x] = -2
+            depth[y, x] = t
+            point[y, x, 0] = ox + t * dx
+            point[y, x, 1] = oy + t * dy
+            point[y, x, 2] = oz + t * dz
+
+
+@parallel
+def shadows(
+    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out
+):  # fmt: skip
+    """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
+
+    lights (n, 16), maps and solids as in `shade_strands.strands`, `skin` as there; out (height, width), kept where
+    nothing is seen or no light is on.
+    """
+    height, width = ids.shape
+    for y in prange(height):
+        for x in range(width):
+            if ids[y, x] == -1:
+                continue
+            px = point[y, x, 0]
+            py = point[y, x, 1]
+            pz = point[y, x, 2]
+            sx = px
+            sy = py
+            sz = pz
+            if spheres is not None and ids[y, x] == -2:
+                which = np.int64((nearest(keys, samples, width, y, x)[0] & LOW) - solids.FIRST)
+                nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, px, py, pz)
+                sx += nx * skin
+                sy += ny * skin
+                sz += nz * skin
+            whole = ZERO
+            arrives = ZERO
+            for i in range(lights.shape[0]):
+                lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
+                power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
+                whole += power
+                if spheres is not None:
+                    power *= solids.lit(spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin)
+                if maps is not None and power > ZERO and lights[i, 10] == ZERO:
+                    power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
+                if stacks is not None and power > ZERO and lights[i, 10] > ZERO:
+                    power *= opacity.transmittance(px, py, pz, lights, i, stacks, starts, sizes, views)
+                arrives += power
+            if whole > ZERO:
+                out[y, x] = arrives / whole

@@ -1,0 +1,155 @@
+"""Layers beside the picture (`strandcli.draw.aovs`) as files: ``depth_0001.npz`` with the array ``depth``, exactly as
+it was drawn, and ``depth_0001.png`` to look at; with the extra `exr` also ``frame_0001.exr`` with all of them.
+
+=============== =====================================================================================
+PNG             what it shows
+=============== =====================================================================================
+depth           16 bit grey, linear from the nearest (white) to the farthest of that picture (almost
+                black), which its text chunk "range" tells in metres; black where nothing is
+mask, shadow    16 bit grey, 65535 is 1
+tangent         16 bit colour, (t + 1) / 2 in x, y, z
+orientation     8 bit colour, hue 2 θ: 0 red, π / 4 yellow-green, π / 2 cyan; black where there is none
+strand_id       8 bit colour, one a strand; solids grey, nothing black
+=============== =====================================================================================
+
+`linear` has no PNG of its own: the picture is that. In EXR depth is ``Z``, the linear picture ``R G B``, the mask
+``A``, tangents ``tangent.X``, ``.Y``, ``.Z``, and others have their own names.
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RefusedError, UsageError
+from . import png
+from .files import atomic, refusal, temporary_name, write_pieces
+
+Layers = Mapping[str, NDArray[Any]]
+
+EXR_INTEGERS = 1 << 24
+"""Strands that an EXR file can number: its floats hold whole numbers up to here."""
+_CHANNELS = {"tangent": 3, "linear": 3}
+_EXR_NAMES = {
+    "depth": ("Z",),
+    "linear": ("R", "G", "B"),
+    "mask": ("A",),
+    "tangent": ("tangent.X", "tangent.Y", "tangent.Z"),
+}
+
+
+def layer_files(frame: int, names: Sequence[str], exr: bool) -> list[str]:
+    """The names of a frame's files beside its picture."""
+    files = [f"{name}_{frame:04d}.npz" for name in names]
+    files += [f"{name}_{frame:04d}.png" for name in names if name != "linear"]
+    return files + ([f"frame_{frame:04d}.exr"] if exr else [])
+
+
+def layer_bytes(names: Sequence[str], exr: bool, pixels: int) -> int:
+    """At most so many bytes a frame."""
+    return sum((10 if exr else 6) * _CHANNELS.get(name, 1) for name in names) * pixels
+
+
+def require_exr(strands: int) -> None:
+    """Raise ``UsageError`` where EXR files cannot be written, or cannot number so many strands."""
+    try:
+        import OpenEXR
+
+        found = hasattr(OpenEXR, "File")
+    except ImportError:
+        found = False
+    if not found:
+        raise UsageError("--exr: needs the package OpenEXR from 3.3 on; install it: pip install 'strandcli[exr]'")
+    if strands > EXR_INTEGERS:
+        raise UsageError(f"--exr: its floats number at most {EXR_INTEGERS:,} strands; leave out --exr or use fewer")
+
+
+def write_layers(directory: Path, frame: int, layers: Layers, exr: bool = False) -> None:
+    """Write a frame's layers, each file whole or not at all. Raises ``RefusedError`` where that fails."""
+    for name, data in layers.items():
+        with (
+            atomic(directory / f"{name}_{frame:04d}.npz") as file,
+            zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+            archive.open(f"{name}.npy", "w", force_zip64=True) as member,
+        ):
+            np.lib.format.write_array(member, np.ascontiguousarray(data), allow_pickle=False)
+        if name != "linear":
+            image, text = viewable(name, data)
+            write_pieces(directory / f"{name}_{frame:04d}.png", png.encode(image, text))
+    if exr:
+        _write_exr(directory / f"frame_{frame:04d}.exr", layers)
+
+
+def read_layer(path: Path) -> NDArray[Any]:
+    """The array of one ``.npz`` file, which is named as the file is up to its number.
+
+    Raises ``UsageError`` for anything but one such array of at most three dimensions, ``RefusedError`` without
+    permission.
+    """
+    name = path.stem.rpartition("_")[0]
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            found = data[name]
+    except FileNotFoundError:
+        raise UsageError(f"{path}: no such file") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    except KeyError:
+        raise UsageError(f"{path}: holds no array named '{name}'") from None
+    except Exception as error:  # damaged archives raise whatever their damage leads to
+        words = " ".join(str(error).split()) or type(error).__name__
+        raise UsageError(f"{path}: not a layer that can be read: {words}") from None
+    if not isinstance(found, np.ndarray) or found.ndim not in (2, 3):
+        raise UsageError(f"{path}: '{name}' is no picture")
+    return found
+
+
+def viewable(name: str, data: NDArray[Any]) -> tuple[NDArray[Any], dict[str, str]]:
+    """A layer as pixels for PNG, (height, width) or (height, width, 3) of 8 or 16 bits, and text chunks for it."""
+    if name == "depth":
+        seen = np.isfinite(data)
+        near, far = (float(data[seen].min()), float(data[seen].max())) if seen.any() else (0.0, 0.0)
+        share = (far - data) / max(far - near, 1e-30)
+        grey = np.where(seen, 1 + np.rint(65534 * np.where(seen, share, 0)), 0)
+        return grey.astype(np.uint16), {"range": f"{near:.9g} {far:.9g}"} if seen.any() else {}
+    if name == "tangent":
+        return np.rint(np.clip(data + 1, 0, 2) / 2 * 65535).astype(np.uint16), {}
+    if name == "orientation":
+        shift = np.array([0.0, 1 / 3, 2 / 3]) * 2 * np.pi
+        wheel = 0.5 + 0.5 * np.cos(2 * data[..., None] - shift)
+        return np.rint(255 * np.where(data[..., None] < 0, 0, wheel)).astype(np.uint8), {}
+    if name == "strand_id":
+        mixed = (data.astype(np.uint32) + np.uint32(1)) * np.uint32(2654435761)  # Knuth's multiplicative hash
+        colour = np.stack([mixed >> shift & np.uint32(0xFF) for shift in (24, 16, 8)], -1) // 4 * 3 + 64
+        colour[data == -1], colour[data == -2] = 0, 40
+        return colour.astype(np.uint8), {}
+    return np.rint(65535 * np.clip(data, 0, 1)).astype(np.uint16), {}
+
+
+def exr_channels(layers: Layers) -> Iterator[tuple[str, NDArray[np.float32]]]:
+    """The channels of an EXR file by name, (height, width) float32 each."""
+    for name, data in layers.items():
+        planes = np.moveaxis(data, -1, 0) if data.ndim == 3 else data[None]
+        for channel, plane in zip(_EXR_NAMES.get(name, (name,)), planes, strict=True):
+            yield channel, np.ascontiguousarray(plane, np.float32)
+
+
+def _write_exr(path: Path, layers: Layers) -> None:
+    import OpenEXR
+
+    temporary = temporary_name(path).with_suffix(".tmp")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    try:
+        OpenEXR.File(header, dict(exr_channels(layers))).write(str(temporary))
+        os.replace(temporary, path)
+    except (OSError, RuntimeError) as error:
+        temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise refusal(error, path) from error
+        raise RefusedError(f"{path}: cannot be written: {' '.join(str(error).split())}") from error

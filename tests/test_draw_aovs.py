@@ -1,0 +1,235 @@
+"""Layers beside the picture against closed forms: straight strands, planes, balls, one light."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strand_kit import frames_of, scene_of
+
+from strandcli.draw.aovs import NOTHING, SOLID
+from strandcli.draw.camera import camera_view
+from strandcli.pipeline import Frame
+from strandcli.scene import Scene
+from strandcli.scene.model import AOVS
+
+# strands of 2 m side by side in a plane through the origin, without any rule
+SHEET = """
+emitter: {strands: %d, particles: 2, length: 2, direction: %s, position: %s,
+  shape: {kind: plane, width: %g, depth: 0.000001}}
+rules: []
+camera: {kind: %s, position: [0.3, 0.2, 4], target: [0.1, 0, 0], fov: 30, height: 2}
+image: {size: [64, 48], background: [0.2, 0.3, 0.4], supersample: %d,
+  aovs: [depth, mask, tangent, orientation, strand_id, shadow, linear]}
+curves: {mode: "off"}
+material: {specular: 0, diffuse: 0.5, colour: [0.6, 0.4, 0.2]}
+lights: %s
+solids: %s
+"""
+KINDS = pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+
+
+def drawn(
+    strands: int = 300, direction: tuple[float, ...] = (0, 1, 0), position: tuple[float, ...] = (0, -1, 0),
+    width: float = 1.0, kind: str = "perspective", samples: int = 1, lights: str = "[]", solids: str = "[]",
+) -> tuple[Scene, Frame]:  # fmt: skip
+    text = SHEET % (strands, list(direction), list(position), width, kind, samples, lights, solids)
+    scene = scene_of(text)
+    return scene, frames_of(scene, 1)[0]
+
+
+def rays(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and directions (48, 64, 3) of the pixels' rays, the directions with a depth of one."""
+    view = camera_view(scene.camera, 0.0, 64, 48, np.array([[-1.0, -1, -1], [1, 1, 1]]))
+    y, x = np.mgrid[:48, :64] + 0.5
+    across = (x - 32)[..., None] / view.focal * view.right + (24 - y)[..., None] / view.focal * view.up
+    if view.perspective:
+        return np.broadcast_to(view.eye, across.shape), view.forward + across
+    return view.eye + across, np.broadcast_to(view.forward, across.shape)
+
+
+def seen_angle(scene: Scene, tangent: np.ndarray) -> np.ndarray:
+    """(48, 64) the projected angle of a direction, by moving a little along it from a point on each ray."""
+    view = camera_view(scene.camera, 0.0, 64, 48, np.array([[-1.0, -1, -1], [1, 1, 1]]))
+    origin, way = rays(scene)
+    places = []
+    for step in (-1e-4, 1e-4):
+        v = origin + 4 * way + step * tangent - view.eye
+        scale = 1 / (v @ view.forward) if view.perspective else 1.0
+        places.append(np.stack([(v @ view.right) * scale, (v @ view.up) * scale], -1))
+    dx, dy = np.moveaxis(places[1] - places[0], -1, 0)
+    return np.asarray(np.arctan2(dy, dx) % np.pi)
+
+
+@KINDS
+def test_depth_of_a_sheet_of_strands_is_that_of_its_plane(kind: str) -> None:
+    for direction in ((0.0, 1.0, 0.0), (0.0, 0.8, -0.6)):
+        scene, frame = drawn(2000, direction, kind=kind)
+        depth, ids = frame.aovs["depth"], frame.aovs["strand_id"]
+        assert depth.dtype == np.float32
+        there = ids >= 0
+        assert there.sum() > 500
+        origin, way = rays(scene)
+        normal = np.cross(direction, [1, 0, 0])
+        exact = ((np.array([0, -1, 0]) - origin) @ normal) / (way @ normal)
+        # a line is sampled where it crosses the pixel's row: aside of the centre by half a pixel, in a plane that
+        # leans to the camera's sides a little
+        assert np.abs(depth - exact)[there].max() < 0.004
+        assert (depth[ids == NOTHING] == np.inf).all()
+
+
+@KINDS
+@pytest.mark.parametrize(
+    "direction", [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (-1.0, 1.0, 0.0), (0.3, 1.0, 0.9), (0.5, -1.0, -2.0)]
+)
+def test_tangents_and_orientations_of_straight_strands(kind: str, direction: tuple[float, ...]) -> None:
+    unit = np.array(direction) / np.linalg.norm(direction)
+    scene, frame = drawn(400, direction, tuple((-unit).tolist()), kind=kind)
+    there = frame.aovs["strand_id"] >= 0
+    assert there.sum() > 100
+    np.testing.assert_allclose(frame.aovs["tangent"][there], np.broadcast_to(unit, (there.sum(), 3)), atol=1e-5)
+    assert (frame.aovs["tangent"][~there] == 0).all()
+    angle = frame.aovs["orientation"]
+    assert (angle[~there] == -1).all()
+    assert angle[there].min() >= 0
+    assert angle[there].max() < np.pi
+    off = np.abs(angle - seen_angle(scene, unit))[there]
+    assert np.minimum(off, np.pi - off).max() < 1e-3
+
+
+def test_orientation_counts_from_the_right_against_the_clock() -> None:
+    camera = "[0, 0, 4], target: [0, 0, 0]"
+    for direction, eighth in (((1, 0, 0), 0), ((1, 1, 0), 2), ((0, -1, 0), 4), ((-1, 1, 0), 6)):
+        text = SHEET % (1, list(direction), [0, 0, 0], 1e-6, "orthographic", 1, "[]", "[]")
+        scene = scene_of(text.replace("[0.3, 0.2, 4], target: [0.1, 0, 0]", camera))
+        found = frames_of(scene, 1)[0].aovs["orientation"]
+        assert np.abs(found[found >= 0] - eighth * np.pi / 8).max() < 1e-5
+    # above 0 the strand that leans to the right is in the upper right quarter
+    text = SHEET % (1, [1, 1, 0], [0, 0, 0], 1e-6, "orthographic", 1, "[]", "[]")
+    found = frames_of(scene_of(text.replace("[0.3, 0.2, 4], target: [0.1, 0, 0]", camera)), 1)[0].aovs["strand_id"]
+    rows, columns = np.nonzero(found == 0)
+    assert rows.max() <= 24
+    assert columns.min() >= 31
+
+
+@KINDS
+@pytest.mark.parametrize("samples", [1, 2, 3])
+def test_ids_of_one_strand_and_what_is_none(kind: str, samples: int) -> None:
+    ball = "[{kind: sphere, radius: 0.3, position: [0.6, 0, 0]}]"
+    _, frame = drawn(1, width=1e-6, kind=kind, samples=samples, solids=ball)
+    ids = frame.aovs["strand_id"]
+    assert ids.dtype == np.int32
+    assert set(np.unique(ids)) == {NOTHING, SOLID, 0}
+    assert 40 < np.count_nonzero(ids == 0) < 100
+    assert np.isfinite(frame.aovs["depth"][ids == SOLID]).all()
+    assert frame.aovs["depth"][ids == SOLID].min() > 3.6
+
+
+def test_ids_are_those_of_the_groom_whatever_else_is_drawn() -> None:
+    """Where a pixel has a strand's number there is that strand, by its root."""
+    scene, frame = drawn(12)
+    ids = frame.aovs["strand_id"]
+    roots = frame.positions[:, 0]
+    origin, way = rays(scene)
+    depth = np.where(np.isfinite(frame.aovs["depth"]), frame.aovs["depth"], 0)
+    place = origin + depth[..., None] * way
+    there = ids >= 0
+    found = set(np.unique(ids[there]).tolist())
+    assert len(found) > 8  # some stand behind another within a pixel
+    assert found < set(range(12)) or found == set(range(12))
+    assert np.abs(place[there][:, 0] - roots[ids[there], 0]).max() < 0.04  # half a pixel is 0.02
+
+
+@pytest.mark.parametrize("samples", [1, 4])
+def test_the_mask_is_the_share_of_the_picture_that_is_not_background(samples: int) -> None:
+    """One colour on one background: the picture itself is the mask."""
+    _, frame = drawn(60, samples=samples)
+    mask, linear = frame.aovs["mask"], frame.aovs["linear"]
+    strand = np.array([0.6, 0.4, 0.2]) * 0.1  # ambient
+    background = np.array([0.2, 0.3, 0.4])
+    np.testing.assert_allclose(linear, background + mask[..., None] * (strand - background), atol=1e-6)
+    assert (mask > 0).any()
+    assert ((mask > 0) == (frame.aovs["strand_id"] >= 0)).all()
+    assert len(np.unique(mask)) > (1 if samples == 1 else 6)
+
+
+def test_the_shadow_is_the_share_of_light_that_solids_leave() -> None:
+    """Two suns of irradiance 3 and 1 (by luminance); a wall hides the first from the lower half."""
+    suns = (
+        "[{kind: directional, direction: [1, 0, 0], intensity: 3, shadow: {model: 'off'}},"
+        " {kind: directional, direction: [-1, 0, 0], intensity: 1, shadow: {model: 'off'}}]"
+    )
+    wall = "[{kind: box, size: [0.1, 4, 4], position: [-3, -2, 0]}]"
+    scene, frame = drawn(300, lights=suns, solids=wall)
+    there = frame.aovs["strand_id"] >= 0
+    origin, way = rays(scene)
+    height = (origin + np.where(there, frame.aovs["depth"], 0)[..., None] * way)[..., 1]
+    shadow = frame.aovs["shadow"]
+    np.testing.assert_allclose(shadow[there & (height > 0.02)], 1)
+    np.testing.assert_allclose(shadow[there & (height < -0.02)], 0.25)
+    assert (shadow[frame.aovs["strand_id"] == NOTHING] == 1).all()
+    _, free = drawn(300, lights=suns)
+    assert (free.aovs["shadow"] == 1).all()
+
+
+def test_strands_shade_in_the_shadow_layer() -> None:
+    """Under a thick sheet from above little arrives, on its upper strands all."""
+    sun = "[{kind: directional, direction: [0, -1, 0], shadow: {size: 64}}]"
+    text = SHEET % (4000, [0, 0, 1], [0, 0, -1], 1, "perspective", 1, sun, "[{kind: plane, position: [0, -0.5, 0]}]")
+    frame = frames_of(scene_of(text.replace("[0.3, 0.2, 4]", "[0, 3, 3]")), 1)[0]
+    shadow, ids = frame.aovs["shadow"], frame.aovs["strand_id"]
+    assert shadow.min() >= 0
+    assert shadow.max() <= 1
+    assert np.median(shadow[ids >= 0]) > 0.9
+    assert shadow[ids == SOLID].min() < 0.1
+    assert shadow[ids == SOLID].max() == 1
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.lists(st.sampled_from(AOVS), unique=True, max_size=4))
+def test_layers_that_are_asked_for_are_there_and_the_picture_stays(names: list[str]) -> None:
+    text = SHEET % (60, [0, 1, 0], [0, -1, 0], 1, "perspective", 1, "[]", "[]")
+    listed = "[depth, mask, tangent, orientation, strand_id, shadow, linear]"
+    frame = frames_of(scene_of(text.replace(listed, str(names))), 1)[0]
+    assert list(frame.aovs) == names
+    np.testing.assert_array_equal(frame.image, drawn(60)[1].image)
+
+
+@pytest.mark.parametrize("lens", ["aperture: 0.4, focus: 1, samples: 3", "shutter: 1, samples: 3"])
+def test_layers_are_a_pinholes_whatever_the_lens_does(lens: str) -> None:
+    text = SHEET % (60, [0, 1, 0], [0, -1, 0], 1, "perspective", 2, "[]", "[]")
+    sharp, blurred = (frames_of(scene_of(one), 1)[0].aovs for one in (text, text.replace("height: 2", lens)))
+    for name in set(AOVS) - {"linear"}:
+        np.testing.assert_array_equal(sharp[name], blurred[name])
+
+
+def test_portions_of_strands_change_no_layer(monkeypatch: pytest.MonkeyPatch) -> None:
+    ball = "[{kind: sphere, radius: 0.3, position: [0.2, 0, 0]}]"
+    whole = drawn(500, samples=2, solids=ball)[1].aovs
+    monkeypatch.setattr("strandcli.draw.renderer.PORTION", 256)
+    parts = drawn(500, samples=2, solids=ball)[1].aovs
+    for name in AOVS:
+        np.testing.assert_array_equal(whole[name], parts[name])
+
+
+CROP = "[9, 5, 31, 22]"
+
+
+@KINDS
+@pytest.mark.parametrize("samples", [1, 2])
+def test_a_crop_window_is_a_part_of_the_whole_picture(kind: str, samples: int) -> None:
+    """But for lines whose place on the screen rounds otherwise: they may step from row to row a pixel earlier."""
+    suns = "[{kind: directional, direction: [1, -1, -1], shadow: {size: 64}}]"
+    solids = "[{kind: sphere, radius: 0.3, position: [0.2, 0, 0]}, {kind: plane, position: [0, -0.6, 0]}]"
+    text = SHEET % (100, [0.3, 1, 0], [0, -1, 0], 1, kind, samples, suns, solids)
+    text = text.replace("supersample", "horizon: [0, 0.5, 1], supersample")
+    whole, part = (
+        frames_of(scene_of(one), 1)[0] for one in (text, text.replace("supersample", f"crop: {CROP}, supersample"))
+    )
+    assert part.image.shape == (22, 31, 3)
+    window = (slice(5, 27), slice(9, 40))
+    differ = (whole.image[window] != part.image).any(2)
+    assert differ.mean() < 0.01
+    for name in ("depth", "strand_id", "mask", "orientation"):
+        assert (~np.isclose(whole.aovs[name][window], part.aovs[name], atol=1e-4)).mean() < 0.01
