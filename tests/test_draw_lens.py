@@ -23,6 +23,7 @@ time: {fps: 10}
 camera: {position: [0.002, 0, 4], target: [0.002, 0, 0], fov: 30, %s}
 image: {size: [80, 60], background: [0, 0, 0], aovs: [linear]}
 ambient: [1, 1, 1]
+curves: {mode: "off"}
 material: {colour: [1, 1, 1], specular: 0, diffuse: 0}
 lights: []
 """
