@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures claims study bench stress golden golden-update clean help
+.PHONY: demo test lint types check figures claims study bench stress golden golden-update check-against-mitsuba clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -18,6 +18,7 @@ help:
 	@echo "make study      every solver against exact solutions: out/study"
 	@echo "make bench      time every stage of a frame"
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
+	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
@@ -61,6 +62,17 @@ golden: $(READY)
 golden-update: $(READY)
 	$(RUN) golden update tests/golden
 
+CHECK := .venv-check
+
+check-against-mitsuba: $(CHECK)/.ready
+	$(CHECK)/bin/python -m pytest -s tests/test_mitsuba.py
+
+$(CHECK)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(CHECK)
+	$(CHECK)/bin/python -m pip install --quiet --upgrade pip
+	$(CHECK)/bin/python -m pip install --quiet --group dev --editable .[check]
+	@touch $@
+
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "strandcli needs Python 3.11 or newer: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
@@ -72,4 +84,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) $(CHECK) out build dist

@@ -1,6 +1,7 @@
 """The same strands drawn by an independent path tracer, Mitsuba 3: `make check-against-mitsuba`. Direct light alone.
 
-What is the same: strands as the very polylines, cylinders of one width; camera; one directional light of a given
+What is the same: strands, to them B-splines through fine polylines (of their `linearcurve` the BSDF of 3.9 does not get
+the tangent, which shows as soon as a strand leaves the axes), of one width; camera; one directional light of a given
 irradiance; index of refraction, absorption, roughness. What differs, and is part of the figures here:
 
 - Mitsuba's `hair` is Chiang's model, evaluated at the offset h where a ray meets the strand; here light is averaged
@@ -29,20 +30,26 @@ from strandcli.scene.model import Material  # noqa: E402
 from strandcli.study.axes import Request  # noqa: E402
 from strandcli.study.pictures.subject import Subject, changed, silhouette  # noqa: E402
 
-SIZE = (160, 120)
-SPP = 256
+SIZE = (96, 72)
+SPP = 2048
 IRRADIANCE = 3.0
 BETA_M, BETA_N = 0.3, 0.3
+LIGHTS = {
+    "from the eye": ((0, -0.2, -1), (0.3, 0.6)),
+    "from behind": ((0.5, -0.3, 0.8), (0.05, 0.3)),
+}
+"""Where light travels to, and how far Gaussian lobes may be from Chiang's there: in brightness, and in RMSE. Facing the
+eye there is little light, much of it in the fourth lobe and in the tails, which a Gaussian lacks."""
 CHIANG = "model" in settings_of(Material) and "chiang" in settings_of(Material)["model"].spec.options
 PRESET = """\
 title: strands that stand apart
-emitter: {shape: {kind: sphere, radius: 0.2}, strands: 150, particles: 9, length: 0.8, jitter: 20, curl_turns: 0.4}
+emitter: {shape: {kind: sphere, radius: 0.2}, strands: 60, particles: 9, length: 0.8, jitter: 20, curl_turns: 0.4}
 camera: {position: [0, 0.3, 4], target: [0, 0, 0], fov: 34}
-image: {size: [160, 120], supersample: 8, background: [0, 0, 0]}
+image: {size: [96, 72], supersample: 16, background: [0, 0, 0]}
 ambient: [0, 0, 0]
 lights: [{kind: directional, direction: [0, -0.2, -1], intensity: 3, shadow: {model: "off"}}]
-material: {colour: [0.45, 0.25, 0.12], diffuse: 0, width: 0.012, taper: 0}
-curves: {mode: fixed, level: 2}
+material: {colour: [0.45, 0.25, 0.12], diffuse: 0, width: 0.005, taper: 0}
+curves: {mode: fixed, level: 4}
 """
 
 
@@ -75,13 +82,18 @@ def _degrees(beta_n: float) -> float:
     return float(min(np.linspace(5, 40, 3501), key=lambda degrees: abs(azimuthal_beta(float(degrees)) - beta_n)))
 
 
+def spline(points: Any) -> Any:
+    """Control points (n + 2, 3) of a uniform cubic B-spline that begins and ends where a polyline (n, 3) does."""
+    return np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+
+
 def traced(subject: Subject, direction: tuple[float, float, float], folder: Path, seed: int) -> tuple[Any, Any]:
     """Colour and coverage by the path tracer."""
     mi.set_variant("scalar_rgb")
     scene = subject.scene
     lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene), True,
                     Scratch())  # fmt: skip
-    strands = [lines.world[a:b] for a, b in zip(lines.first[:-1], lines.first[1:], strict=True)]
+    strands = [spline(lines.world[a:b]) for a, b in zip(lines.first[:-1], lines.first[1:], strict=True)]
     radius = scene.material.width / 2
     text = "\n\n".join("\n".join(f"{x:.7g} {y:.7g} {z:.7g} {radius:.7g}" for x, y, z in one) for one in strands)
     (folder / "strands.txt").write_text(text + "\n")
@@ -97,7 +109,7 @@ def traced(subject: Subject, direction: tuple[float, float, float], folder: Path
         "type": "scene", "integrator": {"type": "path", "max_depth": 2},
         "sensor": {"type": "perspective", "fov": camera.fov, "fov_axis": "y", "to_world": look, "film": film,
                    "sampler": {"type": "independent", "sample_count": SPP}},
-        "hair": {"type": "linearcurve", "filename": str(folder / "strands.txt"), "bsdf": fibre},
+        "hair": {"type": "bsplinecurve", "filename": str(folder / "strands.txt"), "bsdf": fibre},
         "light": {"type": "directional", "direction": list(direction), "irradiance": IRRADIANCE},
     })  # fmt: skip
     image = np.array(mi.render(loaded, spp=SPP, seed=seed), np.float64)
@@ -111,10 +123,12 @@ def both(subject: Subject, direction: tuple[float, float, float], folder: Path) 
 
 
 def figures(found: Both) -> tuple[float, float, float]:
-    """Relative RMSE without the noise, mean brightness over theirs, and the noise, as shares of their mean."""
-    mean = found.theirs.mean()
+    """RMSE without the noise, mean brightness over theirs, and the noise. Most of the picture is empty, so that its mean
+    says little: RMSE and noise are shares of their picture's own root mean square."""
+    size = float(np.sqrt((found.theirs**2).mean() - found.noise**2))
     square = ((found.ours - found.theirs) ** 2).mean() - found.noise**2
-    return float(np.sqrt(max(square, 0.0)) / mean), float(found.ours.mean() / mean), found.noise / float(mean)
+    return (float(np.sqrt(max(square, 0.0))) / size, float(found.ours.mean() / found.theirs.mean()),
+            found.noise / size)  # fmt: skip
 
 
 def test_strands_cover_the_same_pixels(subject: Subject, tmp_path: Path) -> None:
@@ -127,10 +141,11 @@ def test_strands_cover_the_same_pixels(subject: Subject, tmp_path: Path) -> None
     assert rmse**2 - noise**2 < (0.02) ** 2
 
 
-@pytest.mark.parametrize("direction", [(0, -0.2, -1), (0.5, -0.3, 0.8)], ids=["before", "behind"])
-def test_strands_have_the_same_light(subject: Subject, tmp_path: Path, direction: Any) -> None:
+@pytest.mark.parametrize(("direction", "marschner"), LIGHTS.values(), ids=LIGHTS)
+def test_strands_have_the_same_light(subject: Subject, tmp_path: Path, direction: Any, marschner: Any) -> None:
     found = both(subject, direction, tmp_path)
     rmse, brightness, noise = figures(found)
-    print(f"\nRMSE {rmse:.4f} of the mean without a noise of {noise:.4f}, brightness {brightness:.4f}")
-    assert abs(brightness - 1) < 0.02
-    assert rmse < 0.1
+    print(f"\nRMSE {rmse:.4f} without a noise of {noise:.4f}, brightness {brightness:.4f}")
+    off, apart = (0.02, 0.1) if CHIANG else marschner
+    assert abs(brightness - 1) < off
+    assert rmse < apart

@@ -144,8 +144,9 @@ def command(
     knobs of one stage of drawing, or all.
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
-    far finer one, or rays, or quadrature. With --reference: against exact solutions. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest setting under an error. A solver that
-    cannot represent something is told as not represented. Exit code 3: no setting keeps under --max-error.
+    far finer one, or rays, or quadrature. With --reference: against exact solutions. Prints a table, writes NAME.csv,
+    .json, .png and .svg, and recommends the cheapest setting under an error. A solver that cannot represent something
+    is told as not represented. Exit code 3: no setting keeps under --max-error.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
