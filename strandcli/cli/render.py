@@ -231,6 +231,8 @@ def _run(
         raise
     except KeyboardInterrupt:
         status = "interrupted"
+        if not quiet:
+            progress.line(f"{writer.directory}: interrupted; {_frames(len(writer.written))} stay, --resume goes on")
         raise
     finally:
         machine: Mapping[str, Any] | None = None if previous is None else previous.get("machine")
@@ -256,6 +258,10 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
     if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
         click.echo(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
     return path
+
+
+def _frames(count: int) -> str:
+    return f"{count} finished {'frame' if count == 1 else 'frames'}"
 
 
 def _line(number: int, report: Mapping[str, Any]) -> str:

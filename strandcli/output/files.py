@@ -143,7 +143,9 @@ def prepare_folder(directory: Path, needed_bytes: int) -> None:
 
 
 def megabytes(count: int) -> str:
-    """A size for people: ``12 MB``, ``3.4 GB``."""
+    """A size for people: ``16 kB``, ``12 MB``, ``3.4 GB``."""
     if count >= 1_000_000_000:
         return f"{count / 1e9:.1f} GB"
-    return f"{max(1, round(count / 1e6))} MB" if count else "0 MB"
+    if count >= 1_000_000:
+        return f"{round(count / 1e6)} MB"
+    return f"{max(1, round(count / 1e3))} kB" if count else "0 kB"
