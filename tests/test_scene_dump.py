@@ -46,7 +46,8 @@ def test_text_of_several_lines(text: str) -> None:
 def test_every_setting_is_written_out() -> None:
     data = to_dict(Scene())
     assert list(data) == [key for key in settings_of(Scene) if key != "panels"]
-    assert list(data["camera"]) == ["kind", "position", "target", "up", "fov", "height", "near", "keys"]
+    lens = ["aperture", "focus", "shutter", "samples"]
+    assert list(data["camera"]) == ["kind", "position", "target", "up", "fov", "height", "near", *lens, "keys"]
     shadow = {"model": "minmax", "size": 512, "layers": 13, "texel": None, "bias": 0.0}
     assert data["lights"][0]["shadow"] == shadow
 

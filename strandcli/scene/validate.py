@@ -13,6 +13,7 @@ from typing import Any
 from .describe import wanted
 from .faults import Fault, Mark, fault_at, hint, shown
 from .fields import (
+    LARGEST,
     SMALLEST,
     BooleanSpec,
     ChoiceSpec,
@@ -275,7 +276,8 @@ def _given(node: Node) -> str:
 
 def _in_range(value: float, limits: Range, node: Scalar) -> float:
     if not limits.holds(value):
-        raise Refusal(f"not {shown(node.text)}")
+        beyond = "; single precision ends before that" if abs(value) > LARGEST or 0 < abs(value) < SMALLEST else ""
+        raise Refusal(f"not {shown(node.text)}{beyond}")
     return value
 
 
