@@ -127,8 +127,8 @@ def both(subject: Subject, direction: tuple[float, float, float], folder: Path) 
 
 
 def figures(found: Both) -> tuple[float, float, float]:
-    """RMSE without the noise, mean brightness over theirs, and the noise. Most of the picture is empty, so that its mean
-    says little: RMSE and noise are shares of their picture's own root mean square."""
+    """RMSE without the noise, mean brightness over theirs, and the noise. Most of the picture is empty, so that its
+    mean says little: RMSE and noise are shares of their picture's own root mean square."""
     size = float(np.sqrt((found.theirs**2).mean() - found.noise**2))
     square = ((found.ours - found.theirs) ** 2).mean() - found.noise**2
     return (float(np.sqrt(max(square, 0.0))) / size, float(found.ours.mean() / found.theirs.mean()),

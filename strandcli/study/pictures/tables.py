@@ -133,7 +133,8 @@ class TableStudy(Pictures):
         shape = self.phi.shape
         arguments = (
             np.broadcast_to(self.theta_l[:, None], shape).ravel(),
-            np.broadcast_to(self.theta_v[:, None], shape).ravel(), self.phi.ravel(), material.eta, math.radians(material.alpha), math.radians(material.beta),
+            np.broadcast_to(self.theta_v[:, None], shape).ravel(),
+            self.phi.ravel(), material.eta, math.radians(material.alpha), math.radians(material.beta),
             math.radians(material.azimuthal), self.sigma, knobs["h"],
         )  # fmt: skip
         out: NDArray[np.float64] = np.empty((self.phi.size, 3))
