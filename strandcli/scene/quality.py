@@ -10,7 +10,7 @@ within 1/20 of a sample; root mean square error and signed bias as shares of the
 | default | 52 ms, 9.9 %, +.6 % | 39 ms, 7.3 %, +1.6 % |
 | best | 134 ms, 4.7 %, +.1 % | 121 ms, 4.0 %, +1.1 % |
 
-Beyond: 3×3 samples stand between the last two (82 ms, 6.6 %); 6×6 double the time of best for no less error in `hair`
+Beyond: 3×3 samples stand between the last two (86 ms, 6.6 %); 6×6 double the time of best for no less error in `hair`
 with two levels of curves (249 ms, 4.7 %). A coarser tolerance than 1/4 saves no time worth its error at 2×2 samples,
 because there it is pixels that cost. The error of a shadow map's model is no part of this: see `--axis shadow`.
 Lines of no width become thinner with more samples; give strands a `material.width`, as the study does.
