@@ -208,7 +208,7 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     result = run("bench", "--strands", "500", "--size", "80x60", "--frames", "3", "--threads", "1", "--json")
     assert json.loads(result.out) == BENCH
     assert (asked["strands"], asked["particles"], asked["size"], asked["frames"]) == (500, 10, (80, 60), 3)
-    assert (asked["threads"], asked["solver"], asked["quality"]) == (1, "thesis", "default")
+    assert (asked["threads"], asked["solver"], asked["quality"]) == (1, "thesis", "preset")
     table = run("bench").out
     assert "simulate            1.50        1.25        2.00" in table
     assert "50.0 frames/s" in table

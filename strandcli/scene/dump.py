@@ -21,7 +21,8 @@ def plain(value: Any) -> Any:
 
 
 def to_dict(scene: Scene) -> dict[str, Any]:
-    """``scene`` with every setting written out. A panel holds only the top-level settings in which it differs."""
+    """``scene`` with every setting written out. A panel holds only the top-level settings in which it differs,
+    or all where its quality does."""
     base: dict[str, Any] = plain(dataclasses.replace(scene, panels=()))
     del base["panels"]
     if scene.panels:
@@ -30,7 +31,9 @@ def to_dict(scene: Scene) -> dict[str, Any]:
         own = plain(panel)
         del own["panels"]
         label = own.pop("label")
-        changes = {key: value for key, value in own.items() if value != base[key]}
+        # another quality would change what is the same: then everything is written beside it
+        whole = own["quality"] != base["quality"]
+        changes = {key: value for key, value in own.items() if whole or value != base[key]}
         base["panels"].append({"label": label, "set": changes})
     return base
 

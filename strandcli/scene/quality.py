@@ -1,4 +1,20 @@
-"""What `quality: draft | default | best` stands for: one table, for presets, `--set` and `strandcli bench`."""
+"""What `quality: draft | default | best` stands for: one table, for presets, `--set` and `strandcli bench`.
+
+The settings are points of the fronts that `strandcli study PRESET --axis end-to-end` finds: one frame of 2,000 strands
+and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel and curves
+within 1/20 of a sample; root mean square error and signed bias as shares of the picture's mean.
+
+| quality | `hair`: time, error, bias | `fur`: time, error, bias |
+|---|---|---|
+| draft | 26 ms, 27 %, +.7 % | 13 ms, 25 %, +6.4 % |
+| default | 52 ms, 9.9 %, +.6 % | 39 ms, 7.3 %, +1.6 % |
+| best | 134 ms, 4.7 %, +.1 % | 121 ms, 4.0 %, +1.1 % |
+
+Beyond: 3×3 samples stand between the last two (86 ms, 6.6 %); 6×6 double the time of best for no less error in `hair`
+with two levels of curves (249 ms, 4.7 %). A coarser tolerance than 1/4 saves no time worth its error at 2×2 samples,
+because there it is pixels that cost. The error of a shadow map's model is no part of this: see `--axis shadow`.
+Lines of no width become thinner with more samples; give strands a `material.width`, as the study does.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +28,7 @@ SHADOWED = "lights.*.shadow"
 """Stands for the shadow map of every light that has one."""
 QUALITIES: Mapping[str, Mapping[str, Any]] = {
     "draft": {"curves.level": 1, "curves.tolerance": 4.0, "image.supersample": 1},
-    "default": {"curves.level": 2, "curves.tolerance": 1.0, "image.supersample": 2},
+    "default": {"curves.level": 2, "curves.tolerance": 0.25, "image.supersample": 2},
     "best": {"curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 4},
 }
 

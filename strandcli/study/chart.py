@@ -53,7 +53,9 @@ def chart(study: Study, max_error: float | None = None) -> Drawing:
     """The drawing. Points without an error, or with none at all, are left out."""
     out = Drawing(WIDTH, HEIGHT)
     out.items.append(Text((LEFT, 28), study.title, INK, 19))
-    what = f"error ({study.metric}, a share {study.unit}) against run time. Ringed: on the Pareto front. {KEY}"
+    what = f"error ({study.metric}, a share {study.unit}) against run time. Ringed: on the Pareto front"
+    if any(knob in point.knobs for point in study.points for knob in SHORT):
+        what += f". {KEY}"
     what += "; star: recommended" if max_error else ""
     out.items.append(Text((LEFT, 52), what, FAINT, 13))
     shown = [point for point in study.points if (point.error.get(study.metric) or 0) > 0 and point.seconds > 0]

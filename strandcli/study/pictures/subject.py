@@ -209,7 +209,7 @@ def knows(scene: Scene, path: str, value: Any = None) -> bool:
         if node is None and spec is not None:
             node = Detail() if part in settings_of(Detail) else None
         cls: Any = type(node)
-        known = dataclasses.is_dataclass(cls)
+        known = dataclasses.is_dataclass(node)
         settings = settings_of(cls) if known else {}
         if part not in settings:
             return False
