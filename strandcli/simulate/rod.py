@@ -78,11 +78,11 @@ class RodSolver(Solver):
                 )
         rod: Rod = scene.rod
         n = scene.emitter.particles - 1
-        self._set_matter(rod, n)
-        self.long = n > DENSE_MOST or np.ptp(np.log(self.joint)) > np.log(CONTRAST)
+        mass, joint = _matter_along(rod, n)
+        self.long = n > DENSE_MOST or float(joint.max()) > CONTRAST * float(joint.min())
         self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         lengths = groom.lengths.astype(np.float64) / n
-        self.mass, self.joint = self.mass.astype(self.dtype), self.joint.astype(self.dtype)
+        self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
         self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
@@ -115,17 +115,6 @@ class RodSolver(Solver):
         self.residuals = np.zeros(len(self.lengths), self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
-
-    def _set_matter(self, rod: Rod, n: int) -> None:
-        """Masses of particles and rigidities of joints, relative to a segment at the root; half a mass at the tip and
-        twice the rigidity at the root make the discretisation second order."""
-        radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
-        segments = ((radius[:-1] + radius[1:]) / 2) ** 2
-        mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
-        joint = radius[:-1] ** 4
-        joint[0] *= 2
-        self.mass: NDArray[Any] = mass
-        self.joint: NDArray[Any] = joint
 
     def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The emitter's rotation and translation; at rest where no rule carries the roots along."""
@@ -278,6 +267,17 @@ class RodSolver(Solver):
         return float(self.residuals.max())
 
 
+def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at the
+    tip and twice the rigidity at the root make the discretisation second order."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    segments = ((radius[:-1] + radius[1:]) / 2) ** 2
+    mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
+    joint = radius[:-1] ** 4
+    joint[0] *= 2
+    return mass, joint
+
+
 def _edges(groom: Groom, n: int) -> tuple[list[NDArray[np.float64]], bool]:
     """(strands, 3) unit vectors, edge by edge from the root, in the emitter's frame. An edge whose ends coincide takes
     the direction of the one before it, the first that of the strand, for no iteration finds any from nothing; whether
@@ -286,7 +286,7 @@ def _edges(groom: Groom, n: int) -> tuple[list[NDArray[np.float64]], bool]:
     edges, mended = [], False
     for j in range(n):
         edge = groom.edge(j, n)
-        lost = ~edge.any(1)
+        lost = np.asarray(~edge.any(axis=1))
         if lost.any():
             edge, mended = np.where(lost[:, None], before, edge), True
         before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
