@@ -78,8 +78,8 @@ class RodSolver(Solver):
                 )
         rod: Rod = scene.rod
         n = scene.emitter.particles - 1
-        mass, joint = _matter(rod, n)
-        self.long = n > DENSE_MOST or np.ptp(np.log(joint)) > np.log(CONTRAST)
+        mass, joint = _matter_along(rod, n)
+        self.long = n > DENSE_MOST or float(joint.max()) > CONTRAST * float(joint.min())
         self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         lengths = groom.lengths.astype(np.float64) / n
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
@@ -267,9 +267,9 @@ class RodSolver(Solver):
         return float(self.residuals.max())
 
 
-def _matter(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Masses of particles and rigidities of joints, relative to a segment at the root; half a mass at the tip and
-    twice the rigidity at the root make the discretisation second order."""
+def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at the
+    tip and twice the rigidity at the root make the discretisation second order."""
     radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
     segments = ((radius[:-1] + radius[1:]) / 2) ** 2
     mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
@@ -286,7 +286,7 @@ def _edges(groom: Groom, n: int) -> tuple[list[NDArray[np.float64]], bool]:
     edges, mended = [], False
     for j in range(n):
         edge = groom.edge(j, n)
-        lost: NDArray[np.bool_] = ~np.any(edge, axis=1)
+        lost = np.asarray(~edge.any(axis=1))
         if lost.any():
             edge, mended = np.where(lost[:, None], before, edge), True
         before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
