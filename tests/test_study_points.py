@@ -65,7 +65,9 @@ def test_the_margin_of_a_solver_counts() -> None:
 def test_powers_are_found(power: float, size: float, count: int) -> None:
     steps = [2.0**-i for i in range(count)]
     found = fitted_order(steps, [size * step**power for step in steps])
-    assert found == pytest.approx(power, abs=0.004)  # powers are tried in steps of 1/200
+    # powers are tried in steps of 1/200; the next greater one, with a floor, may fit better than the next smaller one,
+    # whose floor would have to be negative
+    assert found == pytest.approx(power, abs=0.0051)
 
 
 def test_a_floor_of_another_making_is_left_out() -> None:
