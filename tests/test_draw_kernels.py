@@ -72,7 +72,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "normal": (solids.normal, (*SOLIDS, 1, ONE, ONE, ONE)),
     "lit": (solids.lit, (*SOLIDS, *[ONE] * 8)),
     "ray": (solids.ray, (ROW, ONE, ONE)),
-    "encode": (film.encode, (ONE, np.zeros(65536, np.uint8))),
+    "encode": (film.encode, (ONE, ONE, np.zeros(65536, np.uint8))),
     "marschner": (
         marschner.marschner,
         (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),

@@ -45,9 +45,9 @@ def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers
 
 
 def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
-    row = pack_lights((light,), maps, BOX)[0]
+    packed = pack_lights((light,), maps, BOX)
     x, y, z = np.asarray(point, np.float32)
-    return float(opacity.optical_depth(x, y, z, row, maps.stacks, maps.starts, maps.sizes, maps.packed))
+    return float(opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed))
 
 
 def test_a_map_counts_projected_area() -> None:
@@ -77,9 +77,9 @@ def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:
     below = [depth(maps, sun, np.array([x, -0.5, z])) for x in (-0.4, 0.0, 0.33) for z in (-0.3, 0.01)]
     assert np.mean(below) == pytest.approx(0.25, abs=0.02)
     assert [depth(maps, sun, np.array([x, 0.2, 0.1])) for x in (-0.4, 0.0, 0.33)] == [0, 0, 0]
-    row = pack_lights((sun,), maps, BOX)[0]
+    packed = pack_lights((sun,), maps, BOX)
     x, y, z = np.array([0.0, -0.5, 0.0], np.float32)
-    share = opacity.transmittance(x, y, z, row, maps.stacks, maps.starts, maps.sizes, maps.packed)
+    share = opacity.transmittance(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     assert float(share) == pytest.approx(math.exp(-depth(maps, sun, np.array([0, -0.5, 0]))), abs=1e-6)
 
 
@@ -135,7 +135,7 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     point = np.array([0.1, -0.3, 0.0])
     for number, light in ((0, SUN), (2, LAMP)):
         x, y, z = point.astype(np.float32)
-        here = opacity.optical_depth(x, y, z, packed[number], maps.stacks, maps.starts, maps.sizes, maps.packed)
+        here = opacity.optical_depth(x, y, z, packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
 
 
