@@ -61,6 +61,9 @@ def render(
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
         raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
     runtime.start(threads, notify)
+    trouble = runtime.cache_trouble()
+    if warn is not None and trouble is not None:
+        warn(trouble)
     if scene.panels:
         from .panels import side_by_side
 

@@ -146,7 +146,7 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     elif curves.mode == "fixed":
         use(Stage("curves", f"each segment becomes {pieces} pieces"))
     else:
-        use(Stage("curves", f"up to {pieces} pieces a segment, within {curves.tolerance:g} px"))
+        use(Stage("curves", f"within {curves.tolerance:g} px where {pieces} pieces a segment are enough, else so many"))
         if not needs_shadow_maps(scene):
             skip(Stage("curves off the screen", "no shadow map needs them"))
     lit = [light for light in scene.lights if light.intensity > 0 and any(light.colour)]

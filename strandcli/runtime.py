@@ -24,7 +24,7 @@ from .errors import UsageError
 
 _state: dict[str, Any] = {
     "folder": None,
-    "temporary": False,
+    "trouble": None,
     "compile_seconds": 0.0,
     "depth": 0,
     "began": 0.0,
@@ -70,7 +70,14 @@ def cache_folder() -> Path:
 def shared_folder() -> Path | None:
     """That folder where other processes find it again, None where it is a temporary one of this process."""
     folder = cache_folder()
-    return None if _state["temporary"] else folder
+    return None if _state["trouble"] else folder
+
+
+def cache_trouble() -> str | None:
+    """What keeps compiled kernels from being kept for the next run, and what to do about it; None where they are."""
+    start_once()
+    trouble: str | None = _state["trouble"]
+    return trouble
 
 
 @contextmanager
@@ -135,9 +142,12 @@ def _writable_folder() -> Path:
             pass
         os.utime(folder)
         _forget_old(base, keep=folder)
-    except OSError:
+    except OSError as error:
+        _state["trouble"] = (
+            f"{folder}: compiled kernels cannot be kept there ({error.strerror or error}): every run will compile "
+            "anew; point STRANDCLI_CACHE_DIR at a folder that can be written"
+        )
         folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
-        _state["temporary"] = True
         import atexit
 
         atexit.register(shutil.rmtree, folder, ignore_errors=True)

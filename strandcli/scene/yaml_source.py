@@ -1,12 +1,14 @@
 """YAML text to a tree that knows its places (`nodes.py`).
 
-Built on the events of PyYAML's pure Python parser, whose state machine does not recurse, so that size and depth are
-checked before anything grows. Refused: anchors and aliases (a few lines of them can unfold to gigabytes), tags,
+Built on the events of PyYAML's parsers, whose state machines do not recurse, so that size and depth are checked before
+anything grows. Refused: anchors and aliases (a few lines of them can unfold to gigabytes), tags,
 duplicate keys (YAML lets the last one win in silence), more than one document, and anything that is not UTF-8.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .faults import Fault, Mark, SceneError, fault_at, one_line, shown
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     import yaml
 
 LARGEST_FILE = 1 << 20  # bytes
+LONG = 1 << 16  # characters
 DEEPEST = 32
 
 
@@ -112,7 +115,7 @@ class _Builder:
         import yaml  # 30 ms, which commands that read no preset need not spend
 
         try:
-            for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            for event in _events(text):
                 self.take(event)
         except yaml.reader.ReaderError as error:
             line = text.count("\n", 0, error.position)
@@ -152,7 +155,7 @@ class _Builder:
         if isinstance(event, yaml.ScalarEvent):
             if event.tag is not None:
                 self.refuse(mark, f"`{event.tag}`: tags are refused")
-            self.add(Scalar(self.checked(event.value, mark), event.style is None, mark))
+            self.add(Scalar(self.checked(event.value, mark), not event.style, mark))
             return
         assert isinstance(event, yaml.CollectionStartEvent)
         if event.tag is not None:
@@ -217,6 +220,18 @@ def _decoded(data: bytes, file: str) -> str:
         column = len(data[data.rfind(b"\n", 0, error.start) + 1 : error.start].decode("utf-8", "replace")) + 1
         message = f"is not UTF-8 text (byte 0x{data[error.start]:02x}); is it a preset?"
         raise SceneError([fault_at(Mark(file, line, column), "", message)]) from None
+
+
+def _events(text: str) -> Iterable[yaml.Event]:
+    """PyYAML's events. Its parser in Python tells best what is wrong, but takes 3 ms a kilobyte: long texts are first
+    given to the one in C, where there is one."""
+    import yaml
+
+    if len(text) > LONG and yaml.__with_libyaml__:
+        with suppress(yaml.YAMLError, ValueError, OverflowError):
+            return list(yaml.parse(text, Loader=yaml.CSafeLoader))
+    events: Iterable[yaml.Event] = yaml.parse(text, Loader=yaml.SafeLoader)
+    return events
 
 
 def _advice(error: yaml.MarkedYAMLError) -> str:
