@@ -22,6 +22,11 @@ from typing import Any
 from . import __version__
 from .errors import UsageError
 
+SPINS = "30000"
+"""How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which
+another process could have run: beside a busy one, small frames took 3 to 40 times as long. Less than this and
+every step of a small simulation waits for a thread to wake up."""
+
 _state: dict[str, Any] = {
     "folder": None,
     "trouble": None,
@@ -42,6 +47,8 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
     if _state["folder"] is None:
         _state["folder"] = _writable_folder()
         os.environ["NUMBA_CACHE_DIR"] = str(_state["folder"])
+        if "OMP_WAIT_POLICY" not in os.environ:  # read once, when OpenMP's library is loaded
+            os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
         if "numba" in sys.modules:
             sys.modules["numba"].config.CACHE_DIR = str(_state["folder"])
         _watch()
