@@ -12,7 +12,6 @@ from cli_runs import Runner
 
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline
-from strandcli.study.pictures.shadow import strand_spacing
 from strandcli.study.pictures.subject import changed, differences, knows
 
 SMALL = """\
@@ -66,13 +65,6 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     cylinders.transmittance(first, world, radii, probes, np.array([-1, 0]), frames, np.full(2, 5.0), jitter, out)
     assert out[0] == pytest.approx(1 - 0.2, abs=0.01)
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
-
-
-def test_spacing_of_a_square_grid() -> None:
-    x, y = np.meshgrid(np.arange(8.0), np.arange(8.0))
-    roots = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1).astype(np.float32)
-    assert strand_spacing(0.5 * roots) == pytest.approx(0.5)
-    assert strand_spacing(roots[:1]) == 1e-6
 
 
 def test_settings_by_path() -> None:

@@ -2,7 +2,8 @@
 
 The resolution of an opacity map follows from the groom. A texel much finer than the distance between strands holds one
 strand or none, and shades what is behind it fully or not at all, where it should shade everything near it by a part;
-one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best (`study/shadow.py`).
+one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli study PRESET
+--axis shadow`.
 """
 
 from __future__ import annotations
