@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels import chiang as kernel
+from .kernels import lobes
 from .marschner import PATH_FLOOR, rays_across, seen
 from .pigment import absorption_of, varies
 
@@ -152,8 +153,8 @@ def azimuthal(
     n *= ((rays @ weight) / np.maximum(found, 1e-300))[:, None]
 
     nodes = np.zeros((len(theta), n_phi, kernel.NODE_SIZE), np.float32)
-    nodes[..., : kernel.REST] = n[..., :7]
-    nodes[..., kernel.REST : kernel.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
+    nodes[..., : lobes.REST] = n[..., :7]
+    nodes[..., lobes.REST : lobes.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
 
     mean = np.stack([n[..., 1:4].mean(-1), n[..., 4:7].mean(-1)], -1)
     plain = np.array([1.0, 2.0]) * (2.0 * eta / root)[..., None]
