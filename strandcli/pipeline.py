@@ -233,12 +233,11 @@ class _Film:
 
     def _sound(self, frame: Frame, before: NDArray[np.float32] | None) -> _Begun:
         """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
-        from .draw.detail import drawn_fraction
+        from .draw.detail import needed
         from .simulate.health import drawable
 
         solver, strands = self.solver, self.groom.strands
-        share = drawn_fraction(self.scene, (frame.number - 1) / self.scene.time.fps)[0]
-        first = min(max(round(self.scene.emitter.strands * share), 1), strands)
+        first = min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
         kept = np.flatnonzero(drawable(solver)[:first])
         if not len(kept):
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")

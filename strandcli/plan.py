@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .constants import FRAGMENT_BYTES, FRAGMENTS, PORTION, W
-from .draw.detail import drawn_fraction
+from .draw.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
 from .simulate.rules import idle, registry
@@ -72,8 +72,8 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
 
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
     """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made."""
-    most = max((drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
-    return max(round(scene.emitter.strands * most), 1)
+    counts = (needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
+    return max(counts, default=scene.emitter.strands)
 
 
 def require_memory(plan: Plan) -> None:
@@ -178,11 +178,11 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         use(Stage("solids", f"{len(visible)} to draw, to hide strands and to cast shadows"))
     else:
         skip(Stage("solids", "there are none to see"))
-    fractions = [drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames]
+    fractions = [shares(scene, (frame - 1) / scene.time.fps)[0] for frame in frames]
     if scene.detail is None:
         skip(Stage("level of detail", "the preset has none"))
     elif min(fractions, default=1.0) < 1:
-        use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands"))
+        use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands where they are farthest"))
     else:
         skip(Stage("level of detail", "every frame is near"))
     resolver = scene.image.resolver

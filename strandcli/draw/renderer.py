@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,13 +21,14 @@ from ..constants import PORTION, W
 from ..groom.emit import Groom
 from . import lens, raster
 from .aovs import Recorder
+from .bounds import bounds_of
 from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
-from .detail import drawn_fraction
+from .detail import Level, level_of, needed
 from .environment import sky_of
 from .film import curve_of, gradient
-from .kernels import film, project, shade_strands, shade_surfaces, solids
+from .kernels import detail, film, project, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
@@ -67,6 +68,10 @@ class Renderer:
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
+        )
+        # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
+        self._thins = self.coverage is not None and not any(
+            light.shadow.model == "minmax" and wants_map(light) for light in scene.lights
         )
         self._clock = 0.0
         self._seen = 0
@@ -134,14 +139,14 @@ class Renderer:
     ) -> tuple[NDArray[np.float32], ShadowMaps | None]:  # fmt: skip
         """One exposure, linear, and the shadow maps that it used: those ``made`` before, or its own."""
         scene, scratch, at = self.scene, self.scratch, shot.at
-        fraction, spread = drawn_fraction(scene, at)
-        strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
-        bounds = self._bounds(positions, strands)
+        strands = min(needed(scene, at), len(self.tones))
+        level = level_of(scene, at, positions, strands, self.ids, self._thins)
+        bounds = bounds_of(positions, strands, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
         portions = self._portions(strands, positions.shape[1] - 1)
 
-        spacing = self._spacing / math.sqrt(fraction)
-        thickness = self._thickness(view, bounds, spread)
+        spacing = self._spacing if level is None else self._spacing / math.sqrt(level.share)
+        thickness = self._thickness(view, bounds)
         maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
         fresh = maps is not None and made is None
         self._lap("shadow")
@@ -149,7 +154,7 @@ class Renderer:
             # every strand has to be in the maps before the first is shaded
             for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
                 for begin, end in portions:
-                    lines = self._flatten(positions, lengths, begin, end, view, True)
+                    lines = self._flatten(positions, lengths, begin, end, view, True, level)
                     draw(lines, workers, scratch)
                     self._lap("shadow")
                 (maps.divide if draw == maps.add else maps.finish)()
@@ -167,12 +172,12 @@ class Renderer:
         front: NDArray[np.uint64] | None = None
         lights = pack_lights(scene.lights, maps, bounds)
         for begin, end in portions:
-            lines = self._flatten(positions, lengths, begin, end, view, maps is not None)
+            lines = self._flatten(positions, lengths, begin, end, view, maps is not None, level)
             if maps is not None and fresh and len(portions) == 1:
                 maps.build(lines, workers, scratch)
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
-            widths = self._widths(lines, screen, view, spread)
+            widths = self._widths(lines, screen, view)
             self._lap("curves")
             segments += lines.segments
             if self.coverage is not None:
@@ -208,7 +213,7 @@ class Renderer:
         if recorder is not None:
             recorder.rest(keys if front is None else front, view, packed, lights, maps, self._skin())
         self._drawing.counts |= {
-            "strands": strands,
+            "strands": strands if level is None else int(np.count_nonzero(level.fade)),
             "particles": strands * (positions.shape[1] - 1),
             "segments": segments,
             "fragments": self._fragments(keys, len(portions)),
@@ -269,21 +274,19 @@ class Renderer:
         step = max(PORTION // vertices // W, 1) * W
         return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 
-    def _bounds(self, positions: NDArray[np.float32], strands: int) -> NDArray[np.float64]:
-        """Box (2, 3) of the strands that are drawn: of no others, so that a frame is the same whichever strands other
-        frames need."""
-        whole = strands // W
-        rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
-        parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
-        parts = [part for part in parts if part.size]
-        low = np.min([part.min((0, 1, 3)) for part in parts], 0)
-        return np.stack([low, np.max([part.max((0, 1, 3)) for part in parts], 0)]).astype(np.float64)
-
     def _flatten(
-        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View, keep: bool
-    ) -> Polylines:
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View,
+        keep: bool, level: Level | None,
+    ) -> Polylines:  # fmt: skip
         blocks = slice(begin // W, -(-end // W))
-        lines = flatten(positions[blocks], lengths[blocks], end - begin, self.scene.curves, view, keep, self.scratch)
+        fade = None if level is None else level.fade[begin:end]
+        lines = flatten(
+            positions[blocks], lengths[blocks], end - begin, self.scene.curves, view, keep, self.scratch, fade
+        )
+        if level is not None:
+            lines = replace(lines, scale=level.scale[begin:end])
+            if not self._thins:
+                detail.shorten(lines.first, lines.world, fade)
         if lines.error is not None:
             self._drawing.curve_px_max = max(lines.error, self._drawing.curve_px_max or 0.0)
         self._lap("curves")
@@ -301,20 +304,24 @@ class Renderer:
             solids.draw(*packed, frames_of(packed, view), view.pack(), *self.size, keys)
 
     def _widths(
-        self, lines: Polylines, screen: NDArray[np.float32], view: View, spread: float
+        self, lines: Polylines, screen: NDArray[np.float32], view: View
     ) -> NDArray[np.float32] | None:
         """Widths in pixels, or None where every line is one pixel wide; for the z-buffer at least a pixel."""
         material = self.scene.material
-        thickness = material.width * spread
-        if thickness == 0 or not len(screen):
+        thickness, scale = material.width, lines.scale
+        if not len(screen):
             return None
+        if thickness == 0:
+            return None if scale is None or not self._thins else np.repeat(scale, np.diff(lines.first))
         nearest = float(screen[:, 2].max()) if view.perspective else 1.0
         least = np.float32(1 if self.coverage is None else 0)
-        if thickness * view.focal * nearest <= least:
+        widest = 1.0 if scale is None else float(scale.max())
+        if thickness * widest * view.focal * nearest <= least:
             return None
         widths = self.scratch.take("widths", len(screen), np.float32)
         project.widths(
-            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), least, widths
+            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), scale, least,
+            widths,
         )
         return widths
 
@@ -358,12 +365,12 @@ class Renderer:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
-    def _thickness(self, view: View, bounds: NDArray[np.float64], spread: float) -> Thickness:
+    def _thickness(self, view: View, bounds: NDArray[np.float64]) -> Thickness:
         """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle
         of the groom."""
         material = self.scene.material
         if material.width > 0:
-            return Thickness(material.width * spread, material.taper)
+            return Thickness(material.width, material.taper)
         centre = bounds.mean(0)
         depth = max(float((centre - view.eye) @ view.forward), view.near) if view.perspective else 1.0
         return Thickness(depth / view.focal)

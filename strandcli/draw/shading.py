@@ -26,13 +26,8 @@ class Palette:
 
     def __init__(self, material: Material, deep: bool = False) -> None:
         """``deep``: whether any light has an opacity map, without which dual scattering has nothing to count."""
-        marschner = build_marschner(material) if material.model == "marschner" else None
-        chiang = build_chiang(material) if material.model == "chiang" else None
-        tables: MarschnerTables | ChiangTables | None = marschner or chiang
-        self.lobes = None if marschner is None else marschner.lobes
-        self.fibre = None if chiang is None else chiang.fibre
-        self.nodes = None if tables is None else tables.nodes
-        self.paths = None if tables is None else tables.paths
+        tables = build_marschner(material) if material.model == "marschner" else build_chiang(material)
+        self.take(tables)
         self.diffuse = np.float32(material.diffuse)
         roughness = material.beta_n if material.model == "chiang" else azimuthal_beta(material.azimuthal)
         self.colour = colour_of(material, roughness).astype(np.float32)
@@ -42,6 +37,13 @@ class Palette:
         self.tint = (
             tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
         )
+
+    def take(self, tables: MarschnerTables | ChiangTables | None) -> None:
+        """Tables to shade with; None: no highlights."""
+        self.lobes = tables.lobes if isinstance(tables, MarschnerTables) else None
+        self.fibre = tables.fibre if isinstance(tables, ChiangTables) else None
+        self.nodes = None if tables is None else tables.nodes
+        self.paths = None if tables is None else tables.paths
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:

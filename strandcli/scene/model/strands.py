@@ -82,8 +82,21 @@ class Curves:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Detail:
-    """Level of detail: far away fewer strands are drawn, each one wider by the inverse of the fraction kept."""
+    """Level of detail: of strands far away fewer are drawn, each one wider by the inverse of the fraction kept there,
+    near / distance."""
 
-    near: float = number(10.0, above=0, unit="m", doc="nearer than this every strand is drawn")
+    near: float | None = number(
+        None,
+        above=0,
+        unit="m",
+        doc="nearer than this every strand is drawn; absent: up to where it is `pixels` wide, by material.width",
+    )
+    pixels: float = number(
+        1.0,
+        above=0,
+        high=100,
+        unit="px",
+        doc="width of a strand's root on the screen, in samples, under which fewer are drawn (where near is absent)",
+    )
     fraction: float = number(0.1, above=0, high=1, doc="smallest fraction kept, however far")
     widen: bool = boolean(True, doc="widen by 1 / fraction, so that the covered area stays")

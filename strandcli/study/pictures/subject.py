@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...draw.camera import View, camera_view
+from ...draw.chiang import ChiangTables
 from ...draw.curves import Polylines
+from ...draw.marschner import MarschnerTables
 from ...draw.renderer import Renderer
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.emit import emit
@@ -134,8 +136,11 @@ class Subject:
         depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
         return self.scene.material.width * view.focal / depth
 
-    def draw(self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, tables: Any = None) -> Picture:
-        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own Marschner tables.
+    def draw(
+        self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False,
+        tables: MarschnerTables | ChiangTables | None = None,
+    ) -> Picture:  # fmt: skip
+        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own.
 
         Raises `RefusedError` where the samples would not fit into memory."""
         import numba
@@ -150,7 +155,7 @@ class Subject:
         renderer = LinearRenderer(scene, self.groom)
         renderer.keep_shading = keep_shading
         if tables is not None:
-            renderer.palette.nodes, renderer.palette.lobes, renderer.palette.paths = tables
+            renderer.palette.take(tables)
         seconds: dict[str, float] = {}
         for _ in range(draws):
             drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())
