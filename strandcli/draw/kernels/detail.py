@@ -7,9 +7,11 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import parallel, prange
+from ...jit import function, parallel, prange
 
 ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
 
 
 @parallel
@@ -38,20 +40,39 @@ def choose(positions, ids, total, eye, near, least, band, fade, wider):
 
 @parallel
 def shorten(first, world, fade):
-    """Strands of which a part is left keep the part next to their root: all beyond becomes one point.
+    """Of strands that fade the part next to the root is left, by length: all vertices beyond come to one point.
 
     first (S + 1,) int64; world (V, 3) metres; fade (S,).
     """
     for s in prange(fade.shape[0]):
-        begin = first[s]
-        end = first[s + 1]
-        if fade[s] < np.float32(1.0) and end > begin:
-            place = fade[s] * np.float32(end - begin - 1)
-            low = begin + min(np.int64(place), max(end - begin - 2, 0))
-            part = place - np.float32(low - begin)
-            high = min(low + 1, end - 1)
+        if fade[s] < ONE:
+            cut(world, first[s], first[s + 1], fade[s])
+
+
+@function
+def cut(world, begin, end, part):
+    """Leave a part of the length of one polyline."""
+    left = ZERO
+    for v in range(begin + 1, end):
+        left += apart(world, v - 1, v)
+    left *= part
+    for v in range(begin + 1, end):
+        length = apart(world, v - 1, v)
+        t = min(left / max(length, TINY), ONE)
+        left -= t * length
+        if t < ONE:
             for c in range(3):
-                world[high, c] = world[low, c] + part * (world[high, c] - world[low, c])
-            for v in range(high + 1, end):
+                world[v, c] = world[v - 1, c] + t * (world[v, c] - world[v - 1, c])
+            for w in range(v + 1, end):
                 for c in range(3):
-                    world[v, c] = world[high, c]
+                    world[w, c] = world[v, c]
+            return
+
+
+@function
+def apart(world, v, w):
+    """Distance between two vertices."""
+    x = world[w, 0] - world[v, 0]
+    y = world[w, 1] - world[v, 1]
+    z = world[w, 2] - world[v, 2]
+    return math.sqrt(x * x + y * y + z * z)
