@@ -176,7 +176,8 @@ def test_nothing_jumps(resolver: str, shadow: str | None) -> None:
 
 def test_a_strand_in_the_z_buffer_grows_from_its_root() -> None:
     """It is shortened, since its line cannot be less than a sample wide: pixels of one strand come bit by bit."""
-    stage = Stage(changed(still(1, "zbuffer"), {"material.width": 0.0, "camera.kind": "orthographic", "camera.height": 1.5}))
+    flat = {"material.width": 0.0, "camera.kind": "orthographic", "camera.height": 1.5}
+    stage = Stage(changed(still(1, "zbuffer"), flat))
     scene = changed(stage.scene, {"detail.widen": False})
     seen = []
     for part in (0.2, 0.6, 1.0):

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 
 from ..constants import FRAGMENT_BYTES, FRAGMENTS
 from ..errors import RefusedError
+from .body import Body
 from .curves import Polylines
 from .kernels import raster as bands
 from .kernels import resolve as kernel
+from .kernels.body import over_fragments
 from .scratch import Scratch
 
 BANDS_A_WORKER = 8
@@ -55,6 +57,14 @@ class Layer:
         kernel.compose(
             lists.counts, lists.ends, lists.keys, lists.stream, self.kept, self.stride, colours, self.top, image
         )
+
+    def round_off(self, body: Body, image: NDArray[np.float32]) -> None:
+        """Add how the light of wide strands departs from its average over their width."""
+        lists = self.lists
+        over_fragments(
+            lists.counts, lists.ends, lists.keys, lists.stream, self.kept, self.stride, body.screen, body.widths,
+            body.samples, body.slots, body.profile, self.top, image,
+        )  # fmt: skip
 
 
 class Coverage:

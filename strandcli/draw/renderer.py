@@ -21,14 +21,15 @@ from ..constants import PORTION, W
 from ..groom.emit import Groom
 from . import lens, raster
 from .aovs import Recorder
-from .bounds import bounds_of
+from .body import Body, body_of
 from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import Level, level_of, needed
 from .environment import sky_of
+from .extent import bounds_of, thickness_of, widths_of
 from .film import curve_of, gradient
-from .kernels import detail, film, project, shade_strands, shade_surfaces, solids
+from .kernels import detail, film, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
@@ -69,6 +70,7 @@ class Renderer:
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
         )
+        self._rounds = scene.material.rounded
         # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
         self._thins = self.coverage is not None and not any(
             light.shadow.model == "minmax" and wants_map(light) for light in scene.lights
@@ -146,7 +148,7 @@ class Renderer:
         portions = self._portions(strands, positions.shape[1] - 1)
 
         spacing = self._spacing if level is None else self._spacing / math.sqrt(level.share)
-        thickness = self._thickness(view, bounds)
+        thickness = thickness_of(scene.material, view, bounds)
         maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
         fresh = maps is not None and made is None
         self._lap("shadow")
@@ -177,7 +179,9 @@ class Renderer:
                 maps.build(lines, workers, scratch)
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
-            widths = self._widths(lines, screen, view)
+            least = 1.0 if self.coverage is None else 0.0
+            widths = widths_of(lines, screen, view, scene.material, least, self._thins, scratch)
+            body = body_of(lines, screen, widths, scene.image.supersample, scratch) if self._rounds else None
             self._lap("curves")
             segments += lines.segments
             if self.coverage is not None:
@@ -191,9 +195,11 @@ class Renderer:
                     self._before_light()
                     if packed is not None and layer.top == 0:  # strands are laid over the solids
                         self._surfaces(keys, view, lights, maps, packed, at, image)
-                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed)
+                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed, body)
                     self._lap("shade")
                     layer.compose(colours, image)
+                    if body is not None:
+                        layer.round_off(body, image)
                     self._lap("film")
                 continue
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
@@ -202,9 +208,11 @@ class Renderer:
             self._lap("raster")
             self._before_light()
             marks = self._mark(lines, keys, base)
-            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed)
+            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed, body)
             self._lap("shade")
             film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
+            if body is not None:
+                body.over_seen(keys, base, lines, image)
             self._lap("film")
             base += len(lines.world)
         if packed is not None and self.coverage is None:
@@ -303,28 +311,6 @@ class Renderer:
         else:
             solids.draw(*packed, frames_of(packed, view), view.pack(), *self.size, keys)
 
-    def _widths(
-        self, lines: Polylines, screen: NDArray[np.float32], view: View
-    ) -> NDArray[np.float32] | None:
-        """Widths in pixels, or None where every line is one pixel wide; for the z-buffer at least a pixel."""
-        material = self.scene.material
-        thickness, scale = material.width, lines.scale
-        if not len(screen):
-            return None
-        if thickness == 0:
-            return None if scale is None or not self._thins else np.repeat(scale, np.diff(lines.first))
-        nearest = float(screen[:, 2].max()) if view.perspective else 1.0
-        least = np.float32(1 if self.coverage is None else 0)
-        widest = 1.0 if scale is None else float(scale.max())
-        if thickness * widest * view.focal * nearest <= least:
-            return None
-        widths = self.scratch.take("widths", len(screen), np.float32)
-        project.widths(
-            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), scale, least,
-            widths,
-        )
-        return widths
-
     def _mark(self, lines: Polylines, keys: NDArray[np.uint64], base: int) -> NDArray[np.uint8]:
         """(V,) not zero at the lit vertices of what is seen in the z-buffer."""
         count = len(lines.world)
@@ -336,6 +322,7 @@ class Renderer:
     def _shade(
         self, lines: Polylines, marks: NDArray[np.uint8], begin: int, end: int, view: View,
         lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
+        body: Body | None = None,
     ) -> NDArray[np.float32]:  # fmt: skip
         """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others."""
         colours = self.scratch.take("colours", (len(lines.world), 3), np.float32)
@@ -343,7 +330,8 @@ class Renderer:
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
             np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
-            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
+            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
+            *((None,) * 3 if body is None else (body.slots, p.columns, body.profile)), colours,
         )  # fmt: skip
         return colours
 
@@ -364,16 +352,6 @@ class Renderer:
     def _blank(self) -> NDArray[np.uint8]:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
-
-    def _thickness(self, view: View, bounds: NDArray[np.float64]) -> Thickness:
-        """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle
-        of the groom."""
-        material = self.scene.material
-        if material.width > 0:
-            return Thickness(material.width, material.taper)
-        centre = bounds.mean(0)
-        depth = max(float((centre - view.eye) @ view.forward), view.near) if view.perspective else 1.0
-        return Thickness(depth / view.focal)
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
         return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import solids
+from . import body, solids
 from .approximations import exp
 from .batch import (
     ARRIVES,
@@ -55,7 +55,8 @@ STRANDS = 128
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
-    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots, columns, profile,
+    out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
@@ -67,7 +68,8 @@ def strands(
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
     each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres;
-    spheres None where no solid casts shadows; out (V, 3).
+    spheres None where no solid casts shadows; slots, columns, profile: of `strandcli.draw.body`, None where no strand
+    is wide; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -83,18 +85,22 @@ def strands(
                 if marks is not None and marks[v] == 0:
                     continue
                 gather(world, v, begin, end, tones[s], per, colour, tint, ambient, work, n)
+                if slots is not None and slots[v] >= 0:
+                    body.begin(profile, slots[v])
                 which[n] = v
                 n += 1
                 if n == W:
                     batch(
                         work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
                         maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+                        which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
             work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+            which, slots, columns, profile,
         )  # fmt: skip
         scatter(work, which, n, out)
 
@@ -130,9 +136,9 @@ def scatter(work, which, n, out):
 @function
 def batch(
     work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
-    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
 ):  # fmt: skip
-    """Radiance of the first n vertices of a batch."""
+    """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
     frames(work, n, view)
     if sky is not None:
         for c in range(3):
@@ -154,6 +160,8 @@ def batch(
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
                 work[ARRIVES + k] *= exp(-work[PASSED + k])
+        if slots is not None:
+            body.remember(work)
         if twice is not None and lights[i, 10] > ZERO:
             glow(work, n, lights, i, twice, scale)
         elif diffuse > ZERO:
@@ -165,8 +173,16 @@ def batch(
                 work[RADIANCE + k] += lights[i, 4] * (d * work[COLOUR + k])
                 work[RADIANCE + W + k] += lights[i, 5] * (d * work[COLOUR + W + k])
                 work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
+        if slots is not None:
+            body.round_off(work, n, which, slots, profile)
         if nodes is not None:
             highlights(work, n, lights, i, lobes, fibre, nodes, paths)
+            if slots is not None:
+                body.highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile)
+    if slots is not None:
+        for k in range(n):
+            if slots[which[k]] >= 0:
+                body.add_up(profile, slots[which[k]])
 
 
 @function

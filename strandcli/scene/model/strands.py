@@ -56,6 +56,9 @@ class Material:
         doc="strand diameter near the root; with the zbuffer drawn only where it exceeds a pixel. 0: lines one pixel "
         "wide",
     )
+    rounded: bool = boolean(
+        True, doc="light across a strand where it is wider than two pixels; false: its average everywhere"
+    )
     taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
     opacity: float = number(
         1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted, kbuffer)"
