@@ -184,7 +184,8 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     elif min(fractions, default=1.0) < 1:
         use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands where they are farthest"))
     else:
-        skip(Stage("level of detail", "every frame is near"))
+        blind = scene.detail.near is None and scene.material.width == 0
+        skip(Stage("level of detail", "lines have no width, and no near is given" if blind else "every frame is near"))
     resolver = scene.image.resolver
     held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
     if resolver == "zbuffer":

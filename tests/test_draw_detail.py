@@ -12,7 +12,6 @@ from strand_kit import frames_of, groom_of, scene_of
 
 from strandcli.blocks import lanes, pack
 from strandcli.draw.detail import BAND, level_of, near_of, needed, share_at, shares
-from strandcli.errors import StrandError
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.subject import LinearRenderer, changed
@@ -103,8 +102,8 @@ def test_without_a_distance_strands_are_kept_while_they_are_wide_enough_on_the_s
     flat = changed(scene, {"camera.kind": "orthographic", "camera.height": 4.0, "camera.keys": ()})
     assert near_of(flat, 0.0) == (pytest.approx(0.002 * 10 / 0.5), False)
     assert share_at(changed(flat, {"material.width": 0.01}), 0.0, 1e9) == pytest.approx(0.2)
-    with pytest.raises(StrandError, match=r"detail\.near"):
-        scene_of(text.replace("width: 0.002", "width: 0"))
+    lines = scene_of(text.replace("width: 0.002", "width: 0"))
+    assert shares(lines, 0.0) == (1, 1)
 
 
 def test_bounds_hold_for_every_strand_as_camera_and_emitter_move() -> None:

@@ -42,11 +42,14 @@ class Level:
 
 def near_of(scene: Scene, time: float) -> tuple[float, bool]:
     """Distance from the camera up to which every strand is drawn, metres, and whether distance counts at all: under an
-    orthographic camera the width of strands on the screen does not depend on it, and the first is k itself."""
+    orthographic camera the width of strands on the screen does not depend on it, and the first is k itself. Lines
+    without a width are as wide far away as near, and are all drawn."""
     detail, camera = scene.detail, scene.camera
     assert detail is not None
     if detail.near is not None:
         return detail.near, True
+    if scene.material.width == 0:
+        return math.inf, False
     _, _, fov, tall = camera_at(camera, time)
     samples = scene.image.size[1] * scene.image.supersample
     by_distance = camera.kind == "perspective"

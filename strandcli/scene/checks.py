@@ -41,9 +41,6 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _times(scene.camera.keys, "camera.keys")
     yield from _lens(scene.camera)
     yield from _picture(scene.image)
-    if scene.detail is not None and scene.detail.near is None and scene.material.width == 0:
-        message = "lines without a width are as wide far away as near; give detail.near, or strands a material.width"
-        yield Finding(("detail", "material.width"), message, ("detail.near", "material.width"))
 
 
 def _spacing(emitter: Emitter) -> Iterator[Finding]:

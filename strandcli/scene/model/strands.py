@@ -92,7 +92,7 @@ class Detail:
         None,
         above=0,
         unit="m",
-        doc="nearer than this every strand is drawn; absent: up to where it is `pixels` wide, by material.width",
+        doc="nearer than this every strand is drawn; absent: where it is `pixels` wide or wider, by material.width",
     )
     pixels: float = number(
         1.0,
