@@ -35,19 +35,23 @@ QUALITIES: Mapping[str, Mapping[str, Any]] = {
 
 def settings_for(name: str, scene: Scene) -> dict[str, Any]:
     """The settings of a quality by the paths that a scene has, those of lights by their numbers."""
-    shadowed = [i for i, light in enumerate(scene.lights) if light.shadow.model != "off"]
-    return dict(expanded(name, shadowed))
+    return dict(expanded(name, shadowed(scene)))
 
 
-def expanded(name: str, shadowed: list[int]) -> Iterator[tuple[str, Any]]:
-    """The settings of a quality that this program has; ``shadowed``: numbers of the lights that have a shadow map.
+def shadowed(scene: Scene) -> list[int]:
+    """Numbers of the lights that have a shadow map."""
+    return [i for i, light in enumerate(scene.lights) if light.shadow.model != "off"]
+
+
+def expanded(name: str, lights: list[int]) -> Iterator[tuple[str, Any]]:
+    """The settings of a quality that this program has; ``lights``: numbers of the lights that have a shadow map.
     Nothing for a name that is no quality."""
     for path, value in QUALITIES.get(name, {}).items():
         if not path.startswith(SHADOWED):
             if _known(ModelSpec(Scene), path.split("."), value):
                 yield path, value
             continue
-        for i in shadowed:
+        for i in lights:
             own = path.replace("*", str(i), 1)
             if _known(ModelSpec(Scene), own.split("."), value):
                 yield own, value

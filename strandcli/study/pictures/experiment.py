@@ -48,14 +48,19 @@ class Pictures(ABC):
         scene = self.scene
         found = []
         for knobs in self.choices():
-            own = {path: value for path, value in knobs.items() if path in self.request.fixed}
-            if all(knows(scene, path, value) for path, value in knobs.items()) and all(
+            paths = self.paths(knobs)
+            own = {path: value for path, value in paths.items() if path in self.request.fixed}
+            if all(knows(scene, path, value) for path, value in paths.items()) and all(
                 value_at(scene, path) == value for path, value in own.items()
             ):
                 found.append(knobs)
         if not found:
             raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its knobs")
         return found
+
+    def paths(self, knobs: Knobs) -> Knobs:
+        """The settings by dotted path that a choice stands for."""
+        return knobs
 
     def margins(self) -> Mapping[str, float]:
         """Nothing: references are finer by far than what is measured against them."""
@@ -78,7 +83,7 @@ class Pictures(ABC):
 
     def measure(self, knobs: Knobs) -> Point:
         """Draw one setting."""
-        picture = self.subject.draw(changed(self.scene, knobs))
+        picture = self.subject.draw(changed(self.scene, self.paths(knobs)))
         return self.point(knobs, picture, self.errors(knobs, picture))
 
     @abstractmethod

@@ -138,9 +138,10 @@ class Subject:
 
     def draw(
         self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False,
-        tables: MarschnerTables | ChiangTables | None = None,
+        tables: MarschnerTables | ChiangTables | None = None, renderer: LinearRenderer | None = None,
     ) -> Picture:  # fmt: skip
-        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own.
+        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own, ``renderer`` for the
+        usual one of the scene.
 
         Raises `RefusedError` where the samples would not fit into memory."""
         import numba
@@ -152,7 +153,7 @@ class Subject:
                 f"{self.name}: {scene.image.supersample}×{scene.image.supersample} samples a pixel would take about "
                 f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
             )
-        renderer = LinearRenderer(scene, self.groom)
+        renderer = renderer or LinearRenderer(scene, self.groom)
         renderer.keep_shading = keep_shading
         if tables is not None:
             renderer.palette.take(tables)
