@@ -180,8 +180,8 @@ class Renderer:
                     front = keys.copy()
                     raster.draw(lines, screen, widths, base, self.size, workers, scratch, front)
                     recorder.strands(lines, screen, front, base, begin, view)
-                limit = None if packed is None else keys
-                for layer in self.coverage.layers(lines, screen, widths, limit, workers, scratch):
+                hides = None if packed is None else solids.depths(keys)
+                for layer in self.coverage.layers(lines, screen, widths, hides, workers, scratch):
                     self._lap("raster")
                     self._before_light()
                     if packed is not None and layer.top == 0:  # strands are laid over the solids
