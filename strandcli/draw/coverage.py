@@ -19,11 +19,15 @@ from numpy.typing import NDArray
 from ..constants import FRAGMENT_BYTES, FRAGMENTS
 from ..errors import RefusedError
 from .curves import Polylines
+from .edges import Edges
 from .kernels import gather, resolve
 from .kernels.tiles import BLOCK, PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
 from .scratch import Scratch
 
 TASKS_A_WORKER = 16
+NONE = np.zeros((0, 3), np.float32)
+NOTHING = np.zeros(0, np.float32)
+NOWHERE = np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,8 @@ class Layer:
     place: NDArray[np.uint32]
     weight: NDArray[np.float32]
     along: NDArray[np.float32]
+    light: NDArray[np.float32]
+    """(E, 3) radiance of solids at their edges."""
     top: int
     bottom: int
     stride: int
@@ -55,8 +61,8 @@ class Layer:
     def compose(self, colours: NDArray[np.float32], image: NDArray[np.float32]) -> None:
         """Lay it over the picture (height, width, 3), with the radiance (V, 3) of all vertices marked so far."""
         resolve.compose(
-            self.begin, self.kept, self.place, self.weight, self.along, self.stride, colours, self.top, self.bottom,
-            self.tasks, image,
+            self.begin, self.kept, self.place, self.weight, self.along, self.stride, colours, self.light, self.top,
+            self.bottom, self.tasks, image,
         )  # fmt: skip
 
 
@@ -79,29 +85,27 @@ class Coverage:
 
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
-        none = np.zeros(0, np.float32)
-        return Layer(np.zeros(2, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), none, none, 0, 1, 1, 1,
-                     np.zeros(1, np.uint8))  # fmt: skip
+        return Layer(np.zeros(2, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
+                     NONE, 0, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
 
     def layers(
         self,
         lines: Polylines,
         screen: NDArray[np.float32],
         widths: NDArray[np.float32] | None,
-        hides: NDArray[np.float32] | None,
+        edges: Edges | None,
         workers: int,
         scratch: Scratch,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
-        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; hides (height * width,): depth number of the
-        solid that hides what is behind it, 0 where there is none; or None. Raises `RefusedError` where one row of pixels
-        holds more fragments than there is room for.
+        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any.
+        Raises `RefusedError` where one row of pixels holds more fragments than there is room for.
         """
         self.fragments = self.most = 0
         marks = scratch.take("marks", len(screen), np.uint8)
         lit = None
-        for top, bottom, tiles in self._bands(lines, screen, widths, hides, workers, scratch):
+        for top, bottom, tiles in self._bands(lines, screen, widths, edges, workers, scratch):
             begin = np.zeros(tiles.heads.shape[1] + 1, np.int64)
             resolve.sizes(tiles.heads, tiles.fills, tiles.links, begin)
             most = int(begin.max())
@@ -124,8 +128,9 @@ class Coverage:
                 lit |= marks
             elif bottom < self.size[1]:
                 lit = marks.copy()
+            light = NONE if edges is None else edges.light
             yield Layer(
-                begin, kept, place, weight, along, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
+                begin, kept, place, weight, along, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
             )
 
     def _bands(
@@ -133,7 +138,7 @@ class Coverage:
         lines: Polylines,
         screen: NDArray[np.float32],
         widths: NDArray[np.float32] | None,
-        hides: NDArray[np.float32] | None,
+        edges: Edges | None,
         workers: int,
         scratch: Scratch,
     ) -> Iterator[tuple[int, int, Tiles]]:
@@ -145,7 +150,7 @@ class Coverage:
         ahead = self._cuts()[::-1]
         while ahead:
             top, bottom = ahead.pop()
-            found = self._tiles(lines, screen, widths, rows, hides, top, bottom, workers, scratch)
+            found = self._tiles(lines, screen, widths, rows, edges, top, bottom, workers, scratch)
             if isinstance(found, Tiles):
                 yield top, bottom, found
             elif bottom - top > 1:
@@ -179,7 +184,7 @@ class Coverage:
         screen: NDArray[np.float32],
         widths: NDArray[np.float32] | None,
         rows: NDArray[np.float32],
-        hides: NDArray[np.float32] | None,
+        edges: Edges | None,
         top: int,
         bottom: int,
         workers: int,
@@ -196,9 +201,12 @@ class Coverage:
         fills = scratch.take("fills", (workers, tiles), np.int64)
         used = np.zeros(workers, np.int64)
         fills.fill(0)
+        hides, pixels, depth, cover = None, NOWHERE, NOTHING, NOTHING
+        if edges is not None:
+            hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
         gather.gather(
-            lines.first, screen, widths, self.opacity, lines.stride, _bits(lines), rows, top, bottom, self.size[0], hides, workers,
-            pool, links, heads, fills, used,
+            lines.first, screen, widths, self.opacity, lines.stride, _bits(lines), rows, top, bottom, self.size[0],
+            hides, pixels, depth, cover, workers, pool, links, heads, fills, used,
         )  # fmt: skip
         if used.max() >= blocks // workers:
             return max(int(used.sum()), int(used.max()) * workers) * BLOCK

@@ -7,9 +7,25 @@ import math
 import numpy as np
 
 from ...jit import function, inlined, parallel, prange
+from . import tiles
 from .coverage import (
-    AREA, CELL, CELLS, DEPTH, FLAT_WAY, H, INTEGERS, MIDDLE, PLACE, RISE, ROWS, THIN, VERTEX, ZERO, fragments, whole
-)  # fmt: skip
+    AREA,
+    CELL,
+    CELLS,
+    DEPTH,
+    FLAT_WAY,
+    INTEGERS,
+    MIDDLE,
+    PLACE,
+    RISE,
+    ROWS,
+    THIN,
+    VERTEX,
+    ZERO,
+    H,
+    fragments,
+    whole,
+)
 from .ribbon import ribbon
 from .tiles import READY, TILE_WIDTH, append, fixed
 
@@ -47,16 +63,17 @@ def spans(first, screen, margin, width, out):
 
 @parallel
 def gather(
-    first, screen, widths, opacity, stride, bits, rows, top, bottom, width, hides, workers,
+    first, screen, widths, opacity, stride, bits, rows, top, bottom, width, hides, edges, depth, cover, workers,
     pool, links, heads, fills, used,
 ):  # fmt: skip
     """Append the fragments of the rows top <= y < bottom to the chains of their tiles, which begin at row `top`.
 
     first (S + 1,) int64; screen (V, 3) float32 as from `project.points`; widths (V,) float32 pixels, or None for lines
     one pixel wide; opacity: of the material; every `stride`-th vertex is lit, 2^(PLACES − bits); rows (S, 2): as from
-    `spans`; hides: as in `coverage.fragments`; pool, links, heads, fills, used: as in `tiles.append`, fills and used
-    zero before. The `workers` share strands and blocks evenly; one that used more than
-    its share but one had no room for all, and then no chain holds.
+    `spans`; hides: as in `coverage.fragments`; edges (E,) int64, depth, cover (E,) float32: pixels that a solid covers
+    in part, its depth number and share, which become fragments too, number V + e; pool, links, heads, fills, used: as
+    in `tiles.append`, fills and used zero before. The `workers` share strands and blocks evenly; one that used more
+    than its share but one had no room for all, and then no chain holds.
     """
     share = links.shape[0] // workers
     strands_ = first.shape[0] - 1
@@ -64,7 +81,13 @@ def gather(
         task = np.int64(one)  # the index is unsigned, and would make floats of what it is added to
         strands(
             task * strands_ // workers, (task + 1) * strands_ // workers, first, screen, widths, opacity,
-            stride, bits, rows, top, bottom, width, hides, pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task,
+            stride, bits, rows, top, bottom, width, hides,
+            pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task,
+        )  # fmt: skip
+        count = edges.shape[0]
+        solids(
+            task * count // workers, (task + 1) * count // workers, edges, depth, cover, screen.shape[0],
+            top, bottom, width, pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task,
         )  # fmt: skip
 
 
@@ -126,6 +149,31 @@ def strands(
                 run = way
             v = after
     n = fragments(work, cells, n, top, bottom, width, hides, ready, places)
+    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+
+
+@function
+def solids(
+    low, high, edges, depth, cover, base, top, bottom, width, pool, links, heads, fills, used, begin, last, task
+):
+    """Append what solids cover of the pixels number `low` to before `high` of those that they cover in part."""
+    ready = np.empty(2 * READY, np.float32)
+    places = np.empty(4 * READY, np.int32)
+    across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
+    n = np.int64(0)
+    for e in range(low, high):
+        y = edges[e] // width
+        if top <= y < bottom and cover[e] > ZERO:
+            places[tiles.X + n] = edges[e] % width
+            places[tiles.Y + n] = y
+            places[tiles.VERTEX + n] = base + e
+            places[tiles.PLACE + n] = 0
+            ready[tiles.DEPTH + n] = depth[e]
+            ready[tiles.ALPHA + n] = cover[e]
+            n += 1
+            if n == READY:
+                append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+                n = np.int64(0)
     append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
 
 

@@ -1,5 +1,4 @@
-"""From tiles of fragments to the picture: listed by pixel, sorted by depth, and laid over what is there, front to back.
-"""
+"""From tiles of fragments to the picture: listed by pixel, sorted by depth, and laid over what is there, front to back."""
 
 from __future__ import annotations
 
@@ -43,10 +42,10 @@ def resolve(
 ):
     """Sort each pixel's fragments by depth, ties by index, and turn opacities into weights.
 
-    pool, links, heads, fills: as `gather` leaves them; begin (tiles + 1,) int64: places of each tile's fragments in what
-    is written; most: fragments of the fullest tile; nearest: greatest number of fragments that a pixel keeps; vertices:
-    of all strands, fragments with greater indices being none of a strand's; stride, bits: as in `gather.gather`; the
-    `tasks` share the tiles.
+    pool, links, heads, fills: as `gather` leaves them; begin (tiles + 1,) int64: places of each tile's fragments in
+    what is written; most: fragments of the fullest tile; nearest: greatest number of fragments that a pixel keeps;
+    vertices: of all strands, fragments with greater indices being those of solids; stride, bits: as in
+    `gather.gather`; the `tasks` share the tiles.
     kept (tiles * PIXELS,) uint32: fragments of each pixel that matter, nearest first: what lies behind where less than
     `OPAQUE` gets through does not. One pixel after the other, from begin[tile] on: place (F,) uint32 the lit vertex
     before the fragment, weight (F,) float32 the share of the pixel's light that comes from it, along (F,) float32 the
@@ -199,7 +198,7 @@ def weigh(keys, loads, first, n, order, nearest, vertices, stride, bits, o, plac
 
 
 @parallel
-def compose(begin, kept, place, weight, along, stride, vertex, top, bottom, tasks, image):
+def compose(begin, kept, place, weight, along, stride, vertex, light, top, bottom, tasks, image):
     """Lay the fragments over the picture.
 
     begin, kept, place, weight, along, stride: as `resolve` leaves them; vertex (V, 3) radiance at lit vertices; image
@@ -214,15 +213,16 @@ def compose(begin, kept, place, weight, along, stride, vertex, top, bottom, task
                 y = top + tile // across * TILE_HEIGHT
                 x = tile % across * TILE_WIDTH
                 compose_tile(
-                    begin[tile], tile * PIXELS, kept, place, weight, along, stride, vertex,
+                    begin[tile], tile * PIXELS, kept, place, weight, along, stride, vertex, light,
                     y, min(y + TILE_HEIGHT, bottom), x, min(x + TILE_WIDTH, width), image,
                 )  # fmt: skip
 
 
 @function
-def compose_tile(o, base, kept, place, weight, along, stride, vertex, top, bottom, left, right, image):
+def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top, bottom, left, right, image):
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""
+    vertices = np.uint64(vertex.shape[0])
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.int64(kept[base + (y - top) * TILE_WIDTH + x - left])
@@ -237,9 +237,15 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, top, botto
                 w = weight[i]
                 t = along[i]
                 u = v + np.uint64(stride)
-                r += w * (vertex[v, 0] + t * (vertex[u, 0] - vertex[v, 0]))
-                g += w * (vertex[v, 1] + t * (vertex[u, 1] - vertex[v, 1]))
-                b += w * (vertex[v, 2] + t * (vertex[u, 2] - vertex[v, 2]))
+                if v < vertices:
+                    r += w * (vertex[v, 0] + t * (vertex[u, 0] - vertex[v, 0]))
+                    g += w * (vertex[v, 1] + t * (vertex[u, 1] - vertex[v, 1]))
+                    b += w * (vertex[v, 2] + t * (vertex[u, 2] - vertex[v, 2]))
+                else:
+                    e = v - vertices
+                    r += w * light[e, 0]
+                    g += w * light[e, 1]
+                    b += w * light[e, 2]
                 total += w
             o += n
             through = ONE - total

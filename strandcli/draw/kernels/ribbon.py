@@ -30,7 +30,10 @@ def ribbon(
     screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, width, across, hides,
     pool, links, heads, fills, used, begin, last, task, ready, places,
 ):  # fmt: skip
-    """Append what the piece from vertex v − 1 to v of the strand a … end − 1 covers; the rest as in `gather.strands`."""
+    """Append what the piece from vertex v − 1 to v of the strand a … end − 1 covers.
+
+    lit_past: how many vertices v − 1 is past a lit one; the rest as in `gather.strands`.
+    """
     x0 = screen[v - 1, 0]
     y0 = screen[v - 1, 1]
     x1 = screen[v, 0]

@@ -304,8 +304,3 @@ def ray(view, right, up):
         view[9] + spread * ay,
         view[10] + spread * az,
     )
-
-
-def depths(keys):
-    """(P,) float32 depth numbers of a z-buffer, 0 where nothing is."""
-    return (LOW - (keys >> SHIFT)).astype(np.uint32).view(np.float32)

@@ -50,9 +50,10 @@ def append(ready, places, n, top, across, pool, links, heads, fills, used, begin
 
     ready (2 * READY,) float32 and places (4 * READY,) int32: the first n fragments of the picture, in rows as listed
     above; top: first row of the tiles; across: tiles side by side;
-    pool (blocks * BLOCK, 2) int64; links (blocks,) int64: the block after each; heads, fills (workers, tiles) int64: the
-    first block of each chain, and the slot after its last fragment, 0 where there is none; used (workers,) int64: blocks
-    that were asked for; begin, last: the worker's own, of which the last is only a place for what finds no room.
+    pool (blocks * BLOCK, 2) int64; links (blocks,) int64: the block after each; heads, fills (workers, tiles) int64:
+    the first block of each chain, and the slot after its last fragment, 0 where there is none; used (workers,) int64:
+    blocks that were asked for; begin, last: the worker's own, of which the last is only a place for what finds no
+    room.
     """
     for i in range(n):
         x = np.int64(places[X + i])
