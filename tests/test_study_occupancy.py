@@ -8,6 +8,7 @@ import pytest
 from strandcli.study.kernels import occupancy as kernel
 
 COUNT, PIXELS = 40, 5
+NONE = np.zeros((0, 3))
 
 
 def lists(seed: int, even: bool) -> tuple[np.ndarray, ...]:
@@ -28,9 +29,9 @@ def laid(seed: int, even: bool, slices: int = 0, slabs: int = 4) -> np.ndarray:
     begin, place, alpha, along, depth, vertex = lists(seed, even)
     image = np.full((PIXELS, 3), 0.25)
     if slices:
-        kernel.by_occupancy(begin, place, alpha, along, depth, slices, slabs, 1, vertex, image)
+        kernel.by_occupancy(begin, place, alpha, along, depth, slices, slabs, 1, vertex, NONE, image)
     else:
-        kernel.in_order(begin, place, alpha, along, depth, 1, vertex, image)
+        kernel.in_order(begin, place, alpha, along, depth, 1, vertex, NONE, image)
     return image
 
 
@@ -55,7 +56,7 @@ def test_otherwise_fewer_slices_are_worse_and_the_background_stays_exact() -> No
     assert apart[0] > apart[1] > 1e-3
     begin, place, alpha, along, depth, vertex = lists(3, False)
     image = np.ones((PIXELS, 3))
-    kernel.by_occupancy(begin, place, alpha, along, depth, 128, 4, 1, 0 * vertex, image)
+    kernel.by_occupancy(begin, place, alpha, along, depth, 128, 4, 1, 0 * vertex, NONE, image)
     np.testing.assert_allclose(image[:, 0], np.prod(1 - alpha.reshape(PIXELS, -1), 1), rtol=1e-5)
 
 

@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
 from .detail import Level, level_of, needed
+from .edges import find_edges
 from .environment import sky_of
 from .extent import bounds_of, thickness_of, widths_of
 from .film import curve_of, gradient
@@ -34,6 +36,9 @@ from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
+
+NO_SPOTS = np.zeros((0, 2), np.float32)
+"""The pixels of a picture lie where they belong."""
 
 
 @dataclass
@@ -189,12 +194,14 @@ class Renderer:
                     front = keys.copy()
                     raster.draw(lines, screen, widths, base, self.size, workers, scratch, front)
                     recorder.strands(lines, screen, front, base, begin, view)
-                limit = None if packed is None else keys
-                for layer in self.coverage.layers(lines, screen, widths, limit, workers, scratch):
+                edges = None if packed is None else find_edges(keys, packed, view, self.size, scratch)
+                for layer in self.coverage.layers(lines, screen, widths, edges, workers, scratch):
                     self._lap("raster")
                     self._before_light()
-                    if packed is not None and layer.top == 0:  # strands are laid over the solids
-                        self._surfaces(keys, view, lights, maps, packed, at, image)
+                    if edges is not None and packed is not None and layer.top == 0:  # strands are laid over the solids
+                        shade = partial(self._surfaces, view, lights, maps, packed, at)
+                        shade(keys, *self.size, NO_SPOTS, image)
+                        edges.lay(shade, image, self._backdrop)
                     colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed, body)
                     self._lap("shade")
                     layer.compose(colours, image)
@@ -216,7 +223,7 @@ class Renderer:
             self._lap("film")
             base += len(lines.world)
         if packed is not None and self.coverage is None:
-            self._surfaces(keys, view, lights, maps, packed, at, image)
+            self._surfaces(view, lights, maps, packed, at, keys, *self.size, NO_SPOTS, image)
             self._lap("shade")
         if recorder is not None:
             recorder.rest(keys if front is None else front, view, packed, lights, maps, self._skin())
@@ -257,7 +264,7 @@ class Renderer:
         else:
             self.coverage.nothing().compose(colours, image)
         if packed is not None:
-            self._surfaces(keys, view, lights, maps, packed, 0.0, image)
+            self._surfaces(view, lights, maps, packed, 0.0, keys, *self.size, NO_SPOTS, image)
         self._develop(image, self._blank())
 
     def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
@@ -336,12 +343,13 @@ class Renderer:
         return colours
 
     def _surfaces(
-        self, keys: NDArray[np.uint64], view: View, lights: NDArray[np.float32], maps: ShadowMaps | None,
-        packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
+        self, view: View, lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]],
+        at: float, keys: NDArray[np.uint64], width: int, height: int, spots: NDArray[np.float32],
+        image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
-            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
+            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), spots, image,
         )  # fmt: skip
 
     def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:

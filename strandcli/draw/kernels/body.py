@@ -17,6 +17,7 @@ from .approximations import clamp
 from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TRT, TT, TX, TY, TZ, R, U, V
 from .lobes import grown
 from .raster import LOW
+from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -228,17 +229,24 @@ def over_seen(keys, base, per, stride, screen, widths, samples, slots, profile, 
 
 
 @parallel
-def over_fragments(counts, ends, keys, stream, kept, stride, screen, widths, samples, slots, profile, top, image):
-    """Profiles in the picture of sorted fragments, which are as `resolve.weigh` leaves them; the rest as above."""
+def over_fragments(
+    begin, kept, place, weight, along, stride, screen, widths, samples, slots, profile, top, bottom, image
+):  # fmt: skip
+    """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; the rest as above."""
     width = image.shape[1]
-    for row in prange(counts.shape[0] // width):
-        y = np.int64(row)
-        for x in range(width):
-            p = y * width + x
-            first = np.int64(ends[p]) - np.int64(counts[p])
-            for f in range(first, first + np.int64(kept[p])):
-                i = np.int64(keys[f] & LOW)
-                weight = np.uint32(stream[i, 2]).view(np.float32)
-                t = np.uint32(stream[i, 3]).view(np.float32)
-                v = np.int64(stream[i, 1])
-                add(x, top + y, v, t, stride, weight, screen, widths, samples, slots, profile, image)
+    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
+    for one in prange(begin.shape[0] - 1):
+        tile = np.int64(one)
+        i = begin[tile]
+        if begin[tile + 1] == i:
+            continue
+        y = top + tile // across * TILE_HEIGHT
+        x = tile % across * TILE_WIDTH
+        for row in range(y, min(y + TILE_HEIGHT, bottom)):
+            for column in range(x, min(x + TILE_WIDTH, width)):
+                n = np.int64(kept[tile * PIXELS + (row - y) * TILE_WIDTH + column - x])
+                for f in range(i, i + n):
+                    v = np.int64(place[f])
+                    if v < slots.shape[0]:  # beyond are the edges of solids
+                        add(column, row, v, along[f], stride, weight[f], screen, widths, samples, slots, profile, image)
+                i += n

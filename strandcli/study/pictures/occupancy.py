@@ -40,17 +40,18 @@ class _Layer:
 
     def compose(self, colours: NDArray[np.float32], image: NDArray[np.float32]) -> None:
         """Both ways, timed; the picture has the foil's."""
-        begin, place, weight, along = fragments_of(self.sorted)
+        begin, place, weight, along = fragments_of(self.sorted, image.shape[1])
         alpha, depth = np.empty_like(weight), np.empty_like(weight)
         stride, owner = self.sorted.stride, self.owner
         kernel.undo(begin, place, weight, along, stride, self.screen, alpha, depth)
-        rows = slice(self.top, self.top + (len(begin) - 1) // image.shape[1])
+        rows = slice(self.top, self.sorted.bottom)
         exact = image[rows].reshape(-1, 3).copy()
         began = time.perf_counter()
-        kernel.in_order(begin, place, alpha, along, depth, stride, colours, exact)
+        kernel.in_order(begin, place, alpha, along, depth, stride, colours, self.sorted.light, exact)
         middle = time.perf_counter()
         foil = image[rows].reshape(-1, 3)
-        kernel.by_occupancy(begin, place, alpha, along, depth, owner.slices, owner.slabs, stride, colours, foil)
+        kernel.by_occupancy(begin, place, alpha, along, depth, owner.slices, owner.slabs, stride, colours,
+                            self.sorted.light, foil)
         owner.seconds[-1] += middle - began, time.perf_counter() - middle
 
     def round_off(self, body: Any, image: NDArray[np.float32]) -> None:
@@ -87,13 +88,17 @@ class OccupancyRenderer(LinearRenderer):
 
 
 def fragments_of(
-    layer: Layer,
+    layer: Layer, width: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
     """Pixel after pixel, each from front to back: where pixels begin (P + 1,), then of each fragment the lit vertex
     before it, its share of the pixel's light, and its place from that vertex to the next."""
-    lists = layer.lists
-    begin = np.concatenate([[0], np.cumsum(layer.kept.astype(np.int64))])
-    count = int(begin[-1])
-    place, weight, along = np.empty(count, np.int64), np.empty(count, np.float32), np.empty(count, np.float32)
-    kernel.listed(lists.counts, lists.ends, lists.keys, lists.stream, layer.kept, begin, place, weight, along)
-    return begin, place, weight, along
+    counts = np.empty((layer.bottom - layer.top) * width, np.int64)
+    kernel.counted(layer.begin, layer.kept, layer.top, layer.bottom, width, counts)
+    first = np.concatenate([[0], np.cumsum(counts)])
+    size = int(first[-1])
+    place, weight, along = np.empty(size, np.int64), np.empty(size, np.float32), np.empty(size, np.float32)
+    kernel.listed(
+        layer.begin, layer.kept, layer.place, layer.weight, layer.along, layer.top, layer.bottom, width, first, place,
+        weight, along,
+    )  # fmt: skip
+    return first, place, weight, along
