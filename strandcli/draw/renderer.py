@@ -190,10 +190,8 @@ class Renderer:
             self._lap("curves")
             segments += lines.segments
             if self.coverage is not None:
-                if recorder is not None:  # layers tell what is in front
+                if recorder is not None:
                     front = keys.copy()
-                    raster.draw(lines, screen, widths, base, self.size, workers, scratch, front)
-                    recorder.strands(lines, screen, front, base, begin, view)
                 edges = None if packed is None else find_edges(keys, packed, view, self.size, scratch)
                 for layer in self.coverage.layers(lines, screen, widths, edges, workers, scratch):
                     self._lap("raster")
@@ -207,7 +205,11 @@ class Renderer:
                     layer.compose(colours, image)
                     if body is not None:
                         layer.round_off(body, image)
+                    if recorder is not None and front is not None:
+                        recorder.layer(layer, lines, screen, self.size[0], front)
                     self._lap("film")
+                if recorder is not None and front is not None:
+                    recorder.strands(lines, screen, front, 0, begin, view)
                 continue
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
             if recorder is not None:
@@ -245,7 +247,11 @@ class Renderer:
         view = camera_view(scene.camera, shot.at, width * samples, height * samples, bounds)
         if scene.image.crop is not None:
             view = view.cropped(*(samples * number for number in scene.image.crop))
-        return view if pinhole else lens.through_lens(view, scene.camera, shot)
+        if pinhole:
+            return view
+        if self.coverage is None:  # sorted strands have what they cover of a pixel, wherever they lie in it
+            view = view.shifted(shot.x, shot.y)
+        return lens.through_lens(view, scene.camera, shot)
 
     def rehearse(self) -> None:
         """Run what comes after the z-buffer with nothing to be seen, so that it is compiled."""

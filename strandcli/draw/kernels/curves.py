@@ -153,9 +153,11 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
     near = view[14]
     if max(z0, z1) + margin < near:
         return ZERO
-    # the half widths of the view at the depth of each end
-    wx = view[24] / view[13]
-    wy = view[25] / view[13]
+    # where the picture ends on each side, at a depth of one: a crop window may lie aside of the axis
+    left = view[15] / view[13]
+    right = (view[24] - view[15]) / view[13]
+    above = view[16] / view[13]
+    below = (view[25] - view[16]) / view[13]
     f0 = ONE
     f1 = ONE
     scale = view[13]
@@ -169,9 +171,9 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
         scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[23]) / least
     wide = margin * view[17]
     tall = margin * view[18]
-    if min(u0 - wx * f0, u1 - wx * f1) > wide or min(-u0 - wx * f0, -u1 - wx * f1) > wide:
+    if min(u0 - right * f0, u1 - right * f1) > wide or min(-u0 - left * f0, -u1 - left * f1) > wide:
         return ZERO
-    if min(v0 - wy * f0, v1 - wy * f1) > tall or min(-v0 - wy * f0, -v1 - wy * f1) > tall:
+    if min(v0 - above * f0, v1 - above * f1) > tall or min(-v0 - below * f0, -v1 - below * f1) > tall:
         return ZERO
     return scale
 

@@ -1,4 +1,4 @@
-"""From tiles of fragments to the picture: listed by pixel, sorted by depth, and laid over what is there, front to back."""
+"""From tiles of fragments to the picture: listed by pixel, sorted by depth, laid over what is there, front to back."""
 
 from __future__ import annotations
 
