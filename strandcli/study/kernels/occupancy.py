@@ -20,8 +20,9 @@ def undo(begin, place, weight, along, stride, screen, alpha, depth):
     """From sorted fragments' weights, shares of the pixel's light, to opacities; their depth; and out of the order of
     depth into that in which strands are drawn.
 
-    begin (P + 1,) int64: where each pixel's fragments begin; place (F,) int64 lit vertices, weight, along (F,) float32
-    places to the next lit vertex; numbers from V on are edges of solids; screen (V, 3); alpha, depth (F,) float32 written, depth growing away from the eye.
+    begin (P + 1,) int64: where each pixel's fragments begin; place (F,) int64 lit vertices, those from V on edges of
+    solids; weight, along (F,) float32 places to the next lit vertex; screen (V, 3); alpha, depth (F,) float32 written,
+    depth growing away from the eye.
     """
     for p in prange(begin.shape[0] - 1):
         through = 1.0
