@@ -71,7 +71,10 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
 
 
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
-    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made."""
+    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made,
+    unless it guides others."""
+    if scene.children is not None:
+        return scene.emitter.strands
     most = max((drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
     return max(round(scene.emitter.strands * most), 1)
 

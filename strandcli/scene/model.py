@@ -35,6 +35,7 @@ from .fields import (
     vector,
     window,
 )
+from .style import Children
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -66,6 +67,9 @@ class SphereShape:
     kind: str = choice("sphere", ("sphere",))
     radius: float = number(1.0, above=0, unit="m", doc="radius")
     cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
+    ragged: float = number(
+        0.0, low=0, high=90, unit="deg", doc="how far a cap's rim wanders up and down and thins out; 0: a clean circle"
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -104,6 +108,16 @@ class Emitter:
         doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
     )
     direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
+    comb: Vector | None = vector(
+        None, unit="1", nonzero=True, doc="strands are combed this way along the surface; absent: they are not"
+    )
+    lift: float = number(30.0, low=0, high=90, unit="deg", doc="angle of combed strands to the surface")
+    parting: float | None = number(
+        None,
+        unit="m",
+        doc="x of a parting that ends at the middle: in front of that, strands to its left are combed the other way "
+        "along x, and behind it none along x; absent: none",
+    )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(
         25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
@@ -458,6 +472,9 @@ class Scene:
     rod: Rod = model(Rod, doc="matter and settings of the solver rod")
     time: Time = model(Time, doc="the clock")
     emitter: Emitter = model(Emitter, doc="where strands come from")
+    children: Children | None = optional(
+        Children, doc="strands drawn about the simulated ones, in locks and waves; absent: those alone are drawn"
+    )
     rules: tuple[RuleUse, ...] = rules(
         doc="what moves the strands: a list is applied in its own order, a mapping in the documented default order"
     )
@@ -476,3 +493,8 @@ class Scene:
     panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
     source: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
+
+    @property
+    def drawn_strands(self) -> int:
+        """Strands that are drawn when level of detail leaves none out."""
+        return self.emitter.strands * (1 if self.children is None else self.children.count)
