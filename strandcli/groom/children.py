@@ -33,6 +33,8 @@ ASTRAY = 0.15
 """Share of a lock's strength that still pulls the strands that go their own way."""
 UNEVEN = 0.2
 """Spread of the lengths of waves from lock to lock."""
+SHARED = np.float32(0.4)
+"""Part of a strand's tone that it has in common with its locks."""
 RANDOM = 20
 """First of the random streams that are used here."""
 
@@ -156,10 +158,13 @@ class Children:
             phases.append(2 * np.pi * (each + wave.disorder * (own - 0.5)))
             longer = stream(seed, RANDOM + 80 + number, count)[lock] - 0.5
             turns.append(2 * np.pi / (wave.length * (1.0 + UNEVEN * longer)))
+        tones = every.tones
+        if settings.clumps:
+            tones = (1 - SHARED) * tones + SHARED * tones[level.middles].mean(0)
         axes = every.directions.astype(np.float64)
         across = frame(axes[lock])[0]
         return _Family(
-            every.tones,
+            tones,
             every.roots.astype(np.float64),
             parents,
             weights,
