@@ -31,7 +31,7 @@ PER_WAVE = 6
 MOST_STEPS = 16
 ASTRAY = 0.15
 """Share of a lock's strength that still pulls the strands that go their own way."""
-UNEVEN = 0.2
+UNEVEN = 0.35
 """Spread of the lengths of waves from lock to lock."""
 SHARED = np.float32(0.4)
 """Part of a strand's tone that it has in common with its locks."""

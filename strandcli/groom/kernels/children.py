@@ -6,7 +6,9 @@ one segment before the root, row j + 1 is particle j. A child at the share u of 
     c(u) = root + Σ w_k (g_k(u) − g_k(0)),
 
 each clump moves it toward the child in its middle, c += w(u) (c_middle(u) − c), and each wave winds about what has
-come of it. Then segments get their lengths again, root to tip, and particles leave the solids they are in.
+come of it. Segments get their lengths again, root to tip, after each of the two: after clumps they turn toward where the
+particles were moved, so that the tips of a lock still meet; after waves they keep their directions, so that a wave is
+not smoothed. Last, particles leave the solids they are in.
 """
 
 from __future__ import annotations
@@ -25,6 +27,9 @@ ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 CLEAR = np.float32(0.03)
 """Shares of a segment by which particles are kept clear of solids: the segment between two bulges inward."""
+TOWARD = np.float32(0.3)
+"""Part of its distance from its aim that a strand is turned toward it within a segment."""
+ROUNDS = 3
 
 
 @parallel
@@ -145,6 +150,7 @@ def grow(
                 path[j + 1, 0] = x
                 path[j + 1, 1] = y
                 path[j + 1, 2] = z
+            straighten(path, rest)
             # the row before the root: the direction there
             for c in range(3):
                 back = ZERO
@@ -177,6 +183,32 @@ def mix(guides, g, low, c, t):
     """Coordinate c of guide g between two particles."""
     a = guides[g, low + 1, c]
     return a + t * (guides[g, low + 2, c] - a)
+
+
+@function
+def straighten(path, rest):
+    """Give the segments of a path (m + 1, 3), of which row 0 does not count, the length ``rest``, root to tip: each in
+    its own direction, turned toward where the path was before by its distance across."""
+    qx = path[1, 0]
+    qy = path[1, 1]
+    qz = path[1, 2]
+    per = TOWARD / max(rest, TINY)
+    for j in range(2, path.shape[0]):
+        px = path[j - 1, 0]
+        py = path[j - 1, 1]
+        pz = path[j - 1, 2]
+        tx, ty, tz = unit(path[j, 0] - qx, path[j, 1] - qy, path[j, 2] - qz)
+        ex = qx - px
+        ey = qy - py
+        ez = qz - pz
+        along = ex * tx + ey * ty + ez * tz
+        qx = path[j, 0]
+        qy = path[j, 1]
+        qz = path[j, 2]
+        tx, ty, tz = unit(tx + per * (ex - along * tx), ty + per * (ey - along * ty), tz + per * (ez - along * tz))
+        path[j, 0] = px + rest * tx
+        path[j, 1] = py + rest * ty
+        path[j, 2] = pz + rest * tz
 
 
 @function
@@ -228,9 +260,10 @@ def lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, 
         py += rest * ey
         pz += rest * ez
         if solid:
-            qx, qy, qz = outside(px, py, pz, clear, spheres, capsules, planes, boxes)
-            if qx != px or qy != py or qz != pz:
-                # along the surface at the segment's length from the one before
+            for _ in range(ROUNDS):  # out of one solid may be into another, and off the segment's length
+                qx, qy, qz = outside(px, py, pz, clear, spheres, capsules, planes, boxes)
+                if qx == px and qy == py and qz == pz:
+                    break
                 ox = out[b, j - 1, lane]
                 oy = out[b, j - 1, W + lane]
                 oz = out[b, j - 1, 2 * W + lane]
