@@ -1,6 +1,6 @@
 """What is drawn about the strands that are simulated: as typed and frozen data, like the rest of `model.py`."""
 
-# ruff: noqa: RUF009 - these calls make dataclass fields
+
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Clump:
         0.7, low=0, high=1, doc="share of the way to the middle that a tip is moved; 0: not at all, 1: locks end in points"
     )
     shape: float = number(
-        1.0, above=0, high=10, doc="that share grows with the way from the root to this power: 0.5 from early on, 3 late"
+        1.0, above=0, high=10, doc="that share grows with the way from the root to this power: 0.5 early, 3 late"
     )
     variation: float = number(0.4, low=0, high=1, doc="part of the strength that differs from lock to lock")
     stray: float = number(0.05, low=0, high=1, doc="share of strands that go their own way")
