@@ -26,9 +26,6 @@ from ..scene.motion import emitter_pose
 from .emit import Groom, emit, frame, sides, stream
 
 PARENTS = 3
-PER_WAVE = 6
-"""Particles a wave, at least."""
-MOST_STEPS = 16
 ASTRAY = 0.15
 """Share of a lock's strength that still pulls the strands that go their own way."""
 UNEVEN = 0.35
@@ -71,12 +68,8 @@ class Children:
         self.groom = groom
         self.settings = scene.children
         self.count = groom.strands * scene.children.count
-        waves = [wave for wave in scene.children.waves if wave.radius > 0]
-        self._waves = waves
-        emitter: Emitter = scene.emitter
-        segment = float(groom.lengths.max()) / (emitter.particles - 1)
-        shortest = min((wave.length for wave in waves), default=math.inf)
-        self.steps = min(max(math.ceil(PER_WAVE * segment / shortest), 1), MOST_STEPS)
+        self._waves = [wave for wave in scene.children.waves if wave.radius > 0]
+        self.steps: int = scene.children.steps(scene.emitter.segment)
         """Steps in which a guide's segment is drawn."""
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
         self._alive: NDArray[np.intp] | None = None

@@ -127,6 +127,11 @@ class Emitter:
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
 
+    @property
+    def segment(self) -> float:
+        """The longest distance between two particles of a strand, metres."""
+        return self.length * (1 + self.length_variation) / (self.particles - 1)
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class SphereSolid:

@@ -4,9 +4,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .fields import integer, items, number
+
+PER_WAVE = 6
+"""Pieces that a wave is drawn with, at least."""
+MOST_STEPS = 16
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -15,7 +20,7 @@ class Clump:
 
     size: float = number(0.02, above=0, unit="m", doc="distance between the middles of locks, at the roots")
     strength: float = number(
-        0.7, low=0, high=1, doc="share of the way to the middle that a tip is moved; 0: not at all, 1: locks end in points"
+        0.7, low=0, high=1, doc="share of the way to the middle that tips are moved; 0: none, 1: locks end in points"
     )
     shape: float = number(
         1.0, above=0, high=10, doc="that share grows with the way from the root to this power: 0.5 early, 3 late"
@@ -53,3 +58,8 @@ class Children:
     undercoat_length: float = number(0.5, above=0, high=1, doc="of those, the length as a share of the others'")
     clumps: tuple[Clump, ...] = items(Clump, doc="locks, and locks in locks, from wide to narrow")
     waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, one upon another")
+
+    def steps(self, segment: float) -> int:
+        """In how many steps a guide's segment of so many metres is drawn, for the waves' sake."""
+        shortest = min((wave.length for wave in self.waves if wave.radius > 0), default=math.inf)
+        return min(max(math.ceil(PER_WAVE * segment / shortest), 1), MOST_STEPS)
