@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from scene_kit import RULES
+from scene_kit import RULES, complaint, scene
 
 from strandcli.errors import UsageError
 from strandcli.scene import Scene, library, load

@@ -6,9 +6,9 @@ one segment before the root, row j + 1 is particle j. A child at the share u of 
     c(u) = root + Σ w_k (g_k(u) − g_k(0)),
 
 each clump moves it toward the child in its middle, c += w(u) (c_middle(u) − c), and each wave winds about what has
-come of it. Segments get their lengths again, root to tip, after each of the two: after clumps they turn toward where the
-particles were moved, so that the tips of a lock still meet; after waves they keep their directions, so that a wave is
-not smoothed. Last, particles leave the solids they are in.
+come of it. Segments get their lengths again, root to tip, after each of the two: after clumps they turn toward where
+the particles were moved, so that the tips of a lock still meet; after waves they keep their directions, so that a wave
+is not smoothed. Last, particles leave the solids they are in.
 """
 
 from __future__ import annotations
@@ -118,9 +118,9 @@ def grow(
     """Place children.
 
     guides (G, m + 1, 3) and rests (G,), metres a segment; own (N,) int32: which of all A children are placed; of all:
-    parents, weights (A, 3), roots (A, 3) metres, shares (A,) of the guides' length, middles (C, A) of their clumps, from
-    wide to narrow, pulls (C, A), turns (V, A) radians a metre, phases (V, A) radians, across (A, 3) unit vectors at
-    which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 3): radius, roundness, onset; solids
+    parents, weights (A, 3), roots (A, 3) metres, shares (A,) of the guides' length, middles (C, A) of their clumps,
+    from wide to narrow, pulls (C, A), turns (V, A) radians a metre, phases (V, A) radians, across (A, 3) unit vectors
+    at which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 3): radius, roundness, onset; solids
     packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies of the last child.
     """
     m = guides.shape[1] - 1
