@@ -45,7 +45,7 @@ figures: $(READY)
 	done
 	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 2 --width 900 --overwrite
 
-GALLERY = hair-6 portrait-1 ponytail-12 fur-12 grass-12
+GALLERY = hair-6 portrait-1 ponytail-20 fur-12 grass-12
 
 gallery: $(READY)
 	@for shot in $(GALLERY); do \
