@@ -237,11 +237,16 @@ class _Film:
         from .simulate.health import drawable
 
         solver, strands = self.solver, self.groom.strands
-        first = min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
+        guiding = self.scene.children is not None
+        first = strands if guiding else min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
         kept = np.flatnonzero(drawable(solver)[:first])
         if not len(kept):
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
         frame.report["counts"]["left_out"] = first - len(kept)
+        if guiding:  # children leave out the strands that follow one that is no number
+            marked = np.full((strands, solver.positions.shape[1], 3), np.nan, np.float32)
+            marked[kept] = unpack(solver.positions, strands)[kept]
+            return _Begun(frame, pack(marked), solver.lengths, self.groom.tones, None)
         positions = pack(unpack(solver.positions, strands)[kept])
         lengths = lanes(solver.lengths.reshape(-1)[kept, None])
         if before is not None:

@@ -77,7 +77,7 @@ def shares(scene: Scene, time: float) -> tuple[float, float]:
 
 def needed(scene: Scene, time: float) -> int:
     """How many strands, from the first, a picture at a time can show: a little more than the greatest share."""
-    total = scene.emitter.strands
+    total = scene.drawn_strands
     k = shares(scene, time)[1]
     return min(max(math.ceil(total * (k + band(k, total)) - 0.5), 1), total)
 
@@ -102,7 +102,7 @@ def level_of(
     if scene.detail is None or shares(scene, time)[0] >= 1:
         return None
     near, by_distance = near_of(scene, time)
-    total = scene.emitter.strands
+    total = scene.drawn_strands
     eye = np.array(camera_at(scene.camera, time)[0])
     fade, scale = np.empty(strands, np.float32), np.empty(strands, np.float32)
     kernel.choose(

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from .. import solids as shapes
 from ..constants import PORTION, W
+from ..groom.children import Children
 from ..groom.emit import Groom
 from . import lens, raster
 from .aovs import Recorder
@@ -64,7 +65,8 @@ class Renderer:
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
-        self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        self.children = Children(scene, groom) if scene.children is not None else None
+        self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
         self.ids: NDArray[np.int32] | None = None
@@ -100,6 +102,8 @@ class Renderer:
         self._drawing = Drawing(self._blank())
         self._clock = time.perf_counter()
         scene, camera = self.scene, self.scene.camera
+        if self.children is not None:
+            self.tones, self.ids = self.children.select(positions)
         recorder = Recorder(self) if scene.image.aovs else None
         if not lens.is_sampled(camera):
             image, _ = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder)
@@ -147,6 +151,9 @@ class Renderer:
         """One exposure, linear, and the shadow maps that it used: those ``made`` before, or its own."""
         scene, scratch, at = self.scene, self.scratch, shot.at
         strands = min(needed(scene, at), len(self.tones))
+        if self.children is not None:
+            positions, lengths = self.children.grow(positions, lengths, at, strands, scratch)
+            self._lap("children")
         level = level_of(scene, at, positions, strands, self.ids, self._thins)
         bounds = bounds_of(positions, strands, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
@@ -272,6 +279,10 @@ class Renderer:
         if packed is not None:
             self._surfaces(view, lights, maps, packed, 0.0, keys, *self.size, NO_SPOTS, image)
         self._develop(image, self._blank())
+
+    def _most(self, groom: Groom) -> int:
+        """Strands that are drawn of a groom."""
+        return groom.strands if self.children is None else self.children.count
 
     def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
         """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted.

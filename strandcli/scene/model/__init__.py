@@ -19,6 +19,7 @@ from .rod import Rod
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SphereSolid
 from .strands import PIGMENTS, Curves, Detail, Material
+from .style import Children, Clump, Wave
 
 __all__ = [
     "AOVS",
@@ -29,6 +30,8 @@ __all__ = [
     "Camera",
     "CameraKey",
     "CapsuleSolid",
+    "Children",
+    "Clump",
     "Curves",
     "Detail",
     "DirectionalLight",
@@ -50,4 +53,5 @@ __all__ = [
     "SphereShape",
     "SphereSolid",
     "Time",
+    "Wave",
 ]

@@ -17,6 +17,9 @@ class SphereShape:
     kind: str = choice("sphere", ("sphere",))
     radius: float = number(1.0, above=0, unit="m", doc="radius")
     cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
+    ragged: float = number(
+        0.0, low=0, high=90, unit="deg", doc="how far a cap's rim wanders up and down and thins out; 0: a clean circle"
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -55,6 +58,16 @@ class Emitter:
         doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
     )
     direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
+    comb: Vector | None = vector(
+        None, unit="1", nonzero=True, doc="strands are combed this way along the surface; absent: they are not"
+    )
+    lift: float = number(30.0, low=0, high=90, unit="deg", doc="angle of combed strands to the surface")
+    parting: float | None = number(
+        None,
+        unit="m",
+        doc="x of a parting that ends at the middle: in front of that, strands to its left are combed the other way "
+        "along x, and behind it none along x; absent: none",
+    )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(
         25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
@@ -63,3 +76,8 @@ class Emitter:
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
+
+    @property
+    def segment(self) -> float:
+        """The longest distance between two particles of a strand, metres."""
+        return self.length * (1 + self.length_variation) / (self.particles - 1)

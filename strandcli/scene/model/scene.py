@@ -14,6 +14,7 @@ from .lights import LIGHTS, DirectionalLight, Environment, Light
 from .rod import Rod
 from .solids import SOLIDS, Solid
 from .strands import Curves, Detail, Material
+from .style import Children
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -60,6 +61,9 @@ class Scene:
     rod: Rod = model(Rod, doc="matter and settings of the solver rod")
     time: Time = model(Time, doc="the clock")
     emitter: Emitter = model(Emitter, doc="where strands come from")
+    children: Children | None = optional(
+        Children, doc="strands drawn about the simulated ones, in locks and waves; absent: those alone are drawn"
+    )
     rules: tuple[RuleUse, ...] = rules(
         doc="what moves the strands: a list is applied in its own order, a mapping in the documented default order"
     )
@@ -78,3 +82,8 @@ class Scene:
     panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
     source: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
+
+    @property
+    def drawn_strands(self) -> int:
+        """Strands that are drawn when level of detail leaves none out."""
+        return self.emitter.strands * (1 if self.children is None else self.children.count)

@@ -87,6 +87,7 @@ class Subject:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        scene = dataclasses.replace(scene, children=None)  # guides alone: what is studied is how strands are drawn
         strands = min(request.strands or STRANDS, scene.emitter.strands)
         scene = changed(scene, {"emitter.strands": strands, "image.size": request.size or _small(scene.image.size)})
         self.name, self.frame = request.name, request.frame
