@@ -12,7 +12,7 @@ runtime.start_once()
 
 from numba import njit, prange  # noqa: E402
 
-__all__ = ["function", "parallel", "prange"]
+__all__ = ["function", "inlined", "inner", "parallel", "prange"]
 
 parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 """A kernel that a driver calls: its loops run on all threads."""
@@ -23,3 +23,6 @@ function: Any = njit(nogil=True, cache=True, error_model="numpy")
 _bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner: Any = njit(nogil=True, cache=True, error_model="numpy", **_bare)
 """A function that only kernels call: without the wrappers for Python, which take a tenth of a second each."""
+
+inlined: Any = njit(nogil=True, cache=True, error_model="numpy", forceinline=True)
+"""A function of many arguments that an inner loop calls: as a call it would put them all on the stack each time."""
