@@ -66,7 +66,8 @@ def rigidity(rod: Rod) -> float:
 
 
 class RodSolver(Solver):
-    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W) are the state, in single or double precision."""
+    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W), and ``push``, the acceleration that contact gives to
+    particles, are the state, in single or double precision."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -106,6 +107,9 @@ class RodSolver(Solver):
         bends = self._rest_shape(rod, groom, edges, lengths)
         self.curled = bends is not None
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
+        some = self.surroundings.any_solids
+        self.push = np.zeros_like(self.edges if some else self.edges[:1])
+        self.touching = np.zeros(self.push.shape[:2], np.uint8)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
         size = (rod_long if self.long else dense).size_for(n)
@@ -146,7 +150,7 @@ class RodSolver(Solver):
             self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
             self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
             self.still_air if gust is None else gust, packed, delta, numbers, rod.iterations, self.second, self.curled,
-            *around.solids(time, dt),
+            *around.solids(time, dt), self.push, self.touching,
         )  # fmt: skip
         self._share_out(given)
         if self.dtype != np.float32:
@@ -187,7 +191,7 @@ class RodSolver(Solver):
         """Take everything along rigidly and at rest."""
         turn = pose[0] @ self.pose[0].T
         self.edges[...] = _turn(turn, self.edges)
-        self.velocity[...] = 0
+        self.velocity[...] = self.push[...] = self.touching[...] = 0
         before = [self.positions] if self.dtype == np.float32 else [self.positions, self._rows()]
         for rows in before:
             centre, goal = self.pose[1], pose[1]

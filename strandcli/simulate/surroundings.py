@@ -28,6 +28,7 @@ class Surroundings:
         self._phases = wind.phases(scene.seed).tolist()
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
+        self.any_solids = bool(touched)
         self._whole = bool(touched) and any(one.segments for one in contacts)
         self._kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
         self._balls_alone = not self._whole and len(self._kinds["sphere"]) == len(touched)

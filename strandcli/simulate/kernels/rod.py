@@ -74,17 +74,19 @@ FIELDS = 27
 E, U, Y, A, C, T, M, K = (_rows(i) for i in (0, 3, 6, 9, 12, 15, 16, 17))
 D, DI, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
 # the same rows after the iterations: where particles are and where they were, how far they were put off, the length of
-# the segment, and whether it has lost its direction
+# the segment, and whether it has lost its direction; then of contact: what the force of the step before comes to as a
+# displacement of a particle alone, the length of that, and how heavy all that moves with the particle is beside it
 PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
+HELD, GRIP, BULK = D, L2, K
 SEGMENT = _rows(FIELDS)
 # rows that belong to the strand, before all segments
-NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
-HEAD = _rows(21)
+NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 27))
+HEAD = _rows(28)
 FIRST = HEAD + U2 * SEGMENT
 
 
 def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments: 21 rows of the strand's own, n + 4 segments, and the lower triangle of S
+    """Numbers of scratch for ``n`` segments: 28 rows of the strand's own, n + 4 segments, and the lower triangle of S
     row by row, with a row for the right-hand side."""
     return int(FIRST) + (n + 2) * int(SEGMENT) + W * ((n + 1) * (n + 4) // 2 + 3)
 

@@ -12,7 +12,11 @@ import numpy as np
 from ...jit import function, inner
 from . import contact, rod, rod_contact, rod_long
 from .rod import (
+    BULK,
     FIRST,
+    GRIP,
+    HALF,
+    HELD,
     LANES,
     LENGTH,
     NOWHERE,
@@ -22,6 +26,7 @@ from .rod import (
     PLACE,
     SEGMENT,
     SHIFT,
+    THREE,
     TINY,
     U0,
     U1,
@@ -30,8 +35,11 @@ from .rod import (
     ZERO,
     A,
     C,
+    DI,
     E,
     K,
+    L1,
+    L2,
     M,
     T,
     U,
@@ -40,13 +48,15 @@ from .rod import (
 
 HUGE = np.float32(1e18)
 NONE = np.float32(1e-12)
+LEAST = np.float32(1e-6)
 FARTHEST = np.float32(1e10)
 
 
 @function
 def step(
     edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, second, curled, balls, others, whole, scratch, residuals, first, stride, long,
+    pose, delta, numbers, iterations, second, curled, balls, others, whole, push, touching, scratch, residuals, first,
+    stride, long,
 ):  # fmt: skip
     """Move the strands of blocks first, first + stride, … by one step, in place.
 
@@ -62,11 +72,13 @@ def step(
     m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that
     it starts with), [10] friction, [11] error of |e|² at which iterations stop; balls (m, 17) as in `rod_contact`;
     others: four arrays of all solids as in `contact`, or None where they are all balls and segments are not caught;
-    whole: segments are caught too; scratch as `rod.size_for` says; residuals (blocks,): greatest | |e| − 1 | before
+    whole: segments are caught too; push (blocks, N, 3 W): acceleration of particles by contact m/s², 0 where there is
+    none, touching (blocks, N): whether it is anything but 0 in a row, (1, …) each where there are no solids; scratch as `rod.size_for` says; residuals (blocks,): greatest | |e| − 1 | before
     lengths are made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are
     flags where a None would have everything compiled once more.
     """
     n = edges.shape[1]
+    solid = others is not None or balls.shape[0] > 0
     for b in range(first, edges.shape[0], stride):
         twin = b if second else 0
         place_root(scratch, roots[b], directions[b], pose, delta, positions[b, 1])
@@ -74,6 +86,10 @@ def step(
         predict(scratch, n, velocity[b], before[twin], moved[twin], lengths[b], gust[b], numbers, second)
         if curled:
             recall(scratch, n, edges[b], bends[b], pose, numbers[8] / numbers[0])
+        mine = b if solid else 0
+        touched = solid and any_of(touching[b])
+        if touched:
+            press(scratch, n, push[b], touching[b], lengths[b], numbers)
         if long is None:
             worst = rod.iterate(scratch, np.uint64(n), iterations, numbers[11])
         else:
@@ -81,7 +97,12 @@ def step(
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
         residuals[b] = worst / (ONE + np.sqrt(ONE + (worst if worst > ONE else -worst)))
         keep(scratch, n, tension[b], numbers[0])
-        sweep(scratch, n, edges[b], lengths[b], positions[b], balls, others, whole, numbers[10])
+        if touched:
+            respond(scratch, np.uint64(n), push[b], touching[b])
+        sweep(
+            scratch, n, edges[b], lengths[b], positions[b], velocity[b], push[mine], touching[mine], balls, others,
+            whole, numbers,
+        )  # fmt: skip
         settle(scratch, n, edges[b], velocity[b], before[twin], moved[twin], lengths[b], numbers, second)
         precede(scratch, lengths[b], positions[b])
 
@@ -224,11 +245,69 @@ def keep(s, n, tension, h):
 
 
 @inner
-def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
+def any_of(touching):
+    """Whether some number of a row is not 0."""
+    found = False
+    for j in range(touching.shape[0]):
+        found |= touching[j] != 0
+    return found
+
+
+@inner
+def alone(numbers):
+    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
+    h = numbers[0]
+    return h * h / (ONE + numbers[7] * h)
+
+
+@inner
+def press(s, n, push, touching, lengths, numbers):
+    """Add the force of contact to u*, as it was in the step before."""
+    unit = alone(numbers)
+    for j in range(np.uint64(n)):
+        if touching[j] != 0:
+            for c in range(U3):
+                o = FIRST + j * SEGMENT + A + c * LANES
+                for k in range(LANES):
+                    s[o + k] += unit * push[j, c * LANES + k] / lengths[k]
+
+
+@inner
+def respond(s, n, push, touching):
+    """BULK := how much heavier than the particle is what such forces move, 1 / w = H⁻¹ M χ with χ = 1 where there are
+    some."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            some = abs(push[j, v]) + abs(push[j, LANES + v]) + abs(push[j, U2 * LANES + v]) > ZERO
+            y = s[k + M] if some else ZERO
+            y -= s[k - SEGMENT + L1] * s[k - SEGMENT + BULK]
+            s[k + BULK] = y - s[k - U2 * SEGMENT + L2] * s[k - U2 * SEGMENT + BULK]
+    for a in range(n):
+        o = FIRST + (n - U1 - a) * SEGMENT
+        for v in range(LANES):
+            k = o + v
+            y = s[k + DI] * s[k + BULK] - s[k + L1] * s[k + SEGMENT + BULK]
+            s[k + BULK] = y - s[k + L2] * s[k + U2 * SEGMENT + BULK]
+    for j in range(n):
+        o = FIRST + j * SEGMENT + BULK
+        for k in range(LANES):
+            y = s[o + k]
+            s[o + k] = ONE / min(max(y, LEAST), ONE) if y > ZERO else ONE
+
+
+@inner
+def sweep(s, n, edges, lengths, positions, velocity, push, touching, balls, others, whole, numbers):
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
     the solids. New edges go to rows Y; an edge that has no direction or none that is finite stays as it was.
 
     Rows of u, u* and c̄, no longer in use, hold where particles are, where they were, and how far they were put off."""
+    solid = others is not None or balls.shape[0] > 0
+    unit = alone(numbers)
+    over = ONE / unit
+    friction = numbers[10]
+    beat = numbers[0] * (ONE + HALF * THREE * numbers[9])  # the whole step
     for k in range(U3 * LANES):
         s[FIRST - SEGMENT + PLACE + k] = positions[1, k]
     for j in range(np.uint64(n)):
@@ -239,20 +318,66 @@ def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
         straighten(s, o)
         if rod.greatest(s, o + NOWHERE) > ZERO:
             stay(s, o, edges[j])
-        if others is not None or balls.shape[0] > 0:
+        if solid:
             for k in range(U3 * LANES):
                 s[o + OLD + k] = p[k]
-        if others is not None:
-            contact.touch(
-                s, o + Y, o + OLD, o - SEGMENT + PLACE, lengths, others[0], others[1], others[2], others[3], whole,
-                friction,
-            )  # fmt: skip
-        else:
-            for m in range(balls.shape[0]):
-                rod_contact.touch_ball(s, o, balls[m], friction)
+            hold(s, o, push, touching, j, unit)
+            found = False
+            if others is not None:
+                found = contact.touch(
+                    s, o, lengths, velocity, push, j, beat, over, others[0], others[1], others[2], others[3], whole,
+                    friction,
+                )  # fmt: skip
+            else:
+                for m in range(balls.shape[0]):
+                    found |= rod_contact.touch_ball(s, o, balls[m], velocity, push, j, beat, over, friction)
+                if touching[j] != 0 and let_go(s, o):
+                    for m in range(balls.shape[0]):
+                        found |= rod_contact.touch_ball(s, o, balls[m], velocity, push, j, beat, over, friction)
+            touching[j] = found
         advance(s, o)
         for k in range(U3 * LANES):
             p[k] = s[o + PLACE + k]
+
+
+@inner
+def hold(s, o, push, touching, j, unit):
+    """Rows HELD and GRIP: the force of the step before, which is no more in row j of ``push``."""
+    if touching[j] == 0:
+        for k in range(LANES):
+            s[o + GRIP + k] = ZERO
+        return
+    for v in range(LANES):
+        k = o + v
+        x = unit * push[j, v]
+        y = unit * push[j, LANES + v]
+        z = unit * push[j, U2 * LANES + v]
+        s[k + HELD] = x
+        s[k + HELD + LANES] = y
+        s[k + HELD + U2 * LANES] = z
+        s[k + GRIP] = np.sqrt(x * x + y * y + z * z)
+    for k in range(U3 * LANES):
+        push[j, k] = ZERO
+
+
+@inner
+def let_go(s, o):
+    """Edges in lanes that no solid holds any more lose what the force of the step before did; whether there are
+    any."""
+    if not rod.greatest(s, o + GRIP) > ZERO:
+        return False
+    for v in range(LANES):
+        k = o + v
+        f = ONE / (s[k + LENGTH] * s[k + BULK]) if s[k + GRIP] > ZERO else ZERO
+        x = s[k + Y] - f * s[k + HELD]
+        y = s[k + Y + LANES] - f * s[k + HELD + LANES]
+        z = s[k + Y + U2 * LANES] - f * s[k + HELD + U2 * LANES]
+        f = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+        s[k + Y] = x * f
+        s[k + Y + LANES] = y * f
+        s[k + Y + U2 * LANES] = z * f
+        s[k + GRIP] = ZERO
+    return True
 
 
 @inner
