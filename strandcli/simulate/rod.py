@@ -46,6 +46,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
+MOMENT = 1e-6
+"""Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -132,33 +134,35 @@ class RodSolver(Solver):
             return
         pose = self._pose(time)
         restart = dt != self.last_step
-        if self._teleported(pose):
+        elsewhere = self._teleported(pose)
+        if elsewhere:
             self._carry(pose)
-            restart = True
-        second = self.second and not restart
-        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
-        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        if self.surroundings.any_solids and (elsewhere or self.last_step == 0):
+            self._put_outside(time - dt)
+        second = self.second and not restart and not elsewhere
         rod, around = self.scene.rod, self.surroundings
-        gust = around.gust(time, self.positions)
         h = 2 * dt / 3 if second else dt
-        numbers = np.array(
-            [h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-             self.enough],
-            self.dtype,
-        )  # fmt: skip
-        given = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
-            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.still_air if gust is None else gust, packed, delta, numbers, rod.iterations, self.second, self.curled,
-            *around.solids(time, dt), self.push, self.touching,
-        )  # fmt: skip
-        self._share_out(given)
+        numbers = [
+            h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
+            self.enough,
+        ]  # fmt: skip
+        self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
             self.positions[...] = self.wide
         self.pose, self.last_step = pose, dt
 
-    def _share_out(self, given: tuple[Any, ...]) -> None:
+    def _share_out(
+        self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
+    ) -> None:
         """Run the step with a share of the blocks on each thread: this one and those of a pool."""
+        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
+        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        given = (
+            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
+            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
+            self.scene.rod.iterations, self.second, self.curled, *solids, self.push, self.touching,
+        )  # fmt: skip
         workers = len(self.scratch)
         long = True if self.long else None
 
@@ -169,6 +173,16 @@ class RodSolver(Solver):
         work(0)
         for other in others:
             other.result()
+
+    def _put_outside(self, time: float) -> None:
+        """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
+        the shorter the step, and how strands move would have no limit."""
+        tension = self.tension.copy()
+        numbers = [MOMENT, *np.zeros(9), 0.0, self.enough]
+        self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
+        self.tension[...] = tension
+        for still in (self.velocity, self.before, self.moved, self.push, self.touching):
+            still[...] = 0
 
     def _rows(self) -> NDArray[Any]:
         """World positions in the solver's own precision."""

@@ -32,7 +32,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inner
-from .rod import BULK, GRIP, HALF, HELD, LANES, OLD, ONE, PLACE, SEGMENT, TWO, U2, ZERO, E, Y
+from .rod import BULK, GRIP, HALF, HELD, HIT, LANES, OLD, ONE, PLACE, SEGMENT, TWO, U2, ZERO, E, Y
 
 TINY = np.float32(1e-20)
 ROUNDS = 3
@@ -389,6 +389,7 @@ def touch(s, o, lengths, velocity, push, j, beat, over, spheres, capsules, plane
             d = off_solids(qx, qy, qz, d, next, length, half, spheres, capsules, planes, boxes)
         f = ONE
         if not held:  # an impact is no force that stays
+            s[HIT + v] = ONE
             f = nx * (tx - px - beat * velocity[j, v]) + ny * (ty - py - beat * velocity[j, LANES + v])
             f += nz * (tz - pz - beat * velocity[j, U2 * LANES + v])
             f = max(depth - max(f, ZERO), ZERO) / depth

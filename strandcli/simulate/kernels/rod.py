@@ -82,6 +82,8 @@ SEGMENT = _rows(FIELDS)
 # rows that belong to the strand, before all segments
 NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 27))
 HEAD = _rows(28)
+HIT = LOAD
+"""After the iterations: whether a strand has run into something."""
 FIRST = HEAD + U2 * SEGMENT
 
 

@@ -18,6 +18,7 @@ from .rod import (
     GRIP,
     HALF,
     HELD,
+    HIT,
     LANES,
     LENGTH,
     OLD,
@@ -87,6 +88,8 @@ def touch_ball(s, o, ball, velocity, push, j, beat, over, friction):
         if s[TRAY + U17 * LANES + i] > ZERO:
             k = np.uint64(s[TRAY + U10 * LANES + i])
             found = True
+            if not s[o + GRIP + k] > ZERO:
+                s[HIT + k] = ONE
             s[o + GRIP + k] = ZERO
             for c in range(U3):
                 row = c * LANES

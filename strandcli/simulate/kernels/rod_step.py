@@ -13,10 +13,14 @@ from ...jit import function, inner
 from . import contact, rod, rod_contact, rod_long
 from .rod import (
     BULK,
+    DI,
     FIRST,
     GRIP,
     HALF,
     HELD,
+    HIT,
+    L1,
+    L2,
     LANES,
     LENGTH,
     NOWHERE,
@@ -35,11 +39,8 @@ from .rod import (
     ZERO,
     A,
     C,
-    DI,
     E,
     K,
-    L1,
-    L2,
     M,
     T,
     U,
@@ -308,6 +309,8 @@ def sweep(s, n, edges, lengths, positions, velocity, push, touching, balls, othe
     over = ONE / unit
     friction = numbers[10]
     beat = numbers[0] * (ONE + HALF * THREE * numbers[9])  # the whole step
+    for k in range(LANES):
+        s[HIT + k] = ZERO
     for k in range(U3 * LANES):
         s[FIRST - SEGMENT + PLACE + k] = positions[1, k]
     for j in range(np.uint64(n)):
@@ -423,9 +426,11 @@ def advance(s, o):
 
 @inner
 def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
-    """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
+    """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges. A strand
+    that has run into something goes on from u alone: BDF2 would take a jump of velocity further, and strands bounce."""
     over = ONE / numbers[0]
     third = numbers[9]
+    rate = over / (ONE + HALF * THREE * third)
     for c in range(U3):
         sum = SHIFT + c * LANES
         row = c * LANES
@@ -437,10 +442,12 @@ def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
                 edges[j, row + k] = s[o + k]
             if second:
                 for k in range(LANES):
-                    before[j, row + k] = velocity[j, row + k]
-                for k in range(LANES):
-                    velocity[j, row + k] = (s[sum + k] - moved[j, row + k] * third) * over
-                    moved[j, row + k] = s[sum + k]
+                    hit = s[HIT + k] > ZERO
+                    u = s[sum + k]
+                    v = rate * u if hit else (u - moved[j, row + k] * third) * over
+                    before[j, row + k] = v if hit else velocity[j, row + k]
+                    velocity[j, row + k] = v
+                    moved[j, row + k] = u
             else:
                 for k in range(LANES):
                     velocity[j, row + k] = s[sum + k] * over
