@@ -23,8 +23,8 @@ from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from .kernels import rod as dense
-from .kernels import rod_long, rod_step
+from .kernels import rod as kernel
+from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings
 
@@ -108,11 +108,11 @@ class RodSolver(Solver):
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
-        size = (rod_long if self.long else dense).size_for(n)
+        size = (rod_long if self.long else rod_dense).size_for(n)
         self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
         for one in self.scratch:
-            dense.clear(one)
-        self.residuals = np.zeros(len(self.lengths), self.dtype)
+            kernel.clear(one)
+        self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
 
