@@ -17,13 +17,12 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import lanes
+from ..blocks import aligned, lanes
 from ..constants import W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from .kernels import rod as kernel
 from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings
@@ -87,18 +86,18 @@ class RodSolver(Solver):
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
-        self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
+        self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
             if mended:
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
-        self.velocity = np.zeros_like(self.edges)
-        self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
+        self.velocity = aligned(self.edges.shape, self.dtype)
+        self.tension = aligned((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
         self.second = bdf2
-        self.before = np.zeros_like(self.edges if bdf2 else self.edges[:1])
-        self.moved = np.zeros_like(self.before)
+        self.before = aligned((self.edges if bdf2 else self.edges[:1]).shape, self.dtype)
+        self.moved = aligned(self.before.shape, self.dtype)
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
@@ -109,9 +108,7 @@ class RodSolver(Solver):
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
         size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
-        for one in self.scratch:
-            kernel.clear(one)
+        self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
@@ -208,7 +205,7 @@ class RodSolver(Solver):
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
-        rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
+        rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
         first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
         t, a = axes, first

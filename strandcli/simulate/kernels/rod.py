@@ -24,8 +24,6 @@ zeros before the first and after the last spare the recurrences their special ca
 
 from __future__ import annotations
 
-from typing import Any
-
 from ...constants import V
 from ...jit import inner
 from .simd import get, get3, put, put3, root, some, spread, where
@@ -51,13 +49,8 @@ FIRST = 4 * V + 2 * SEGMENT
 
 
 def rows_for(n: int) -> int:
-    """Numbers of scratch that this room takes for ``n`` segments."""
+    """Numbers of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
     return FIRST + (n + 2) * SEGMENT
-
-
-def clear(scratch: Any) -> None:
-    """Zeros where kernels rely on them, once."""
-    scratch[:] = 0
 
 
 @inner
