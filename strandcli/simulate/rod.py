@@ -17,14 +17,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import lanes
+from ..blocks import aligned, lanes
 from ..constants import W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from .kernels import rod as dense
-from .kernels import rod_long, rod_step
+from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings
 
@@ -68,8 +67,8 @@ def rigidity(rod: Rod) -> float:
 
 
 class RodSolver(Solver):
-    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W), and ``push``, the acceleration that contact gives to
-    particles, are the state, in single or double precision."""
+    """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (blocks, N,
+    3 W) each, in single or double precision."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -90,18 +89,18 @@ class RodSolver(Solver):
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
-        self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
+        self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
             if mended:
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
-        self.velocity = np.zeros_like(self.edges)
-        self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
+        self.velocity = aligned(self.edges.shape, self.dtype)
+        self.tension = aligned((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
         self.second = bdf2
-        self.before = np.zeros_like(self.edges if bdf2 else self.edges[:1])
-        self.moved = np.zeros_like(self.before)
+        self.before = aligned((self.edges if bdf2 else self.edges[:1]).shape, self.dtype)
+        self.moved = aligned(self.before.shape, self.dtype)
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
@@ -110,15 +109,13 @@ class RodSolver(Solver):
         self.curled = bends is not None
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
         some = self.surroundings.any_solids
-        self.push = np.zeros_like(self.edges if some else self.edges[:1])
-        self.touching = np.zeros(self.push.shape[:2], np.uint8)
+        self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
+        self.touching = aligned((len(self.push), W), self.dtype)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
-        size = (rod_long if self.long else dense).size_for(n)
-        self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
-        for one in self.scratch:
-            dense.clear(one)
-        self.residuals = np.zeros(len(self.lengths), self.dtype)
+        size = (rod_long if self.long else rod_dense).size_for(n)
+        self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
+        self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
 
@@ -158,10 +155,10 @@ class RodSolver(Solver):
         packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
         delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
         given = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
-            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
+            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
             self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
-            self.scene.rod.iterations, self.second, self.curled, *solids, self.push, self.touching,
+            self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
         )  # fmt: skip
         workers = len(self.scratch)
         long = True if self.long else None
@@ -226,7 +223,7 @@ class RodSolver(Solver):
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
-        rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
+        rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
         first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
         t, a = axes, first
