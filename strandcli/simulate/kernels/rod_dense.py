@@ -1,6 +1,7 @@
 """The change of the force densities for short strands: S is formed and factored, O(N³) with the least of constants.
 
-Scratch, after the segments: two rows an edge, and S as a square of rows, of which the lower triangle is used.
+Scratch, after the segments: two rows an edge, and S as a square of rows and one row
+more, of which the lower triangle is used.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ PIVOT = 1e-6
 
 def size_for(n: int) -> int:
     """Numbers of scratch for ``n`` segments."""
-    return rows_for(n) + V * n * (n + 2)
+    return rows_for(n) + V * n * (n + 3)
 
 
 @inner
@@ -90,12 +91,17 @@ def solve(s, n):
             z -= lower * get(s, FIRST + k * SEGMENT + R)
         put(s, FIRST + j * SEGMENT + R, z)
         put(s, pivots + j * V, 1.0 / max(d, least))
-        for i in range(j + 1, n):
+        # rows two by two, for they share what they read; there is one more than needed
+        for i in range(j + 1, n, 2):
             other = square + i * n * V
             a = get(s, other + j * V)
+            b = get(s, other + (n + j) * V)
             for k in range(j):
-                a -= get(s, other + k * V) * get(s, line + k * V)
+                lower = get(s, line + k * V)
+                a -= get(s, other + k * V) * lower
+                b -= get(s, other + (n + k) * V) * lower
             put(s, other + j * V, a)
+            put(s, other + (n + j) * V, b)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         x = get(s, o + R)
