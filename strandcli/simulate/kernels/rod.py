@@ -243,3 +243,16 @@ def demand(s, n, ahead):
             r += y * (get(s, o + Y + V) - get(s, o - SEGMENT + Y + V))
             r += z * (get(s, o + Y + 2 * V) - get(s, o - SEGMENT + Y + 2 * V))
         put(s, o + R, r)
+
+
+@inner
+def respond(s, n):
+    """R := H⁻¹ R with the factors that there are, of one number a particle."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        r = get(s, o + R) + get(s, o - 2 * SEGMENT + N2) * get(s, o - 2 * SEGMENT + R)
+        put(s, o + R, r + get(s, o - SEGMENT + N1) * get(s, o - SEGMENT + R))
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        r = get(s, o + DI) * get(s, o + R) + get(s, o + N2) * get(s, o + 2 * SEGMENT + R)
+        put(s, o + R, r + get(s, o + N1) * get(s, o + SEGMENT + R))

@@ -9,60 +9,61 @@ from __future__ import annotations
 
 from ...constants import V, W
 from ...jit import function, inner
-from . import contact, rod_contact, rod_newton
-from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, T, U
+from . import contact, rod, rod_newton
+from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
 from .simd import get, get3, lay, put, put3, root, some, spread, where
 
 HUGE = 1e18
 NONE = 1e-12
 FARTHEST = 1e10
+LEAST = 1e-6
+"""Share of a particle's own mobility that is never undercut in contact."""
 AXES = 3 * W
 """Numbers of a row of three coordinates, of all strands of a block."""
 
 
 @function
 def step(
-    edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, second, curled, balls, others, whole, scratch, residuals, first, stride, long,
+    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
+    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes, boxes,
+    whole, scratch, residuals, first, stride, long,
 ):  # fmt: skip
     """Move the strands of blocks first, first + stride, … by one step, in place.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
     same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
-    W): force densities of the last step over h²; positions (blocks, N + 2, 3 W) world, row 0 one segment before the
-    root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B / (ρ A ℓ⁴) in 1/s²; mass, joint
-    (N,): a particle's mass and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots,
-    directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each
-    direction, in the emitter's frame, then the rest value of c_j in the frame carried along the strand; where not
-    `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,): the emitter's
-    rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity
-    m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that
-    it starts with), [10] friction, [11] error of |e|² at which iterations stop; balls (m, 17) as in `rod_contact`;
-    others: four arrays of all solids as in `contact`, or None where they are all balls and segments are not caught;
-    whole: segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W):
-    greatest | |e| − 1 | before lengths are made exact; long: None, or anything for the kernel that is O(N). All of one
-    floating type. There are flags where a None would have everything compiled once more.
+    W): force densities of the last step over h²; push (blocks, N, 3 W): acceleration of particles by contact, m/s²,
+    touching (blocks, W): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N + 2, 3 W)
+    world, row 0 one segment before the root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B
+    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass and the rigidity of the joint before an edge, relative (root
+    joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
+    unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
+    strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
+    the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
+    [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
+    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop; spheres, capsules,
+    planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
+    `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
+    made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a
+    None would have everything compiled once more.
     """
-    if others is None:
-        solids = None
-    else:
-        solids = (
-            (lay(others[0]), others[0].size), (lay(others[1]), others[1].size),
-            (lay(others[2]), others[2].size), (lay(others[3]), others[3].size),
-        )  # fmt: skip
+    solids = (
+        (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
+        (lay(boxes), boxes.size),
+    )  # fmt: skip
     run(
-        lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(positions), lay(lengths), lay(stiffness),
-        lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust), lay(pose), lay(delta), lay(numbers),
-        iterations, second, curled, (lay(balls), balls.size), solids, whole, lay(scratch), lay(residuals), first,
-        stride, long, edges.shape[0], edges.shape[1],
+        lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
+        lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
+        lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
+        lay(residuals), first, stride, long, edges.shape[0], edges.shape[1],
     )  # fmt: skip
 
 
 @inner
 def run(
-    edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, second, curled, balls, solids, whole, scratch, residuals, first, stride,
-    long, blocks, n,
+    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
+    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
+    first, stride, long, blocks, n,
 ):  # fmt: skip
     """As `step`, of rows; V strands at a time."""
     for b in range(first, blocks, stride):
@@ -76,13 +77,18 @@ def run(
             predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
             if curled:
                 recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
+            touched = solid and some(get(touching, strand) > 0.0)
+            if touched:
+                press(scratch, n, edge, strand, push, lengths, numbers)
             worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
             # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
             put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
             keep(scratch, n, tip, tension, numbers[0])
+            if touched:
+                yield_to(scratch, n, edge, push)
             sweep(
-                scratch, n, edge, place, strand, edges, velocity, before, moved, lengths, positions, numbers, second,
-                balls, solids, whole,
+                scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
+                numbers, second, solid, solids, whole, touched,
             )  # fmt: skip
 
 
@@ -202,14 +208,42 @@ def keep(s, n, tip, tension, h):
 
 
 @inner
+def alone(numbers):
+    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
+    h = numbers[0]
+    return h * h / (1 + numbers[7] * h)
+
+
+@inner
+def press(s, n, edge, strand, push, lengths, numbers):
+    """Add the force of contact to u*, as it was in the step before."""
+    f = alone(numbers) / get(lengths, strand)
+    for j in range(n):
+        o = FIRST + j * SEGMENT + A
+        x, y, z = get3(push, edge + j * AXES, W)
+        ax, ay, az = get3(s, o, V)
+        put3(s, o, V, ax + f * x, ay + f * y, az + f * z)
+
+
+@inner
+def yield_to(s, n, edge, push):
+    """R := how far such forces move particles, as a share of how far they would move each alone: H⁻¹ M χ, with χ = 1
+    where there are some."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        x, y, z = get3(push, edge + j * AXES, W)
+        put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, get(s, o + M), 0.0))
+    rod.respond(s, n)
+
+
+@inner
 def sweep(
-    s, n, edge, place, strand, edges, velocity, before, moved, lengths, positions, numbers, second, balls,
-    solids, whole,
+    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
+    solid, solids, whole, touched,
 ):  # fmt: skip
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
     the solids; an edge that has no direction or none that is finite stays as it was. The velocity is what led there,
     (u − û) / h, with u summed up from the changes of edges."""
-    friction = numbers[10]
     length = get(lengths, strand)
     px, py, pz = get3(positions, place + AXES, W)
     clamp = FIRST - SEGMENT + E
@@ -222,6 +256,11 @@ def sweep(
     dx = spread(s, 0.0)
     dy = dx
     dz = dx
+    still = (dx, dx, dx)
+    apart = alone(numbers)
+    beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    grip = dx
+    hit = dx
     for j in range(n):
         row = edge + j * AXES
         here = place + (j + 2) * AXES
@@ -243,15 +282,25 @@ def sweep(
             x = where(good, x, old[0])
             y = where(good, y, old[1])
             z = where(good, z, old[2])
-        if solids is not None:
-            ox, oy, oz = get3(positions, here, W)
-            x, y, z = contact.touch(
-                x, y, z, px, py, pz, ox, oy, oz, length, solids, whole, friction
-            )
-        else:
-            for m in range(0, balls[1], contact.SPHERE):
-                ox, oy, oz = get3(positions, here, W)
-                x, y, z = rod_contact.touch_ball(x, y, z, px, py, pz, ox, oy, oz, length, balls[0], m, friction)
+        if solid:
+            held = still
+            bulk = spread(s, 1.0)
+            if touched:
+                ax, ay, az = get3(push, row, W)
+                held = apart * ax, apart * ay, apart * az
+                bulk = get(s, FIRST + j * SEGMENT + R)
+                bulk = where(bulk > 0.0, 1.0 / min(max(bulk, LEAST), 1.0), 1.0)
+            vx, vy, vz = get3(velocity, row, W)
+            d, force, new = contact.touch(
+                (x, y, z), get3(s, FIRST + (j + 1) * SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
+                (beat * vx, beat * vy, beat * vz), held, bulk, length, solids, whole, j == 0, numbers[10],
+            )  # fmt: skip
+            x, y, z = d
+            size = abs(force[0]) + abs(force[1]) + abs(force[2])
+            if touched or some(size > 0.0):
+                put3(push, row, W, force[0] / apart, force[1] / apart, force[2] / apart)
+                grip = max(grip, size)
+            hit = where(new, 1.0, hit)
         dx += x - ex
         dy += y - ey
         dz += z - ez
@@ -263,19 +312,25 @@ def sweep(
         sum = (
             sum[0] + length * (x - old[0]), sum[1] + length * (y - old[1]), sum[2] + length * (z - old[2]),
         )  # fmt: skip
-        settle(row, sum, velocity, before, moved, numbers, second)
+        settle(row, sum, hit > 0.0, velocity, before, moved, numbers, second)
+    if solid:
+        put(touching, strand, where(grip > 0.0, 1.0, spread(s, 0.0)))
 
 
 @inner
-def settle(row, sum, velocity, before, moved, numbers, second):
-    """The velocity that led to the displacement ``sum``."""
+def settle(row, sum, hit, velocity, before, moved, numbers, second):
+    """The velocity that led to the displacement ``sum``. From where a strand has been ``hit`` on, it goes on from that
+    alone: BDF2 would take a jump of velocity further, and strands bounce."""
     over = 1 / numbers[0]
     if second:
         third = numbers[9]
+        rate = over / (1 + 1.5 * third)
         for c in range(3):
             o = row + c * W
-            put(before, o, get(velocity, o))
-            put(velocity, o, (sum[c] - get(moved, o) * third) * over)
+            past = get(velocity, o)
+            v = where(hit, rate * sum[c], (sum[c] - get(moved, o) * third) * over)
+            put(before, o, where(hit, v, past))
+            put(velocity, o, v)
             put(moved, o, sum[c])
     else:
         put3(velocity, row, W, sum[0] * over, sum[1] * over, sum[2] * over)
