@@ -400,7 +400,7 @@ def touch(d, next, q, old, going, held, light, length, over, solids, whole, firs
         fx *= f
         fy *= f
         fz *= f
-        f = over * light
+        f = where(near, over * light, 0.0)
         d = swing(near, (d[0] + f * (fx - hx), d[1] + f * (fy - hy), d[2] + f * (fz - hz)), axis, cosine, sine)
         fx = where(near, fx + force * nx, 0.0)
         fy = where(near, fy + force * ny, 0.0)
