@@ -117,6 +117,7 @@ class RodSolver(Solver):
         self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
+        self.rounding = 4 * float(np.finfo(self.dtype).eps)
         self.last_step = 0.0
 
     def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -141,7 +142,7 @@ class RodSolver(Solver):
         h = 2 * dt / 3 if second else dt
         numbers = [
             h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-            self.enough,
+            self.enough, self.rounding,
         ]  # fmt: skip
         self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
@@ -175,7 +176,7 @@ class RodSolver(Solver):
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
         the shorter the step, and how strands move would have no limit."""
         tension = self.tension.copy()
-        numbers = [MOMENT, *np.zeros(9), 0.0, self.enough]
+        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding]
         self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
         self.tension[...] = tension
         for still in (self.velocity, self.before, self.moved, self.push, self.touching):

@@ -41,7 +41,7 @@ def step(
     strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
     the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
     [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
-    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop; spheres, capsules,
+    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding; spheres, capsules,
     planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
     `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
     made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a
@@ -243,7 +243,8 @@ def sweep(
 ):  # fmt: skip
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
     the solids; an edge that has no direction or none that is finite stays as it was. The velocity is what led there,
-    (u − û) / h, with u summed up from the changes of edges."""
+    (u − û) / h. u is that of the iterations and how far the particle is put off: what rounding does to edges, an error
+    of places, must not become one of velocities, which would last."""
     length = get(lengths, strand)
     px, py, pz = get3(positions, place + AXES, W)
     clamp = FIRST - SEGMENT + E
@@ -251,7 +252,8 @@ def sweep(
         positions, place, W,
         px - length * get(s, clamp), py - length * get(s, clamp + V), pz - length * get(s, clamp + 2 * V),
     )  # fmt: skip
-    sum = get3(s, SHIFT, V)
+    root_moved = get3(s, SHIFT, V)
+    sum = root_moved
     # how far the particle before was put off from where the iterations put it
     dx = spread(s, 0.0)
     dy = dx
@@ -263,40 +265,54 @@ def sweep(
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     grip = dx
     hit = dx
+    lost = dx
     for j in range(n):
         row = edge + j * AXES
         here = place + (j + 2) * AXES
+        o = FIRST + j * SEGMENT
         old = get3(edges, row, W)
-        ex, ey, ez = get3(s, FIRST + j * SEGMENT + E, V)
-        x = ex - dx
-        y = ey - dy
-        z = ez - dz
+        x, y, z = get3(s, o + E, V)
+        x -= dx
+        y -= dy
+        z -= dz
         q = x * x + y * y + z * z
-        f = 1.0 / root(max(q, TINY))
+        size = root(max(q, TINY))
+        f = 1.0 / size
+        g = f * (1.0 - q) / (1.0 + size)  # f - 1
+        exact = abs(1.0 - q) < numbers[12]  # or every step would round it anew, and never to rest
+        f = where(exact, 1.0, f)
+        g = where(exact, 0.0, g)
+        dx = g * x
+        dy = g * y
+        dz = g * z
         x *= f
         y *= f
         z *= f
         good = (q > NONE) & (q < HUGE * HUGE)
         if some(~good):
-            ex = where(good, ex, old[0] + dx)
-            ey = where(good, ey, old[1] + dy)
-            ez = where(good, ez, old[2] + dz)
+            lost = where(good, lost, 1.0)
             x = where(good, x, old[0])
             y = where(good, y, old[1])
             z = where(good, z, old[2])
+            dx = where(good, dx, 0.0)
+            dy = where(good, dy, 0.0)
+            dz = where(good, dz, 0.0)
         if solid:
             held = still
             light = one
             if touched:
                 ax, ay, az = get3(push, row, W)
                 held = apart * ax, apart * ay, apart * az
-                light = get(s, FIRST + j * SEGMENT + R)
+                light = get(s, o + R)
                 light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
             vx, vy, vz = get3(velocity, row, W)
             d, force, new = contact.touch(
-                (x, y, z), get3(s, FIRST + (j + 1) * SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
+                (x, y, z), get3(s, o + SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
                 (beat * vx, beat * vy, beat * vz), held, light, length, over, solids, whole, j == 0, numbers[10],
             )  # fmt: skip
+            dx += d[0] - x
+            dy += d[1] - y
+            dz += d[2] - z
             x, y, z = d
             size = abs(force[0]) + abs(force[1]) + abs(force[2])
             if touched or some(size > 0.0):
@@ -304,17 +320,22 @@ def sweep(
                 put3(push, row, W, f * force[0], f * force[1], f * force[2])
                 grip = max(grip, size)
             hit = where(new, 1.0, hit)
-        dx += x - ex
-        dy += y - ey
-        dz += z - ez
         px += length * x
         py += length * y
         pz += length * z
         put3(positions, here, W, px, py, pz)
         put3(edges, row, W, x, y, z)
+        before_it = sum
+        ux, uy, uz = get3(s, o + U, V)
         sum = (
-            sum[0] + length * (x - old[0]), sum[1] + length * (y - old[1]), sum[2] + length * (z - old[2]),
+            root_moved[0] + length * (ux + dx), root_moved[1] + length * (uy + dy), root_moved[2] + length * (uz + dz),
         )  # fmt: skip
+        if some(lost > 0.0):
+            sum = (
+                where(lost > 0.0, before_it[0] + length * (x - old[0]), sum[0]),
+                where(lost > 0.0, before_it[1] + length * (y - old[1]), sum[1]),
+                where(lost > 0.0, before_it[2] + length * (z - old[2]), sum[2]),
+            )
         settle(row, sum, hit > 0.0, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(grip > 0.0, 1.0, spread(s, 0.0)))
