@@ -45,6 +45,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
+WORTH = 5000
+"""Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
@@ -112,7 +114,7 @@ class RodSolver(Solver):
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
         self.touching = aligned((len(self.push), W), self.dtype)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
-        workers = min(numba.get_num_threads(), len(self.lengths))
+        workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
         size = (rod_long if self.long else rod_dense).size_for(n)
         self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
@@ -152,7 +154,7 @@ class RodSolver(Solver):
     def _share_out(
         self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
     ) -> None:
-        """Run the step with a share of the blocks on each thread: this one and those of a pool."""
+        """Run the step on all threads: this one and those of a pool."""
         packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
         delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
         given = (
@@ -161,16 +163,25 @@ class RodSolver(Solver):
             self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
             self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
         )  # fmt: skip
-        workers = len(self.scratch)
+        tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
         long = True if self.long else None
 
-        def work(i: int) -> None:
-            rod_step.step(*given, self.scratch[i], self.residuals, i, workers, long)
+        def work(scratch: NDArray[Any]) -> None:
+            rod_step.step(*given, scratch, self.residuals, tickets, long)
 
-        others = [_pool().submit(work, i) for i in range(1, workers)]
-        work(0)
+        others = [_pool().submit(work, one) for one in self.scratch[1:]]
+        work(self.scratch[0])
         for other in others:
-            other.result()
+            if not other.cancel():  # it has begun; where it has not, there is nothing left to do
+                other.result()
+        self._pad()
+
+    def _pad(self) -> None:
+        """Lanes without a strand are copies of the last strand, and are not moved themselves."""
+        done = -(-self.strands // rod_step.SHARE) * rod_step.SHARE - (len(self.lengths) - 1) * W
+        if done < W:
+            last = self._rows()[-1].reshape(-1, W)
+            last[:, done:] = last[:, done - 1 : done]
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
@@ -187,7 +198,8 @@ class RodSolver(Solver):
         if self.dtype == np.float32:
             return self.positions
         if not hasattr(self, "wide"):
-            self.wide = self.positions.astype(np.float64)
+            self.wide = aligned(self.positions.shape, np.float64)
+            self.wide[...] = self.positions
         return self.wide
 
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:

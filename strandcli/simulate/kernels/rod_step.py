@@ -1,6 +1,6 @@
 """The step of the rod solver over blocks of strands: predict, iterate, make lengths exact, take the new velocity.
 
-The driver calls `step` from as many threads as it likes, each with a share of the blocks and scratch of its own; lanes
+The driver calls `step` from as many threads as it likes, each with scratch of its own; lanes
 are independent, so that the number of threads changes no bit. A loop over `prange` would compile everything three
 times over. V strands move at once, from the first to the last of a step.
 """
@@ -12,12 +12,15 @@ from ...jit import function, inner
 from . import contact, rod, rod_newton
 from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
 from .simd import get, get3, lay, put, put3, root, some, spread, where
+from .tickets import take
 
 HUGE = 1e18
 NONE = 1e-12
 FARTHEST = 1e10
 LEAST = 1e-6
 """Share of a particle's own mobility that is never undercut in contact."""
+SHARE = 16
+"""Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
 AXES = 3 * W
 """Numbers of a row of three coordinates, of all strands of a block."""
 
@@ -26,9 +29,9 @@ AXES = 3 * W
 def step(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes, boxes,
-    whole, scratch, residuals, first, stride, long,
+    whole, scratch, residuals, tickets, long,
 ):  # fmt: skip
-    """Move the strands of blocks first, first + stride, … by one step, in place.
+    """Move strands by one step, in place, `SHARE` to each ticket from ``tickets`` while there are any.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
     same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
@@ -44,52 +47,56 @@ def step(
     Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding; spheres, capsules,
     planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
     `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
-    made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a
+    made exact; tickets (2,): the next one's number and how many there are; long: None, or anything for the kernel that
+    is O(N). All of one floating type. There are flags where a
     None would have everything compiled once more.
     """
     solids = (
         (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
         (lay(boxes), boxes.size),
     )  # fmt: skip
-    run(
-        lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
-        lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
-        lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
-        lay(residuals), first, stride, long, edges.shape[0], edges.shape[1],
-    )  # fmt: skip
+    ticket = take(tickets)
+    while ticket < tickets[1]:
+        run(
+            lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
+            lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
+            lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
+            lay(residuals), ticket * SHARE, long, edges.shape[1],
+        )  # fmt: skip
+        ticket = take(tickets)
 
 
 @inner
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
-    first, stride, long, blocks, n,
+    first, long, n,
 ):  # fmt: skip
-    """As `step`, of rows; V strands at a time."""
-    for b in range(first, blocks, stride):
-        for lane in range(0, W, V):
-            strand = b * W + lane
-            tip = b * n * W + lane
-            edge = b * n * AXES + lane
-            place = b * (n + 2) * AXES + lane
-            place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
-            weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
-            predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
-            if curled:
-                recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
-            touched = solid and some(get(touching, strand) > 0.0)
-            if touched:
-                press(scratch, n, edge, strand, push, lengths, numbers)
-            worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
-            # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
-            put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
-            keep(scratch, n, tip, tension, numbers[0])
-            if touched:
-                yield_to(scratch, n, edge, push)
-            sweep(
-                scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
-                numbers, second, solid, solids, whole, touched,
-            )  # fmt: skip
+    """As `step`, of rows and of the strands from number ``first`` on; V strands at a time."""
+    b = first // W
+    for strand in range(first, first + SHARE, V):
+        lane = strand - b * W
+        tip = b * n * W + lane
+        edge = b * n * AXES + lane
+        place = b * (n + 2) * AXES + lane
+        place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
+        weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
+        predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
+        if curled:
+            recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
+        touched = solid and some(get(touching, strand) > 0.0)
+        if touched:
+            press(scratch, n, edge, strand, push, lengths, numbers)
+        worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
+        # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
+        put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
+        keep(scratch, n, tip, tension, numbers[0])
+        if touched:
+            yield_to(scratch, n, edge, push)
+        sweep(
+            scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
+            numbers, second, solid, solids, whole, touched,
+        )  # fmt: skip
 
 
 @inner
