@@ -17,14 +17,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import lanes
+from ..blocks import aligned, lanes
 from ..constants import W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from .kernels import rod as dense
-from .kernels import rod_long, rod_step
+from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings
 
@@ -46,6 +45,10 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
+WORTH = 5000
+"""Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
+MOMENT = 1e-6
+"""Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -66,7 +69,8 @@ def rigidity(rod: Rod) -> float:
 
 
 class RodSolver(Solver):
-    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W) are the state, in single or double precision."""
+    """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (blocks, N,
+    3 W) each, in single or double precision."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -87,18 +91,18 @@ class RodSolver(Solver):
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
-        self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
+        self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
             if mended:
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
-        self.velocity = np.zeros_like(self.edges)
-        self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
+        self.velocity = aligned(self.edges.shape, self.dtype)
+        self.tension = aligned((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
         self.second = bdf2
-        self.before = np.zeros_like(self.edges if bdf2 else self.edges[:1])
-        self.moved = np.zeros_like(self.before)
+        self.before = aligned((self.edges if bdf2 else self.edges[:1]).shape, self.dtype)
+        self.moved = aligned(self.before.shape, self.dtype)
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
@@ -106,14 +110,16 @@ class RodSolver(Solver):
         bends = self._rest_shape(rod, groom, edges, lengths)
         self.curled = bends is not None
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
+        some = self.surroundings.any_solids
+        self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
+        self.touching = aligned((len(self.push), W), self.dtype)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
-        workers = min(numba.get_num_threads(), len(self.lengths))
-        size = (rod_long if self.long else dense).size_for(n)
-        self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
-        for one in self.scratch:
-            dense.clear(one)
-        self.residuals = np.zeros(len(self.lengths), self.dtype)
+        workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
+        size = (rod_long if self.long else rod_dense).size_for(n)
+        self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
+        self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
+        self.rounding = 4 * float(np.finfo(self.dtype).eps)
         self.last_step = 0.0
 
     def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -128,50 +134,72 @@ class RodSolver(Solver):
             return
         pose = self._pose(time)
         restart = dt != self.last_step
-        if self._teleported(pose):
+        elsewhere = self._teleported(pose)
+        if elsewhere:
             self._carry(pose)
-            restart = True
-        second = self.second and not restart
-        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
-        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        if self.surroundings.any_solids and (elsewhere or self.last_step == 0):
+            self._put_outside(time - dt)
+        second = self.second and not restart and not elsewhere
         rod, around = self.scene.rod, self.surroundings
-        gust = around.gust(time, self.positions)
         h = 2 * dt / 3 if second else dt
-        numbers = np.array(
-            [h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-             self.enough],
-            self.dtype,
-        )  # fmt: skip
-        given = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
-            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.still_air if gust is None else gust, packed, delta, numbers, rod.iterations, self.second, self.curled,
-            *around.solids(time, dt),
-        )  # fmt: skip
-        self._share_out(given)
+        numbers = [
+            h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
+            self.enough, self.rounding,
+        ]  # fmt: skip
+        self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
             self.positions[...] = self.wide
         self.pose, self.last_step = pose, dt
 
-    def _share_out(self, given: tuple[Any, ...]) -> None:
-        """Run the step with a share of the blocks on each thread: this one and those of a pool."""
-        workers = len(self.scratch)
+    def _share_out(
+        self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
+    ) -> None:
+        """Run the step on all threads: this one and those of a pool."""
+        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
+        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        given = (
+            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
+            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
+            self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
+        )  # fmt: skip
+        tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
         long = True if self.long else None
 
-        def work(i: int) -> None:
-            rod_step.step(*given, self.scratch[i], self.residuals, i, workers, long)
+        def work(scratch: NDArray[Any]) -> None:
+            rod_step.step(*given, scratch, self.residuals, tickets, long)
 
-        others = [_pool().submit(work, i) for i in range(1, workers)]
-        work(0)
+        others = [_pool().submit(work, one) for one in self.scratch[1:]]
+        work(self.scratch[0])
         for other in others:
-            other.result()
+            if not other.cancel():  # it has begun; where it has not, there is nothing left to do
+                other.result()
+        self._pad()
+
+    def _pad(self) -> None:
+        """Lanes without a strand are copies of the last strand, and are not moved themselves."""
+        done = -(-self.strands // rod_step.SHARE) * rod_step.SHARE - (len(self.lengths) - 1) * W
+        if done < W:
+            last = self._rows()[-1].reshape(-1, W)
+            last[:, done:] = last[:, done - 1 : done]
+
+    def _put_outside(self, time: float) -> None:
+        """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
+        the shorter the step, and how strands move would have no limit."""
+        tension = self.tension.copy()
+        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding]
+        self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
+        self.tension[...] = tension
+        for still in (self.velocity, self.before, self.moved, self.push, self.touching):
+            still[...] = 0
 
     def _rows(self) -> NDArray[Any]:
         """World positions in the solver's own precision."""
         if self.dtype == np.float32:
             return self.positions
         if not hasattr(self, "wide"):
-            self.wide = self.positions.astype(np.float64)
+            self.wide = aligned(self.positions.shape, np.float64)
+            self.wide[...] = self.positions
         return self.wide
 
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
@@ -187,7 +215,7 @@ class RodSolver(Solver):
         """Take everything along rigidly and at rest."""
         turn = pose[0] @ self.pose[0].T
         self.edges[...] = _turn(turn, self.edges)
-        self.velocity[...] = 0
+        self.velocity[...] = self.push[...] = self.touching[...] = 0
         before = [self.positions] if self.dtype == np.float32 else [self.positions, self._rows()]
         for rows in before:
             centre, goal = self.pose[1], pose[1]
@@ -208,7 +236,7 @@ class RodSolver(Solver):
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
-        rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
+        rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
         first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
         t, a = axes, first
