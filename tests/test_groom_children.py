@@ -13,10 +13,11 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.scratch import Scratch
+from strandcli.errors import SimulationError
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.groom.kernels import children as kernel
-from strandcli.scene.model import Clump, Scene, Wave
+from strandcli.scene.model import Camera, Clump, Scene, Wave
 
 SCENE = """
 seed: 3
@@ -25,7 +26,8 @@ emitter: {strands: 300, particles: 9, length: 0.4, shape: {kind: disc, radius: 0
 children: {count: 7}
 rules: [gravity, collision, elasticity]
 solids: [{kind: sphere, radius: 0.25, position: [0.2, 1.3, 0]},
-  {kind: box, size: [1, 0.2, 1], position: [-0.7, 1.2, 0]}, {kind: capsule, radius: 0.05, length: 0.2, position: [0, 1.4, 0.2]}, {kind: plane, position: [0, 0.8, 0]}]
+  {kind: box, size: [1, 0.2, 1], position: [-0.7, 1.2, 0]}, {kind: plane, position: [0, 0.8, 0]},
+  {kind: capsule, radius: 0.05, length: 0.2, position: [0, 1.4, 0.2]}]
 """
 LOCKS = (Clump(size=0.05, strength=0.6), Clump(size=0.015, strength=0.8))
 WAVES = (Wave(radius=0.01, length=0.1), Wave(radius=0.002, length=0.05, disorder=1))
@@ -275,6 +277,25 @@ def test_children_of_a_guide_that_is_lost_are_left_out_and_no_others() -> None:
     assert np.isfinite(left).all()
     np.testing.assert_array_equal(left, whole[ids])
     np.testing.assert_array_equal(tones, children.family.tones[ids])
+
+
+def test_a_run_goes_on_with_the_children_that_are_left() -> None:
+    scene = dataclasses.replace(
+        scene_of(SCENE + "image: {size: [40, 30]}\n"), camera=Camera(position=(0, 1.2, 1.5), target=(0, 1.2, 0))
+    )
+    (before,) = frames_of(scene, 1)
+    assert before.positions is not None
+    lost = before.positions.copy()
+    lost[7] = np.nan
+    (after,) = frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
+    assert after.report["counts"]["left_out"] == 1
+    assert 0 < 7 * 300 - after.report["counts"]["strands"] < 300
+    assert after.image is not None
+    lost[:] = np.nan
+    lost[200] = before.positions[200]
+    scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=LOCKS))
+    with pytest.raises(SimulationError, match="follows one that is lost"):
+        frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
 
 
 def test_a_frame_of_children_is_drawn_and_told() -> None:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..constants import W
+from ..errors import SimulationError
 from ..scene.model import DiscShape, Emitter, PlaneShape
 from ..scene.motion import emitter_pose
 from .emit import Groom, emit, frame, sides, stream
@@ -75,7 +76,8 @@ class Children:
         self._alive: NDArray[np.intp] | None = None
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32] | None]:
-        """The tones of all children whose guides (blocks, n + 1, 3 W) are finite, and which they are; None: all."""
+        """The tones of all children whose guides (blocks, n + 1, 3 W) are finite, and which they are; None: all.
+        Raises `SimulationError` where there are none."""
         family = self.family
         if np.isfinite(positions).all():
             self._alive = None
@@ -84,6 +86,8 @@ class Children:
         good = np.isfinite(rows).all((1, 2)).reshape(-1)[: self.groom.strands]
         sound = (good[family.parents] | (family.weights == 0)).all(1)
         alive = sound & sound[family.middles].all(0)
+        if not alive.any():
+            raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
         self._alive = np.flatnonzero(alive)
         return family.tones[self._alive], self._alive.astype(np.int32)
 
