@@ -84,7 +84,7 @@ class Children:
             return family.tones, None
         rows = positions.reshape(*positions.shape[:2], 3, W)
         good = np.isfinite(rows).all((1, 2)).reshape(-1)[: self.groom.strands]
-        sound = good[family.parents].all(1)
+        sound: NDArray[np.bool_] = np.asarray(good[family.parents].all(1))
         alive = sound & sound[family.middles].all(0)
         if not alive.any():
             raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
