@@ -84,7 +84,7 @@ class Children:
             return family.tones, None
         rows = positions.reshape(*positions.shape[:2], 3, W)
         good = np.isfinite(rows).all((1, 2)).reshape(-1)[: self.groom.strands]
-        sound = (good[family.parents] | (family.weights == 0)).all(1)
+        sound: NDArray[np.bool_] = np.asarray(good[family.parents].all(1))
         alive = sound & sound[family.middles].all(0)
         if not alive.any():
             raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
@@ -188,7 +188,8 @@ class Children:
         parents = np.ascontiguousarray(found[:, :used])
         parents[:guides, 0] = np.arange(guides)
         weights[:guides, 0] = 1.0
-        return parents, weights.astype(np.float32)
+        # a guide that has no weight has no say at all, not even where it is no number
+        return np.where(weights > 0, parents, parents[:, :1]), weights.astype(np.float32)
 
 
 class _Levels:
