@@ -20,7 +20,7 @@ lights: []
 solids: %s
 """
 BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
-ROD = "{kind: capsule, radius: 0.2, length: 1.6, position: [-0.2, 0.2, 0], rotation: [20, 0, 35], colour: [0.9, 0.9, 0]}"
+ROD = "{kind: capsule, radius: 0.2, length: 2, position: [-0.2, 0.2, 0], rotation: [20, 0, 35], colour: [0.9, 0.9, 0]}"
 BOX = "{kind: box, size: [0.8, 0.5, 0.6], position: [-0.3, -0.3, 0.2], rotation: [20, 30, 10], colour: [0.9, 0.9, 0.1]}"
 GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.3, 0.7, 0.3], fade: 0}"
 AWAY, BEFORE, BETWEEN, BEHIND = ("[0, 90, 0]", "[0.05, -2, 1.5]", "[0.05, -2, -0.7]", "[0.05, -2, -1.5]")

@@ -105,7 +105,8 @@ def test_a_strand_out_of_focus_is_as_wide_as_the_circle_of_confusion(focus: floa
     fine = np.linspace(-circle / 2, circle / 2, 100_001)
     chords = np.sqrt(np.maximum(circle**2 / 4 - fine**2, 0))
     exact = over_pixels(fine, chords, x)
-    assert np.abs(row - exact).max() < 0.01
+    # two thirds of what 1024 random points would be off by: places within a pixel are a further dimension
+    assert np.abs(row - exact).max() < 0.015
     assert np.sum(row * x**2) == pytest.approx(circle**2 / 16 + 1 / 6, rel=0.06)  # the pixel's box, and the line's
 
 

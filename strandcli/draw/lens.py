@@ -57,8 +57,8 @@ def exposures(camera: Camera, seed: int, at: float, fps: float) -> list[Exposure
     across = concentric((start[0] + index / PLASTIC) % 1.0, (start[1] + index / PLASTIC**2) % 1.0)
     offsets = camera.aperture / 2 * across
     ago = camera.shutter * (1.0 - (index + start[2]) / count)
-    # of some pairs of irrational steps these spread the sums with what lens and shutter do most evenly
-    aside = (start[3:, None] + index * np.sqrt([[2.0], [5.0]])) % 1.0 - 0.5
+    # irrational steps whose sums with places of the lens, too, are spread evenly: many others, √2 and √5 say, are not
+    aside = (start[3:, None] + index * np.sqrt([[13.0], [22.0]])) % 1.0 - 0.5
     return [
         Exposure(max(at - float(late) / fps, 0.0), 1.0 - float(late), float(right), float(up), float(x), float(y))
         for late, (right, up), (x, y) in zip(ago, offsets, aside.T, strict=True)
