@@ -32,7 +32,7 @@ of them as rows and its place; all of them in the order spheres, capsules, plane
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from .simd import root, some, spread, where
 
 TINY = 1e-20
@@ -44,7 +44,7 @@ SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
 ROUNDS = 3
 
 
-@inner
+@inlined
 def on_axis(capsules, m, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
     ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
@@ -53,7 +53,7 @@ def on_axis(capsules, m, x, y, z):
     return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
 
 
-@inner
+@inlined
 def in_ball(dx, dy, dz, r):
     """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
     return r - root(dx * dx + dy * dy + dz * dz)
@@ -119,7 +119,7 @@ def inner_part(boxes, m, x, y, z, dx, dy, dz, reach):
     return where(leave > enter, 0.5 * (enter + leave), 0.0)
 
 
-@inner
+@inlined
 def foot(x, y, z, edge, next, half):
     """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
     far on along the next one; no further than ``half``."""
@@ -128,7 +128,7 @@ def foot(x, y, z, edge, next, half):
     return back, on
 
 
-@inner
+@inlined
 def kept_from(dx, dy, dz, r, edge, next, half, whole):
     """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too."""
     if not whole:
@@ -179,7 +179,7 @@ def under_face(boxes, m, x, y, z, edge, next, half, whole):
     return found
 
 
-@inner
+@inlined
 def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
     """The solid that a particle at (x, y, z) is deepest in, or nearest to and no further than ``reach``: the depth; 1
     where it is round there and 0 where flat; the centre and radius, or of a flat face the normal and how far along that
@@ -223,7 +223,7 @@ def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
     return most, round > 0.0, found
 
 
-@inner
+@inlined
 def motion(solids, o, point):
     """Where a solid, whose motion is in columns from o on, has carried a point in this step."""
     x, y, z = point
@@ -234,7 +234,7 @@ def motion(solids, o, point):
     )
 
 
-@inner
+@inlined
 def choose(nearer, one, other):
     """Seven vectors: of ``one`` where a mask holds."""
     a, b, c, d, e, f, g = one
@@ -245,7 +245,7 @@ def choose(nearer, one, other):
     )  # fmt: skip
 
 
-@inner
+@inlined
 def aim(q, over, length, round, found):
     """The axis that an edge from q makes the same angle with wherever its end is on a ball or on a flat face, the
     cosine of that angle and its sine; ``over``: 1 over the edge's length."""
@@ -261,7 +261,7 @@ def aim(q, over, length, round, found):
     return (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0))
 
 
-@inner
+@inlined
 def swing(turn, d, axis, cosine, sine):
     """Turn a vector toward an axis or away from it, and scale it to length 1, where ``turn``."""
     dx, dy, dz = d
