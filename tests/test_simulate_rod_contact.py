@@ -10,10 +10,12 @@ from numba import njit
 from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
-from strandcli.constants import V
+from strandcli.constants import VECTOR
 from strandcli.simulate.kernels import contact
 from strandcli.simulate.kernels.simd import get3, lay, put3, spread
 from strandcli.simulate.rod import RodSolver
+
+LANES = VECTOR // 8
 
 
 def against(solids: list[dict[str, Any]], gamma: float = 10.0, **changes: Any) -> RodSolver:
@@ -107,20 +109,20 @@ def test_a_ball_that_moves_pushes() -> None:
 
 @njit(error_model="numpy")
 def off_ball(given, length, r, out):
-    """The kernel, which has no way in from Python: ``given`` (9, V) are the edge's beginning and direction and the
-    ball's centre, ``out`` (3, V) the edge turned off it."""
+    """The kernel, which has no way in from Python: ``given`` (9, LANES) are the edge's beginning and direction and the
+    ball's centre, ``out`` (3, LANES) the edge turned off it."""
     rows = lay(given)
-    x, y, z = get3(rows, 0, V)
-    dx, dy, dz = get3(rows, 3 * V, V)
-    ox, oy, oz = get3(rows, 6 * V, V)
+    x, y, z = get3(rows, 0, LANES)
+    dx, dy, dz = get3(rows, 3 * LANES, LANES)
+    ox, oy, oz = get3(rows, 6 * LANES, LANES)
     d = contact.tangent((x, y, z), (dx, dy, dz), spread(rows, length), ox - x, oy - y, oz - z, r)
-    put3(lay(out), 0, V, d[0], d[1], d[2])
+    put3(lay(out), 0, LANES, d[0], d[1], d[2])
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:
-    given = np.zeros((9, V))
-    given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], V)
+    given = np.zeros((9, LANES))
+    given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], LANES)
     given[3:5] = [[0.8], [-0.6]]
-    out = np.empty((3, V))
+    out = np.empty((3, LANES))
     off_ball(given, 0.3, 1.0, out)
-    np.testing.assert_allclose(out.T, np.tile([1.0, 0.0, 0.0], (V, 1)), atol=3e-3)
+    np.testing.assert_allclose(out.T, np.tile([1.0, 0.0, 0.0], (LANES, 1)), atol=3e-3)
