@@ -13,7 +13,7 @@ from study_kit import Synthetic, made
 from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, axes, sweep
 from strandcli.study.exactness import Exactness
-from strandcli.study.motion import Motion, with_knobs
+from strandcli.study.motion.experiment import Motion, with_knobs
 from strandcli.study.points import Point
 
 

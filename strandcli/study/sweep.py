@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .axes import Axis, Experiment, Request
-from .contestants import CONTESTANTS
+from .motion.contestants import CONTESTANTS
 from .points import Point, by_line, cheapest, orders, pareto
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)

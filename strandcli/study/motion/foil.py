@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids
-from ..blocks import lanes
-from ..constants import W
-from ..errors import UsageError
-from ..groom.emit import Groom
-from ..scene.motion import emitter_pose
-from ..simulate.rod import rigidity
-from ..simulate.rules import collision as collision_rule
-from ..simulate.rules import wind as wind_rule
-from ..simulate.solver import Solver
+from ... import solids
+from ...blocks import lanes
+from ...constants import W
+from ...errors import UsageError
+from ...groom.emit import Groom
+from ...scene.motion import emitter_pose
+from ...simulate.rod import rigidity
+from ...simulate.rules import collision as collision_rule
+from ...simulate.rules import wind as wind_rule
+from ...simulate.solver import Solver
 from .kernels import foil as kernel
 
 APPLIED = ("emitter_motion", "gravity", "wind", "collision", "elasticity", "stiffness")

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
-from ..groom.emit import Groom, emit
-from ..scene.model import Scene
-from .axes import STRANDS, Axis, Request, chosen_solvers
+from ...errors import UsageError
+from ...groom.emit import Groom, emit
+from ...scene.model import Scene
+from ..axes import STRANDS, Axis, Request, chosen_solvers
+from ..points import Knobs, Limit, Point, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up
-from .points import Knobs, Limit, Point, grid, limit
 from .resample import apart, resample
 from .watch import Stopwatch, least
 
