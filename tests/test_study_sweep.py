@@ -102,6 +102,14 @@ rules: [gravity, elasticity]
 """
 
 
+def validate_iterations(count: int) -> int:
+    """As many as a preset may ask for, and no more: one more is refused."""
+    assert scene_of(f"rod: {{iterations: {count}}}").rod.iterations == count
+    with pytest.raises(UsageError, match=r"rod\.iterations"):
+        scene_of(f"rod: {{iterations: {count + 1}}}")
+    return count
+
+
 def motion(**wishes: Any) -> Motion:
     return Motion(axes.Request(scene=scene_of(HANGING), name="hanging", **wishes))
 
@@ -120,9 +128,13 @@ def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
 def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
     opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
     found = [(one["rod.integrator"], one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
-    assert found == [(name, 8, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
+    assert found == [(name, 200, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
     finest = opened.finer(opened.contestants[0])[-1]
-    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 16)
+    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 400)
+    own = Motion(axes.Request(scene=with_knobs(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
+    assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
+    finest = own.finer(own.contestants[0])[-1]
+    assert validate_iterations(finest["rod.iterations"]) == 1000
     kept = motion(solvers=("rod",), integrators=("euler",), iterations=(3,))
     assert {(one["rod.integrator"], one["rod.iterations"]) for one in kept.settings()} == {("euler", 3)}
     assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("euler",)}

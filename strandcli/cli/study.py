@@ -107,7 +107,7 @@ max_error = click.option(
 @click.option("--dt", "steps", type=ListType("SECONDS", step, "1/24,1/240"), metavar="SECONDS", help="Steps to try.")
 @click.option("--substeps", type=ListType("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
-@click.option("--iterations", type=ListType("COUNTS", count(1, 50), "2,8"), metavar="COUNTS",
+@click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them.")  # fmt: skip
 @click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
               help="Integrators to try, of solvers that have them: euler, bdf2.")  # fmt: skip
@@ -125,7 +125,7 @@ max_error = click.option(
 @click.option("--threads", type=options.ThreadsType(), default=1, show_default=True,
               help="Threads. One alone is timed most evenly, and so few strands hardly need another.")  # fmt: skip
 @options.overwrite
-@options.talk_options
+@options.talk("Print a line a run on a terminal too, and what is compiled.")
 def command(
     preset: str | None,
     reference: tuple[str, ...] | None,
@@ -162,7 +162,8 @@ def command(
 
     chosen = axes.find("reference" if preset is None else axis or "motion")
     studies = []
-    with Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run") as progress:
+    hidden = no_progress or quiet
+    with Progress(1, "study", hidden=hidden, verbose=verbose, each="run", lines=True) as progress:
         runtime.start(threads, progress.note)
         for request in requests:
             progress.label = f"study {request.name}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import UsageError
 from ...groom.emit import Groom, emit
-from ...scene.model import Scene
+from ...scene.model import Rod, Scene
 from ..references.base import NEEDS, Case, Track
 from .watch import Stopwatch
 
@@ -70,7 +70,7 @@ CONTESTANTS = {
             True,
             (1 / 24, 1 / 60, 1 / 240),
             (1, 2, 4, 8),
-            (2, 8),
+            (2, Rod().iterations),
             ("euler", "bdf2"),
         ),
         Contestant(

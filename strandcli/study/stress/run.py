@@ -117,16 +117,22 @@ def run(
     processes: int = 1,
     notify: Notify | None = None,
     step: Callable[[int], None] | None = None,
+    tell: Callable[[Verdict], None] | None = None,
 ) -> Result:
-    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` is told how many are done."""
+    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` is told how many more are done,
+    ``tell`` each verdict."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
     wanted = [task for task in work if any(accept(name) for name in task.names)]
     verdicts: list[Verdict] = []
     for found in _results(wanted, processes, notify):
-        verdicts += [one for one in found if accept(one.name)]
+        kept = [one for one in found if accept(one.name)]
+        verdicts += kept
+        if tell is not None:
+            for one in kept:
+                tell(one)
         if step is not None:
-            step(len(found))
+            step(len(kept))
     solvers = tuple(solver for solver in SOLVERS if any(task.solver == solver for task in wanted))
     return Result(solvers, verdicts, time.perf_counter() - began)
 
