@@ -144,8 +144,9 @@ def command(
     knobs of one stage of drawing, or all.
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
-    far finer one, or rays, or quadrature. With --reference: against exact solutions. Prints a table, writes NAME.csv,
-    .json, .png and .svg, and recommends the cheapest setting under an error. A solver that cannot represent something
+    far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
+    for each of them and each solver. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest
+    setting under an error. A solver that cannot represent something
     is told as not represented. Exit code 3: no setting keeps under --max-error.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
@@ -158,7 +159,7 @@ def command(
         options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
 
     from .. import runtime
-    from ..study import sweep
+    from ..study import summary, sweep
 
     chosen = axes.find("reference" if preset is None else axis or "motion")
     studies = []
@@ -172,11 +173,15 @@ def command(
             _write(study, folder, max_error)
     if as_json:
         data = [one.as_dict() for one in studies]
-        options.print_json(_finite(data[0] if len(data) == 1 else {"studies": data}))
+        several = {"studies": data, "summary": summary.rows(studies, max_error)}
+        options.print_json(_finite(data[0] if len(data) == 1 else several))
     elif not quiet:
         from ..study.tables import to_text
 
-        click.echo("\n\n".join(to_text(one) for one in studies))
+        texts = [to_text(one) for one in studies]
+        if len(studies) > 1:
+            texts.append(summary.to_text(summary.rows(studies, max_error)))
+        click.echo("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
         click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...scene.model import Scene, SphereSolid
 from ...scene.motion import solid_pose
 from ...simulate import solver_of
+from ...simulate.health import RESIDUAL_MOST
 from .axes import Case
 from .scenes import groom_of, scene_of, times_of
 from .verdicts import RESIDUAL, judged_by_residual
@@ -46,7 +47,7 @@ def run(cases: Sequence[Case]) -> list[Outcome]:
     if len(cases) > 1 and judged_by_residual(cases[0]) and not shared <= RESIDUAL:
         for one in found:
             alone = _together([one.case])[0]
-            one.metrics["residual"] = alone.metrics.get("residual", float("nan"))
+            one.metrics.update({name: alone.metrics.get(name, float("nan")) for name in ("residual", "stopped")})
     return found
 
 
@@ -119,6 +120,7 @@ class Meter:
             found["overlap" if self.overlapping else "penetration"] = float(self.depth[strands].max())
         if self.residual is not None:
             found["residual"] = self.residual
+            found["stopped"] = float(not self.residual <= RESIDUAL_MOST)
         return found
 
 

@@ -18,6 +18,7 @@ from ...scene.faults import hint
 from ...scene.model import Scene
 from . import checks, drive, expected, inputs, preset, sheets
 from .axes import AXES, SOLVERS, Case, case_named
+from .strand import NotRepresented
 from .verdicts import WORDS, Verdict, judge, judged_by_residual
 
 Notify = Callable[[str], None]
@@ -96,7 +97,11 @@ def named(name: str) -> Task:
         if solver not in SOLVERS:
             raise UsageError(f"--case {name}: begins with the solver; {hint(solver, SOLVERS, 'the solvers are')}")
         if rest not in known:
-            raise UsageError(f"--case {name}: there is no such check; {hint(rest, known, 'they are')}")
+            begun = [one for one in known if one.startswith(rest)]
+            raise UsageError(
+                f"--case {name}: there is no such check; "
+                + (f"there are {', '.join(begun)}" if begun else hint(rest, known, "they are"))
+            )
         return Task(solver, named=rest)
     case = case_named(name)
     if case.value("strands") > 1:
@@ -209,7 +214,7 @@ def _named(task: Task) -> Verdict:
         return found
     try:
         metrics = checks.CHECKS[task.named](task.solver)
-    except checks.NotRepresented as reason:
+    except NotRepresented as reason:
         return judge(name, parameters, {}, absent=str(reason))
     except Exception as error:  # whatever a solver raises is what is looked for here
         return judge(name, parameters, {}, f"{type(error).__name__}: {error}")
