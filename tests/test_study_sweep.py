@@ -140,6 +140,17 @@ def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
     assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("euler",)}
 
 
+def test_rods_bend_within_a_length_that_segments_should_not_exceed() -> None:
+    matter = "rod: {density: 1000, radius: 0.01, young: 4.0e+8, rest: straight}\n"  # B / (ρ A) is 10 m⁴/s²
+    heavy = HANGING.replace("[gravity,", "[gravity: {acceleration: [0, -40, 0]},")
+    equal = heavy.replace("length_variation: 0.4, ", "")
+    opened = Motion(axes.Request(scene=scene_of(equal + matter), solvers=("rod",)))
+    assert opened.bend() == pytest.approx((10 / (40 * 0.5**3)) ** 0.5, rel=1e-3)
+    assert motion(solvers=("thesis",)).bend() is None
+    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
+    assert Motion(axes.Request(scene=still, solvers=("rod",))).bend() is None
+
+
 def test_frames_keep_within_the_span() -> None:
     assert max(motion(span=0.1).frames) == 3
     assert max(motion(span=3600.0).frames) == 6

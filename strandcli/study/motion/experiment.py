@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.emit import Groom, emit
 from ...scene.model import Scene
+from ...simulate.rod import rigidity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up
@@ -149,7 +150,16 @@ class Motion:
         own = self.finest.get(self.scene.solver)
         for name, strands in self.finest.items():
             told[name]["from_own_solver"] = None if own is None else apart(strands, own, self.lengths)[self.metric]
-        return {"name": self.request.name, "frames": self.frames, "limits": told}
+        return {"name": self.request.name, "frames": self.frames, "limits": told, "bend": self.bend()}
+
+    def bend(self) -> float | None:
+        """Within what share of their length rods bend at their roots: 1 / √Γ, Γ = g L³ ρ A / B. Longer segments cannot
+        show it. None without a rod, or without weight."""
+        pulls = [use.parameters.acceleration for use in self.scene.rules if use.name == "gravity"]
+        pull = float(np.linalg.norm(np.sum([np.zeros(3), *pulls], axis=0)))
+        if pull == 0 or not any(one.iterations for one in self.contestants):
+            return None
+        return float(np.sqrt(rigidity(self.scene.rod) / (pull * np.mean(self.lengths, dtype=np.float64) ** 3)))
 
     def margins(self) -> Mapping[str, float]:
         """The uncertainty of each solver's limit."""
