@@ -17,6 +17,18 @@ from .constants import W
 Array = NDArray[np.float32]
 
 
+LINE = 64
+"""Bytes that processors fetch at once."""
+
+
+def aligned(shape: tuple[int, ...], dtype: Any = np.float32) -> NDArray[Any]:
+    """Zeros that begin where a cache line does, so that no vector lies across two."""
+    kind = np.dtype(dtype)
+    raw = np.zeros(int(np.prod(shape)) * kind.itemsize + LINE, np.uint8)
+    first = -raw.ctypes.data % LINE
+    return raw[first : raw.size - LINE + first].view(kind).reshape(shape)
+
+
 def lanes(rows: NDArray[np.floating], dtype: Any = np.float32) -> NDArray[Any]:
     """(strands, k) values a strand -> (blocks, k * W): value 0 of every lane, then value 1, ..."""
     strands, k = rows.shape
@@ -24,7 +36,9 @@ def lanes(rows: NDArray[np.floating], dtype: Any = np.float32) -> NDArray[Any]:
     padded = np.empty((blocks * W, k), dtype)
     padded[:strands] = rows
     padded[strands:] = rows[-1]
-    return np.ascontiguousarray(padded.reshape(blocks, W, k).transpose(0, 2, 1)).reshape(blocks, k * W)
+    out = aligned((blocks, k * W), dtype)
+    out.reshape(blocks, k, W)[...] = padded.reshape(blocks, W, k).transpose(0, 2, 1)
+    return out
 
 
 def pack(positions: NDArray[np.floating]) -> Array:

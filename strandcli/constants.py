@@ -11,3 +11,6 @@ FRAGMENTS = 4_194_304
 
 FRAGMENT_BYTES = 28
 """A fragment: pixel, depth, index, opacity, place; and its key."""
+
+V = 8
+"""Strands that move at once as one vector of numbers in registers: eight fill those of AVX2."""

@@ -10,7 +10,9 @@ from numba import njit
 from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
+from strandcli.constants import V
 from strandcli.simulate.kernels import contact
+from strandcli.simulate.kernels.simd import get3, lay, put3, spread
 from strandcli.simulate.rod import RodSolver
 
 
@@ -104,15 +106,21 @@ def test_a_ball_that_moves_pushes() -> None:
 
 
 @njit(error_model="numpy")
-def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
-    """The kernel, which has no way in from Python."""
-    return contact.off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole)
+def off_ball(given, length, r, out):
+    """The kernel, which has no way in from Python: ``given`` (9, V) are the edge's beginning and direction and the
+    ball's centre, ``out`` (3, V) the edge turned off it."""
+    rows = lay(given)
+    x, y, z = get3(rows, 0, V)
+    dx, dy, dz = get3(rows, 3 * V, V)
+    ox, oy, oz = get3(rows, 6 * V, V)
+    x, y, z = contact.off_ball(x, y, z, dx, dy, dz, spread(rows, length), ox, oy, oz, r, True)
+    put3(lay(out), 0, V, x, y, z)
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:
-    ways = []
-    for height in (1 - 1e-6, 1.0, 1 + 1e-6):
-        start = (0.0, height, 0.0)
-        toward = (0.8, -0.6, 0.0)
-        ways.append(off_ball(*start, *toward, 0.3, 0.0, 0.0, 0.0, 1.0, True))
-    np.testing.assert_allclose(ways, np.tile([1.0, 0.0, 0.0], (3, 1)), atol=3e-3)
+    given = np.zeros((9, V))
+    given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], V)
+    given[3:5] = [[0.8], [-0.6]]
+    out = np.empty((3, V))
+    off_ball(given, 0.3, 1.0, out)
+    np.testing.assert_allclose(out.T, np.tile([1.0, 0.0, 0.0], (V, 1)), atol=3e-3)

@@ -33,11 +33,10 @@ def around(collision: Any = "collision", *rules: Any, **changes: Any) -> Surroun
 def test_solids_are_where_they_are_with_the_motion_that_took_them_there(times: tuple[float, ...]) -> None:
     mine, dt = around(), 0.25
     for time in times:
-        balls, others, whole = mine.solids(time, dt)
+        *packed, whole = mine.solids(time, dt)
     assert not whole
-    assert balls is others[0]
     emitter = mine.scene.emitter
-    for kind, rows in zip(solids.COLUMNS, others, strict=True):
+    for kind, rows in zip(solids.COLUMNS, packed, strict=True):
         columns = solids.COLUMNS[kind]
         expected = [one for one in mine.scene.solids if one.kind == kind]
         expected.sort(key=lambda one: bool(one.keys or one.follow == "emitter"))
@@ -53,16 +52,17 @@ def test_solids_are_where_they_are_with_the_motion_that_took_them_there(times: t
 
 def test_only_the_solids_that_are_named_are_touched() -> None:
     named = [{**one, "name": f"solid{i}"} for i, one in enumerate(ALL)]
-    balls, others, whole = around({"collision": {"with": ["solid1"]}}, solids=named).solids(0.1, 0.1)
-    assert balls.shape == (1, 17)
-    assert others is None
+    mine = around({"collision": {"with": ["solid1"]}}, solids=named)
+    *packed, whole = mine.solids(0.1, 0.1)
+    assert [rows.shape for rows in packed] == [(1, 17), (0, 21), (0, 16), (0, 28)]
+    assert mine.any_solids
     assert not whole
-    balls, others, whole = around({"collision": {"with": ["solid1"], "segments": True}}, solids=named).solids(0.1, 0.1)
+    *packed, whole = around({"collision": {"with": ["solid1"], "segments": True}}, solids=named).solids(0.1, 0.1)
     assert whole
-    assert [len(rows) for rows in others] == [1, 0, 0, 0]
-    balls, others, whole = around("emitter_motion", solids=named).solids(0.1, 0.1)
-    assert balls.shape == (0, 17)
-    assert others is None
+    assert [len(rows) for rows in packed] == [1, 0, 0, 0]
+    mine = around("emitter_motion", solids=named)
+    assert [len(rows) for rows in mine.solids(0.1, 0.1)[:-1]] == [0, 0, 0, 0]
+    assert not mine.any_solids
 
 
 def test_gusts_that_travel_differ_from_place_to_place_and_others_do_not() -> None:

@@ -17,14 +17,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import lanes
+from ..blocks import aligned, lanes
 from ..constants import W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from .kernels import rod as dense
-from .kernels import rod_long, rod_step
+from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings
 
@@ -46,6 +45,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
+MOMENT = 1e-6
+"""Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -66,7 +67,8 @@ def rigidity(rod: Rod) -> float:
 
 
 class RodSolver(Solver):
-    """Strands as rods. ``edges`` and ``velocity`` (blocks, N, 3 W) are the state, in single or double precision."""
+    """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (blocks, N,
+    3 W) each, in single or double precision."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -87,18 +89,18 @@ class RodSolver(Solver):
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
-        self.edges = np.empty((len(self.lengths), n, 3 * W), self.dtype)
+        self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
             if mended:
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
-        self.velocity = np.zeros_like(self.edges)
-        self.tension = np.zeros((len(self.lengths), n, W), self.dtype)
+        self.velocity = aligned(self.edges.shape, self.dtype)
+        self.tension = aligned((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
         self.second = bdf2
-        self.before = np.zeros_like(self.edges if bdf2 else self.edges[:1])
-        self.moved = np.zeros_like(self.before)
+        self.before = aligned((self.edges if bdf2 else self.edges[:1]).shape, self.dtype)
+        self.moved = aligned(self.before.shape, self.dtype)
         self.roots = lanes(groom.roots, self.dtype)
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
@@ -106,13 +108,14 @@ class RodSolver(Solver):
         bends = self._rest_shape(rod, groom, edges, lengths)
         self.curled = bends is not None
         self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
+        some = self.surroundings.any_solids
+        self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
+        self.touching = aligned((len(self.push), W), self.dtype)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), len(self.lengths))
-        size = (rod_long if self.long else dense).size_for(n)
-        self.scratch = [np.empty(size, self.dtype) for _ in range(workers)]
-        for one in self.scratch:
-            dense.clear(one)
-        self.residuals = np.zeros(len(self.lengths), self.dtype)
+        size = (rod_long if self.long else rod_dense).size_for(n)
+        self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
+        self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.last_step = 0.0
 
@@ -128,33 +131,35 @@ class RodSolver(Solver):
             return
         pose = self._pose(time)
         restart = dt != self.last_step
-        if self._teleported(pose):
+        elsewhere = self._teleported(pose)
+        if elsewhere:
             self._carry(pose)
-            restart = True
-        second = self.second and not restart
-        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
-        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        if self.surroundings.any_solids and (elsewhere or self.last_step == 0):
+            self._put_outside(time - dt)
+        second = self.second and not restart and not elsewhere
         rod, around = self.scene.rod, self.surroundings
-        gust = around.gust(time, self.positions)
         h = 2 * dt / 3 if second else dt
-        numbers = np.array(
-            [h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-             self.enough],
-            self.dtype,
-        )  # fmt: skip
-        given = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self._rows(), self.own_lengths,
-            self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.still_air if gust is None else gust, packed, delta, numbers, rod.iterations, self.second, self.curled,
-            *around.solids(time, dt),
-        )  # fmt: skip
-        self._share_out(given)
+        numbers = [
+            h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
+            self.enough,
+        ]  # fmt: skip
+        self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
             self.positions[...] = self.wide
         self.pose, self.last_step = pose, dt
 
-    def _share_out(self, given: tuple[Any, ...]) -> None:
+    def _share_out(
+        self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
+    ) -> None:
         """Run the step with a share of the blocks on each thread: this one and those of a pool."""
+        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
+        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        given = (
+            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
+            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
+            self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
+        )  # fmt: skip
         workers = len(self.scratch)
         long = True if self.long else None
 
@@ -165,6 +170,16 @@ class RodSolver(Solver):
         work(0)
         for other in others:
             other.result()
+
+    def _put_outside(self, time: float) -> None:
+        """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
+        the shorter the step, and how strands move would have no limit."""
+        tension = self.tension.copy()
+        numbers = [MOMENT, *np.zeros(9), 0.0, self.enough]
+        self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
+        self.tension[...] = tension
+        for still in (self.velocity, self.before, self.moved, self.push, self.touching):
+            still[...] = 0
 
     def _rows(self) -> NDArray[Any]:
         """World positions in the solver's own precision."""
@@ -187,7 +202,7 @@ class RodSolver(Solver):
         """Take everything along rigidly and at rest."""
         turn = pose[0] @ self.pose[0].T
         self.edges[...] = _turn(turn, self.edges)
-        self.velocity[...] = 0
+        self.velocity[...] = self.push[...] = self.touching[...] = 0
         before = [self.positions] if self.dtype == np.float32 else [self.positions, self._rows()]
         for rows in before:
             centre, goal = self.pose[1], pose[1]
@@ -208,7 +223,7 @@ class RodSolver(Solver):
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
             bends = bends - self._sag(edges, lengths)
-        rows = np.empty((len(self.lengths), n + 1, 3 * W), self.dtype)
+        rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
         first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
         t, a = axes, first

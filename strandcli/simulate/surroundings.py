@@ -28,9 +28,9 @@ class Surroundings:
         self._phases = wind.phases(scene.seed).tolist()
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
+        self.any_solids = bool(touched)
         self._whole = bool(touched) and any(one.segments for one in contacts)
         self._kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
-        self._balls_alone = not self._whole and len(self._kinds["sphere"]) == len(touched)
         self._rows = {kind: self._at_rest(kind) for kind in solids.COLUMNS}
         self._moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in self._kinds.items()}
         self._poses: tuple[float, dict[int, Pose]] = (-1.0, {})
@@ -62,9 +62,9 @@ class Surroundings:
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
-    def solids(self, time: float, dt: float) -> tuple[Any, Any, bool]:
-        """Packed solids with their motion in a step that ends at ``time``, as the kernel's arguments `balls`, `others`
-        and `whole`."""
+    def solids(self, time: float, dt: float) -> tuple[Any, ...]:
+        """Packed solids with their motion in a step that ends at ``time``, as the kernel's arguments `spheres`,
+        `capsules`, `planes`, `boxes` and `whole`."""
         now, past = max(time, 0.0), max(time - dt, 0.0)
         emitter = self.scene.emitter
         before = self._poses[1] if abs(self._poses[0] - past) <= 1e-9 * dt else {}
@@ -82,8 +82,7 @@ class Surroundings:
                 row[:columns] = packed[i]
                 row[columns:] = (*a, *b, *c, x, y, z)
         self._poses = now, after
-        balls = self._rows["sphere"]
-        return balls, None if self._balls_alone else tuple(self._rows.values()), self._whole
+        return *self._rows.values(), self._whole
 
     def _moves(self, solid: Any) -> bool:
         return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))

@@ -2,296 +2,406 @@
 
 The edge keeps its length, so its particle stays on a sphere about the one before it, and what is allowed of that sphere
 is where the edge makes at least a certain angle with one axis: c = d·a may be at most some limit. For a ball about o,
-with a toward o and D = |o − q|,
+with a toward o and D = |o − q|, the particle stays out where c <= (ℓ² + D² − r²) / (2 ℓ D), and for a flat face with
+normal −a where c <= (height of q) / ℓ. Lengths stay exact and no penalty is involved.
 
-    the particle stays out        c <= (ℓ² + D² − r²) / (2 ℓ D)
-    the whole edge stays out      c <= √(1 − r² / D²)   where it is long enough to reach the tangent point
+Force. Newton's iterations come before this and would bend a strand that leans on a solid as if nothing were there; what
+is left of that after turning edges depends on the step. So the force of contact is kept from step to step, as the
+acceleration of the particle that it acts on, and takes part in the iterations (the multiplier of an augmented
+Lagrangian, updated once a step: Nocedal & Wright 2006, §17.3). A particle that comes to lie at depth δ, where the force
+of the step before came to λ, has
 
-and for a flat face with normal −a, c <= (height of q) / ℓ. Lengths stay exact and no penalty is involved. Friction is
-Coulomb's on displacements: of the way that the particle slid along the surface in this step, friction times the depth
-that it was lifted by is taken back.
+    λ' = max(0, λ + w δ),  held at the surface where λ' > 0, set free from λ where not,
 
-Solids come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
-translation) that took it through this step.
+and across the normal the same with the way that it slid, no more than friction times λ' (Coulomb's law). Both are
+displacements, forces times h²; w is how much heavier than the particle all is that such forces on the strand move: with
+H of the iterations and χ = 1 where there are forces, 1 / w = H⁻¹ M χ, a bound on the row sums of what forces lead to,
+so that all may be updated at once without overshoot. At rest δ = 0, and a strand leans on a solid just as it would at
+any other step. The depth that comes of velocity alone, an impact, is no force kept.
+
+Where whole edges are caught, each particle stays far enough from a solid that the near halves of its edges do, as they
+lie: √(r² + s²) from a ball, where s is how far along a half it is nearest. So no edge is a lever that a touch near its
+beginning would throw up. The first edge, whose root cannot give way, is turned until it is a tangent all the same,
+c <= √(1 − r² / D²).
+
+Coordinates are vectors of lanes; a solid that is out of every lane's reach costs no more than finding that out. Solids
+come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
+translation) that took it through this step. Solids of a kind are handed on as rows and how many numbers these hold, one
+of them as rows and its place; all of them in the order spheres, capsules, planes, boxes.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from ...constants import W
 from ...jit import inner
+from .simd import root, some, spread, where
 
-LANES = np.uint64(W)
-U2 = np.uint64(2)
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-TINY = np.float32(1e-20)
+TINY = 1e-20
+LEAST = 1e-6
+SLACK = 1e-6
+"""Depth as a share of an edge that is no more than rounding."""
+SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
+"""Numbers of a packed solid and its motion."""
 ROUNDS = 3
 
 
 @inner
-def deepest(spheres, capsules, planes, boxes, x, y, z):
-    """Depth of a point in the solid that it is deepest in (not positive: its distance from the nearest), that solid's
-    kind (0 to 3, in the order of the arguments) and its number."""
-    most = -ONE / TINY
-    kind = 0
-    which = 0
-    for m in range(spheres.shape[0]):
-        p = spheres[m]
-        dx = x - p[0]
-        dy = y - p[1]
-        dz = z - p[2]
-        d = p[3] - np.sqrt(dx * dx + dy * dy + dz * dz)
-        if d > most:
-            most = d
-            which = m
-    for m in range(capsules.shape[0]):
-        p = capsules[m]
-        ox, oy, oz = on_axis(p, x, y, z)
-        dx = x - ox
-        dy = y - oy
-        dz = z - oz
-        d = p[6] - np.sqrt(dx * dx + dy * dy + dz * dz)
-        if d > most:
-            most = d
-            kind = 1
-            which = m
-    for m in range(planes.shape[0]):
-        p = planes[m]
-        d = p[3] - (x * p[0] + y * p[1] + z * p[2])
-        if d > most:
-            most = d
-            kind = 2
-            which = m
-    for m in range(boxes.shape[0]):
-        d = face(boxes[m], x, y, z)[0]
-        if d > most:
-            most = d
-            kind = 3
-            which = m
-    return most, kind, which
-
-
-@inner
-def on_axis(p, x, y, z):
+def on_axis(capsules, m, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
-    t = min(max(((x - p[0]) * p[3] + (y - p[1]) * p[4] + (z - p[2]) * p[5]) * p[7], ZERO), ONE)
-    return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5]
+    ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
+    t = (x - capsules[m]) * ax + (y - capsules[m + 1]) * ay + (z - capsules[m + 2]) * az
+    t = min(max(t * capsules[m + 7], 0.0), 1.0)
+    return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
 
 
 @inner
-def face(p, x, y, z):
+def in_ball(dx, dy, dz, r):
+    """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
+    return r - root(dx * dx + dy * dy + dz * dz)
+
+
+@inner
+def in_capsule(capsules, m, x, y, z):
+    """Depth of a point in a capsule."""
+    ox, oy, oz = on_axis(capsules, m, x, y, z)
+    return in_ball(x - ox, y - oy, z - oz, capsules[m + 6])
+
+
+@inner
+def under_plane(planes, m, x, y, z):
+    """Depth of a point under a plane."""
+    return planes[m + 3] - (x * planes[m] + y * planes[m + 1] + z * planes[m + 2])
+
+
+@inner
+def across(boxes, m, k, x, y, z):
+    """Coordinate of a direction along an axis of a box."""
+    return boxes[m + 3 + k] * x + boxes[m + 6 + k] * y + boxes[m + 9 + k] * z
+
+
+@inner
+def face(boxes, m, x, y, z):
     """Depth in a box below its nearest face, and that face's normal in the world."""
-    dx = x - p[0]
-    dy = y - p[1]
-    dz = z - p[2]
-    best = ONE / TINY
-    nx = ZERO
-    ny = ONE
-    nz = ZERO
+    dx = x - boxes[m]
+    dy = y - boxes[m + 1]
+    dz = z - boxes[m + 2]
+    best = spread(x, 1.0 / TINY)
+    nx = spread(x, 0.0)
+    ny = spread(x, 1.0)
+    nz = nx
     for k in range(3):
-        u = p[3 + k] * dx + p[6 + k] * dy + p[9 + k] * dz
-        under = p[12 + k] - abs(u)
-        if under < best:
-            best = under
-            sign = ONE if u >= ZERO else -ONE
-            nx = sign * p[3 + k]
-            ny = sign * p[6 + k]
-            nz = sign * p[9 + k]
+        u = across(boxes, m, k, dx, dy, dz)
+        under = boxes[m + 12 + k] - abs(u)
+        nearer = under < best
+        best = where(nearer, under, best)
+        sign = where(u >= 0.0, spread(x, 1.0), -1.0)
+        nx = where(nearer, sign * boxes[m + 3 + k], nx)
+        ny = where(nearer, sign * boxes[m + 6 + k], ny)
+        nz = where(nearer, sign * boxes[m + 9 + k], nz)
     return best, nx, ny, nz
 
 
 @inner
-def along(p, qx, qy, qz, dx, dy, dz, length):
-    """Share of an edge at which it is deepest in a box: the middle of the part that is inside, or 1."""
-    enter = ZERO
-    leave = ONE
+def inner_part(boxes, m, x, y, z, dx, dy, dz, reach):
+    """How far along a line from (x, y, z) it is deepest in a box: the middle of what is inside within ``reach``, or
+    0."""
+    enter = spread(x, 0.0)
+    leave = reach
     for k in range(3):
-        q = p[3 + k] * (qx - p[0]) + p[6 + k] * (qy - p[1]) + p[9 + k] * (qz - p[2])
-        d = length * (p[3 + k] * dx + p[6 + k] * dy + p[9 + k] * dz)
-        if abs(d) < TINY:
-            if abs(q) > p[12 + k]:
-                return ONE
-            continue
-        a = (-p[12 + k] - q) / d
-        b = (p[12 + k] - q) / d
-        enter = max(enter, min(a, b))
-        leave = min(leave, max(a, b))
-    return HALF * (enter + leave) if leave > enter else ONE
+        half = boxes[m + 12 + k]
+        q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
+        d = across(boxes, m, k, dx, dy, dz)
+        level = abs(d) < TINY
+        over = 1.0 / where(level, 1.0, d)
+        a = (-half - q) * over
+        b = (half - q) * over
+        enter = where(level, where(abs(q) > half, reach, enter), max(enter, min(a, b)))
+        leave = where(level, leave, min(leave, max(a, b)))
+    return where(leave > enter, 0.5 * (enter + leave), 0.0)
 
 
 @inner
-def near_axis(p, qx, qy, qz, dx, dy, dz, length):
-    """Point of a capsule's axis that is nearest to an edge (Ericson 2005, §5.1.9, by two alternating projections)."""
-    t = ONE
-    ox = qx
-    oy = qy
-    oz = qz
-    for _ in range(4):
-        ox, oy, oz = on_axis(p, qx + t * length * dx, qy + t * length * dy, qz + t * length * dz)
-        t = ((ox - qx) * dx + (oy - qy) * dy + (oz - qz) * dz) / length
-        t = min(max(t, ZERO), ONE)
+def foot(x, y, z, edge, next, half):
+    """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
+    far on along the next one; no further than ``half``."""
+    back = min(max(x * edge[0] + y * edge[1] + z * edge[2], 0.0), half)
+    on = min(max(-(x * next[0] + y * next[1] + z * next[2]), 0.0), half)
+    return back, on
+
+
+@inner
+def kept_from(dx, dy, dz, r, edge, next, half, whole):
+    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too."""
+    if not whole:
+        return spread(dx, r)
+    back, on = foot(dx, dy, dz, edge, next, half)
+    s = max(back, on)
+    return root(s * s + r * r)
+
+
+@inner
+def toward_axis(capsules, m, x, y, z, edge, next, half, whole):
+    """Point of a capsule's axis that is nearest to a particle, or to the halves of its edges: by alternating
+    projections."""
+    ox, oy, oz = on_axis(capsules, m, x, y, z)
+    if whole:
+        for _ in range(2):
+            back, on = foot(x - ox, y - oy, z - oz, edge, next, half)
+            behind = back > on
+            back = where(behind, back, 0.0)
+            on = where(behind, 0.0, on)
+            ox, oy, oz = on_axis(
+                capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
+                z - back * edge[2] + on * next[2],
+            )  # fmt: skip
     return ox, oy, oz
 
 
 @inner
-def bend(dx, dy, dz, ax, ay, az, limit):
-    """Turn the unit vector d away from the unit vector a until d·a = limit, where it is more."""
+def deeper(one, other):
+    """Of two faces, (depth, normal) each, the one that a place is deeper under."""
+    a = one[0] > other[0]
+    return (
+        max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
+    )  # fmt: skip
+
+
+@inner
+def under_face(boxes, m, x, y, z, edge, next, half, whole):
+    """Depth of a particle in a box below its nearest face, and that face's normal; or of the halves of its edges."""
+    found = face(boxes, m, x, y, z)
+    if whole:
+        t = inner_part(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], half)
+        if some(t > 0.0):
+            found = deeper(found, face(boxes, m, x - t * edge[0], y - t * edge[1], z - t * edge[2]))
+        t = inner_part(boxes, m, x, y, z, next[0], next[1], next[2], half)
+        if some(t > 0.0):
+            found = deeper(found, face(boxes, m, x + t * next[0], y + t * next[1], z + t * next[2]))
+    return found
+
+
+@inner
+def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
+    """The solid that a particle at (x, y, z) is deepest in, or nearest to and no further than ``reach``: the depth; 1
+    where it is round there and 0 where flat; the centre and radius, or of a flat face the normal and how far along that
+    the particle has to be; where it has carried the place ``old`` in this step. A depth of -reach: there is none."""
+    (spheres, last_sphere), (capsules, last_capsule), (planes, last_plane), (boxes, last_box) = solids
+    most = -reach
+    round = spread(x, 0.0)
+    found = (round, round, round, round, round, round, round)
+    for m in range(0, last_sphere, SPHERE):
+        ox, oy, oz = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
+        r = kept_from(x - ox, y - oy, z - oz, spheres[m + 3], edge, next, half, whole)
+        d = in_ball(x - ox, y - oy, z - oz, r)
+        if some(d > most):
+            found = choose(d > most, (ox, oy, oz, r, *motion(spheres, m + 5, old)), found)
+            round = where(d > most, 1.0, round)
+            most = max(most, d)
+    for m in range(0, last_capsule, CAPSULE):
+        ox, oy, oz = toward_axis(capsules, m, x, y, z, edge, next, half, whole)
+        r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, half, whole)
+        d = in_ball(x - ox, y - oy, z - oz, r)
+        if some(d > most):
+            found = choose(d > most, (ox, oy, oz, r, *motion(capsules, m + 9, old)), found)
+            round = where(d > most, 1.0, round)
+            most = max(most, d)
+    for m in range(0, last_plane, PLANE):
+        d = under_plane(planes, m, x, y, z)
+        if some(d > most):
+            ox, oy, oz = spread(x, planes[m]), spread(x, planes[m + 1]), spread(x, planes[m + 2])
+            found = choose(d > most, (ox, oy, oz, spread(x, planes[m + 3]), *motion(planes, m + 4, old)), found)
+            round = where(d > most, 0.0, round)
+            most = max(most, d)
+    for m in range(0, last_box, BOX):
+        d, ox, oy, oz = under_face(boxes, m, x, y, z, edge, next, half, whole)
+        if some(d > most):
+            level = d + x * ox + y * oy + z * oz
+            found = choose(d > most, (ox, oy, oz, level, *motion(boxes, m + 16, old)), found)
+            round = where(d > most, 0.0, round)
+            most = max(most, d)
+    return most, round > 0.0, found
+
+
+@inner
+def motion(solids, o, point):
+    """Where a solid, whose motion is in columns from o on, has carried a point in this step."""
+    x, y, z = point
+    return (
+        solids[o] * x + solids[o + 1] * y + solids[o + 2] * z + solids[o + 9],
+        solids[o + 3] * x + solids[o + 4] * y + solids[o + 5] * z + solids[o + 10],
+        solids[o + 6] * x + solids[o + 7] * y + solids[o + 8] * z + solids[o + 11],
+    )
+
+
+@inner
+def choose(nearer, one, other):
+    """Seven vectors: of ``one`` where a mask holds."""
+    a, b, c, d, e, f, g = one
+    h, i, j, k, m, n, o = other
+    return (
+        where(nearer, a, h), where(nearer, b, i), where(nearer, c, j), where(nearer, d, k),
+        where(nearer, e, m), where(nearer, f, n), where(nearer, g, o),
+    )  # fmt: skip
+
+
+@inner
+def unit(x, y, z):
+    """A vector scaled to length 1."""
+    f = 1.0 / root(max(x * x + y * y + z * z, TINY))
+    return f * x, f * y, f * z
+
+
+@inner
+def bend(turn, d, ax, ay, az, limit):
+    """Turn the unit vector d toward the unit vector a, or away from it, until d·a = limit, where ``turn``."""
+    dx, dy, dz = d
+    limit = min(max(limit, -1.0), 1.0)
     c = dx * ax + dy * ay + dz * az
-    if c <= limit:
-        return dx, dy, dz
-    limit = max(limit, -ONE)
     nx = dx - c * ax
     ny = dy - c * ay
     nz = dz - c * az
-    size = np.sqrt(nx * nx + ny * ny + nz * nz)
-    if size < np.float32(1e-6):  # straight at it: any way round will do
-        nx = ZERO if abs(ax) > HALF else ONE
-        ny = ONE if abs(ax) > HALF else ZERO
-        nz = ZERO
-        c = nx * ax + ny * ay
-        nx -= c * ax
-        ny -= c * ay
-        nz -= c * az
-        size = np.sqrt(nx * nx + ny * ny + nz * nz)
-    s = np.sqrt(max(ONE - limit * limit, ZERO)) / size
-    return limit * ax + s * nx, limit * ay + s * ny, limit * az + s * nz
+    size = root(nx * nx + ny * ny + nz * nz)
+    lost = size < LEAST
+    if some(lost):  # straight at it: any way round will do
+        one = where(abs(ax) > 0.5, spread(ax, 0.0), 1.0)
+        two = 1.0 - one
+        c = one * ax + two * ay
+        nx = where(lost, one - c * ax, nx)
+        ny = where(lost, two - c * ay, ny)
+        nz = where(lost, -c * az, nz)
+        size = root(nx * nx + ny * ny + nz * nz)
+    s = root(max(1.0 - limit * limit, 0.0)) / size
+    x = where(turn, limit * ax + s * nx, dx)
+    y = where(turn, limit * ay + s * ny, dy)
+    return x, y, where(turn, limit * az + s * nz, dz)
 
 
 @inner
-def off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, r, whole):
-    """Turn an edge off a ball."""
-    ax = ox - qx
-    ay = oy - qy
-    az = oz - qz
-    distance = np.sqrt(ax * ax + ay * ay + az * az)
-    if distance < TINY:
-        return dx, dy, dz
-    ax /= distance
-    ay /= distance
-    az /= distance
-    outside = distance * distance - r * r  # square of the tangent's length
-    limit = (length * length + outside) / (TWO * length * distance)
-    if whole and outside < length * length:
-        # an edge from the surface itself is a tangent whichever way its beginning is rounded
-        limit = min(limit, np.sqrt(max(outside, ZERO)) / distance)
-    return bend(dx, dy, dz, ax, ay, az, limit)
+def onto(turn, q, d, length, round, found):
+    """Turn an edge from q along d until its end is on a ball or a flat face, where ``turn``."""
+    ox, oy, oz, r, _, _, _ = found
+    ax = where(round, ox - q[0], -ox)
+    ay = where(round, oy - q[1], -oy)
+    az = where(round, oz - q[2], -oz)
+    away = root(ax * ax + ay * ay + az * az)
+    turn = turn & (away > TINY)
+    over = 1.0 / max(away, TINY)
+    height = q[0] * ox + q[1] * oy + q[2] * oz - r
+    limit = where(round, 0.5 * (length * length + (away - r) * (away + r)) * over, height) / length
+    return bend(turn, d, ax * over, ay * over, az * over, limit)
 
 
 @inner
-def off_solids(qx, qy, qz, dx, dy, dz, length, spheres, capsules, planes, boxes, whole):
-    """Turn an edge from q along d off every solid; overlapping ones take turns a few times."""
+def off_solids(q, d, next, length, half, solids, whole):
+    """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
+    slack = SLACK * length
     for _ in range(ROUNDS):
-        hx = dx
-        hy = dy
-        hz = dz
-        for m in range(spheres.shape[0]):
-            p = spheres[m]
-            dx, dy, dz = off_ball(qx, qy, qz, dx, dy, dz, length, p[0], p[1], p[2], p[3], whole)
-        for m in range(capsules.shape[0]):
-            p = capsules[m]
-            if whole:
-                ox, oy, oz = near_axis(p, qx, qy, qz, dx, dy, dz, length)
-                dx, dy, dz = off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, p[6], True)
-            ox, oy, oz = on_axis(p, qx + length * dx, qy + length * dy, qz + length * dz)
-            dx, dy, dz = off_ball(qx, qy, qz, dx, dy, dz, length, ox, oy, oz, p[6], False)
-        for m in range(boxes.shape[0]):
-            p = boxes[m]
-            t = along(p, qx, qy, qz, dx, dy, dz, length) if whole else ONE
-            reach = t * length
-            under, nx, ny, nz = face(p, qx + reach * dx, qy + reach * dy, qz + reach * dz)
-            if under > ZERO and reach > TINY:
-                # height of q over the face, from the depth of the point that is under it
-                height = -under - reach * (dx * nx + dy * ny + dz * nz)
-                dx, dy, dz = bend(dx, dy, dz, -nx, -ny, -nz, max(height / reach, -ONE))
-        for m in range(planes.shape[0]):
-            p = planes[m]
-            height = qx * p[0] + qy * p[1] + qz * p[2] - p[3]
-            dx, dy, dz = bend(dx, dy, dz, -p[0], -p[1], -p[2], max(height / length, -ONE))
-        if hx == dx and hy == dy and hz == dz:
+        x = q[0] + length * d[0]
+        y = q[1] + length * d[1]
+        z = q[2] + length * d[2]
+        depth, round, found = nearest(x, y, z, d, next, half, q, -slack, solids, whole)
+        inside = depth > slack
+        if not some(inside):
             break
-    return dx, dy, dz
+        d = onto(inside, q, d, length, round, found)
+    return d
 
 
 @inner
-def carried(spheres, capsules, planes, boxes, x, y, z, ox, oy, oz):
-    """Where the solid that is nearest to (x, y, z) has carried a point (ox, oy, oz) in this step, and its outward
-    normal at (x, y, z)."""
-    _, kind, which = deepest(spheres, capsules, planes, boxes, x, y, z)
-    if kind == 0:
-        p = spheres[which]
-        o = 5
-        nx = x - p[0]
-        ny = y - p[1]
-        nz = z - p[2]
-    elif kind == 1:
-        p = capsules[which]
-        o = 9
-        cx, cy, cz = on_axis(p, x, y, z)
-        nx = x - cx
-        ny = y - cy
-        nz = z - cz
-    elif kind == 2:
-        p = planes[which]
-        o = 4
-        nx = p[0]
-        ny = p[1]
-        nz = p[2]
-    else:
-        p = boxes[which]
-        o = 16
-        _, nx, ny, nz = face(p, x, y, z)
-    size = ONE / np.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
-    tx = p[o] * ox + p[o + 1] * oy + p[o + 2] * oz + p[o + 9]
-    ty = p[o + 3] * ox + p[o + 4] * oy + p[o + 5] * oz + p[o + 10]
-    tz = p[o + 6] * ox + p[o + 7] * oy + p[o + 8] * oz + p[o + 11]
-    return tx, ty, tz, nx * size, ny * size, nz * size
+def off_root(q, d, length, solids):
+    """Turn an edge from the root along d until it is not inside a ball or a capsule anywhere."""
+    (spheres, last_sphere), (capsules, last_capsule), _, _ = solids
+    for m in range(0, last_sphere, SPHERE):
+        d = tangent(q, d, length, spheres[m] - q[0], spheres[m + 1] - q[1], spheres[m + 2] - q[2], spheres[m + 3])
+    for m in range(0, last_capsule, CAPSULE):
+        t = length
+        ox, oy, oz = q
+        for _ in range(4):
+            ox, oy, oz = on_axis(capsules, m, q[0] + t * d[0], q[1] + t * d[1], q[2] + t * d[2])
+            t = (ox - q[0]) * d[0] + (oy - q[1]) * d[1] + (oz - q[2]) * d[2]
+            t = min(max(t, 0.0), length)
+        d = tangent(q, d, length, ox - q[0], oy - q[1], oz - q[2], capsules[m + 6])
+    return d
 
 
 @inner
-def touch(s, y, old, q, lengths, spheres, capsules, planes, boxes, whole, friction):
-    """One edge of every lane: rows from y on of the scratch hold unit edges, rows from old on where the particles were
-    before the step, rows from q on the particle before, in the world."""
-    for k in range(LANES):
-        length = lengths[k]
-        qx = s[q + k]
-        qy = s[q + LANES + k]
-        qz = s[q + U2 * LANES + k]
-        ex = s[y + k]
-        ey = s[y + LANES + k]
-        ez = s[y + U2 * LANES + k]
-        px = qx + length * ex
-        py = qy + length * ey
-        pz = qz + length * ez
-        if not whole and deepest(spheres, capsules, planes, boxes, px, py, pz)[0] <= ZERO:
-            continue
-        dx, dy, dz = off_solids(qx, qy, qz, ex, ey, ez, length, spheres, capsules, planes, boxes, whole)
-        if friction > ZERO and (dx != ex or dy != ey or dz != ez):
-            tx, ty, tz, nx, ny, nz = carried(
-                spheres, capsules, planes, boxes, qx + length * dx, qy + length * dy, qz + length * dz,
-                s[old + k], s[old + LANES + k], s[old + U2 * LANES + k],
-            )  # fmt: skip
-            lifted = length * abs((dx - ex) * nx + (dy - ey) * ny + (dz - ez) * nz)
-            sx = qx + length * dx - tx
-            sy = qy + length * dy - ty
-            sz = qz + length * dz - tz
-            away = sx * nx + sy * ny + sz * nz
-            sx -= away * nx
-            sy -= away * ny
-            sz -= away * nz
-            slid = np.sqrt(sx * sx + sy * sy + sz * sz)
-            if slid > TINY:
-                back = min(friction * lifted, slid) / (slid * length)
-                x = dx - back * sx
-                yy = dy - back * sy
-                z = dz - back * sz
-                size = ONE / np.sqrt(max(x * x + yy * yy + z * z, TINY))
-                dx, dy, dz = off_solids(
-                    qx, qy, qz, x * size, yy * size, z * size, length, spheres, capsules, planes, boxes, whole
-                )
-        s[y + k] = dx
-        s[y + LANES + k] = dy
-        s[y + U2 * LANES + k] = dz
+def tangent(q, d, length, ax, ay, az, r):
+    """Turn an edge along d away from a ball, whose centre is (ax, ay, az) away, until it is a tangent, where it reaches
+    that far. One from the surface itself is a tangent whichever way its beginning is rounded."""
+    square = ax * ax + ay * ay + az * az
+    outside = square - r * r  # square of the tangent's length
+    away = root(square)
+    height = root(max(outside, 0.0))
+    ahead = d[0] * ax + d[1] * ay + d[2] * az
+    turn = (outside < length * length) & (ahead > height) & (away > TINY)
+    if not some(turn):
+        return d
+    over = 1.0 / max(away, TINY)
+    return bend(turn, d, ax * over, ay * over, az * over, height * over)
+
+
+@inner
+def touch(d, next, q, old, going, held, bulk, length, solids, whole, first, friction):
+    """The unit edge d from q, turned off all solids; ``first``: whether q is the root.
+
+    next: the edge after it; old: where the particle was before the step; going: how far its velocity alone would take
+    it in this step; held: the force of contact in the step before, and bulk, how much heavier than the particle is what
+    that moves. Returns the edge, the force, the share of it that is none of an impact's, and where there is any."""
+    hx, hy, hz = held
+    half = 0.5 * length
+    if whole and first:
+        d = off_root(q, d, length, solids)
+    x = q[0] + length * d[0]
+    y = q[1] + length * d[1]
+    z = q[2] + length * d[2]
+    grip = root(hx * hx + hy * hy + hz * hz)
+    was = grip > 0.0
+    reach = grip / bulk
+    none = spread(x, 0.0)
+    depth, round, found = nearest(x, y, z, d, next, half, old, reach, solids, whole)
+    near = depth > -reach
+    if not some(near | was):
+        return d, (none, none, none), near
+    ox, oy, oz, _, tx, ty, tz = found
+    nx, ny, nz = unit(where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz))
+    force = max(hx * nx + hy * ny + hz * nz, 0.0) + bulk * depth
+    near = near & (force > 0.0)
+    force = where(near, force, 0.0)
+    light = 1.0 / bulk
+    free = was & ~near
+    if some(free):
+        x, y, z = unit(length * d[0] - light * hx, length * d[1] - light * hy, length * d[2] - light * hz)
+        d = where(free, x, d[0]), where(free, y, d[1]), where(free, z, d[2])
+    fx = none
+    fy = none
+    fz = none
+    if some(near):
+        d = onto(near, q, d, length, round, found)
+        x = q[0] + length * d[0]
+        y = q[1] + length * d[1]
+        z = q[2] + length * d[2]
+        nx, ny, nz = unit(where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz))
+        f = hx * nx + hy * ny + hz * nz
+        hx -= f * nx
+        hy -= f * ny
+        hz -= f * nz
+        f = (x - tx) * nx + (y - ty) * ny + (z - tz) * nz
+        fx = hx - bulk * (x - tx - f * nx)
+        fy = hy - bulk * (y - ty - f * ny)
+        fz = hz - bulk * (z - tz - f * nz)
+        f = min(friction * force / root(max(fx * fx + fy * fy + fz * fz, TINY)), 1.0)
+        fx *= f
+        fy *= f
+        fz *= f
+        x, y, z = unit(
+            length * d[0] + light * (fx - hx), length * d[1] + light * (fy - hy), length * d[2] + light * (fz - hz)
+        )
+        d = where(near, x, d[0]), where(near, y, d[1]), where(near, z, d[2])
+        d = onto(near, q, d, length, round, found)
+        # an impact is no force that stays: of the depth, what velocity alone has led to
+        f = nx * (tx - old[0] - going[0]) + ny * (ty - old[1] - going[1]) + nz * (tz - old[2] - going[2])
+        f = max(depth - max(f, 0.0), 0.0) / max(depth, TINY)
+        f = where(near, where(was, 1.0, f), 0.0)
+        fx = f * (fx + force * nx)
+        fy = f * (fy + force * ny)
+        fz = f * (fz + force * nz)
+    return off_solids(q, d, next, length, half, solids, whole), (fx, fy, fz), near & ~was

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from ...constants import W
+from ...constants import V, W
 from ...jit import function, parallel, prange
-from .contact import deepest
+from . import contact
+from .simd import get3, greatest, lay, spread
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
-INF = np.float32(np.inf)
 
 
 @parallel
@@ -49,30 +49,25 @@ def depth(positions, spheres, capsules, planes, boxes, out):
 
     positions as above; solids as packed by `strandcli.solids.pack`, (m, columns) each; out (blocks,) float32.
     """
-    none = spheres[:0]
-    others = capsules.shape[0] + planes.shape[0] + boxes.shape[0]
     for b in prange(positions.shape[0]):
-        block = positions[b]
-        most = ZERO
-        for m in range(spheres.shape[0]):
-            most = max(most, depth_in(spheres[m], block))
-        if others > 0:
-            for i in range(2, block.shape[0]):
-                x = block[i]
-                for k in range(W):
-                    most = max(most, deepest(none, capsules, planes, boxes, x[k], x[W + k], x[2 * W + k])[0])
-        out[b] = most
+        out[b] = deepest(positions, np.int64(b), spheres, capsules, planes, boxes)
 
 
 @function
-def depth_in(sphere, block):
-    """Greatest depth of a block's particles inside one sphere: of each lane the nearest to the centre, then of all."""
-    least = np.full(W, INF)
-    for i in range(2, block.shape[0]):
-        x = block[i]
-        for k in range(W):
-            dx = x[k] - sphere[0]
-            dy = x[W + k] - sphere[1]
-            dz = x[2 * W + k] - sphere[2]
-            least[k] = min(least[k], dx * dx + dy * dy + dz * dz)
-    return sphere[3] - math.sqrt(least.min())
+def deepest(positions, b, spheres, capsules, planes, boxes):
+    """That of one block."""
+    rows = positions.shape[1]
+    where, balls, pills, flats, cubes = lay(positions), lay(spheres), lay(capsules), lay(planes), lay(boxes)
+    most = spread(where, 0.0)
+    for i in range(2, rows):
+        for k in range(0, W, V):
+            x, y, z = get3(where, (b * rows + i) * 3 * W + k, W)
+            for m in range(0, spheres.size, spheres.shape[1]):
+                most = max(most, contact.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))
+            for m in range(0, capsules.size, capsules.shape[1]):
+                most = max(most, contact.in_capsule(pills, m, x, y, z))
+            for m in range(0, planes.size, planes.shape[1]):
+                most = max(most, contact.under_plane(flats, m, x, y, z))
+            for m in range(0, boxes.size, boxes.shape[1]):
+                most = max(most, contact.face(cubes, m, x, y, z)[0])
+    return greatest(most)

@@ -1,4 +1,4 @@
-"""One implicit step of inextensible rods: force-density Newton on a block of strands, one strand a lane.
+"""One implicit step of inextensible rods: force-density Newton on V strands at once, each a lane of a vector.
 
 Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
 move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_j − e_{j−1}, e_{−1} = d at the clamp, and
@@ -18,451 +18,241 @@ keeps the true τ; edges go back to unit length before each iteration, and r is 
 of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly and without any search, for compression cannot run away.
 
-Scratch is flat, in rows of W lanes; a segment's rows lie together at constant distances, by which LLVM sees that they
-do not overlap. Two segments of zeros before the first and after the last spare the recurrences their special cases.
-Offsets are unsigned, for signed ones may wrap around, which stops SIMD. Lane loops do not branch.
+Scratch is flat, in rows of V lanes, a segment's rows together, and small enough for the nearest cache. Two segments of
+zeros before the first and after the last spare the recurrences their special cases.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
-from ...constants import W
+from ...constants import V
 from ...jit import inner
+from .simd import get, get3, put, put3, root, some, spread, where
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-THREE = np.float32(3.0)
-QUARTER = np.float32(0.9 / 4)
+QUARTER = 0.9 / 4
 """θ/4: the share of the mass that compression may use up in H."""
-MARGIN = np.float32(0.5)
+MARGIN = 0.5
 """H counts as definite where its pivots keep this share of the mass."""
-FAR = np.float32(0.3)
+FAR = 0.3
 """Error of |e|² above which edges go back to unit length before the next iteration."""
-SHORT = np.float32(1 / 16)
-"""|e|² below which an edge has hardly a direction left: S then takes this."""
-PATIENCE = 6
-"""Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
-STRIDES = np.float32(2.0)
-WILD = np.float32(64.0)
-"""Error of |e|² above which τ does not start from the step before."""
-PULLED = np.float32(4.0)
-PIVOT = np.float32(1e-6)
-TINY = np.float32(1e-30)
-LOWEST = np.float32(-1e38)
-MOST = np.float32(1e18)
+TINY = 1e-30
+MOST = 1e18
+
+# rows of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; inverse pivot of H and bands of −L; r and then
+# δ; the τ that H takes
+FIELDS = 23
+"""An odd number: rows at distances of a power of two would share the lines of the first-level cache."""
+E, U, Y, A, C, T, M, K, DI, N1, N2, R, TH = (i * V for i in (0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21, 22))
+SEGMENT = FIELDS * V
+# rows that belong to the strand, before all segments: where H lost definiteness, by how much the root moved
+HARD, SHIFT = (i * V for i in (0, 1))
+FIRST = 4 * V + 2 * SEGMENT
 
 
-def _rows(count: int) -> np.uint64:
-    return np.uint64(count * W)
-
-
-LANES = np.uint64(W)
-U0 = np.uint64(0)
-U1 = np.uint64(1)
-U2 = np.uint64(2)
-U3 = np.uint64(3)
-U4 = np.uint64(4)
-# rows of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; pivot of H, its inverse, bands of L; δ; the
-# τ that H takes; whether H lost definiteness in a segment up to here; greatest error up to here; what to put right
-FIELDS = 27
-"""Not a multiple of 8: rows of 512 bytes at distances of 4096 would share the lines of the first-level cache."""
-E, U, Y, A, C, T, M, K = (_rows(i) for i in (0, 3, 6, 9, 12, 15, 16, 17))
-D, DI, L1, L2, R, TH, LOST, WORST, SHARE = (_rows(i) for i in (18, 19, 20, 21, 22, 23, 24, 25, 26))
-# the same rows after the iterations: where particles are and where they were, how far they were put off, the length of
-# the segment, and whether it has lost its direction
-PLACE, OLD, OFF, LENGTH, NOWHERE = U, A, C, R, TH
-SEGMENT = _rows(FIELDS)
-# rows that belong to the strand, before all segments
-NIL, SPARE, SHIFT, LOAD, HARD, TRAY, ALL = (_rows(i) for i in (0, 1, 2, 5, 8, 9, 20))
-HEAD = _rows(21)
-FIRST = HEAD + U2 * SEGMENT
-
-
-def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments: 21 rows of the strand's own, n + 4 segments, and the lower triangle of S
-    row by row, with a row for the right-hand side."""
-    return int(FIRST) + (n + 2) * int(SEGMENT) + W * ((n + 1) * (n + 4) // 2 + 3)
-
-
-def clear(scratch: Any) -> None:
-    """Zeros where kernels rely on them, and ones in row ALL, once."""
-    scratch[:] = 0
-    scratch[int(ALL) : int(ALL) + W] = 1
+def rows_for(n: int) -> int:
+    """Numbers of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
+    return FIRST + (n + 2) * SEGMENT
 
 
 @inner
 def factor(s, n):
-    """H = L diag(d) Lᵀ with two bands. Lanes where τ makes it indefinite take the bounded τ instead; whether there are
-    any is kept in HARD."""
-    last = FIRST + (n - U1) * SEGMENT
-    for k in range(LANES):
-        s[FIRST - SEGMENT + SHARE + k] = ZERO
-    s[HARD] = ZERO
-    if not eliminate(s, n, T):
-        return
-    s[HARD] = ONE
-    for k in range(LANES):
-        s[FIRST - SEGMENT + SHARE + k] = s[last + LOST + k]
+    """y := L⁻¹ ρ and H = L diag(d) Lᵀ with two bands. Lanes where τ makes H indefinite take the bounded τ instead and
+    are marked in row HARD; returns whether there are any."""
+    residual(s, n)
+    lost = eliminate(s, n, T)
+    put(s, HARD, lost)
+    if not some(lost > 0.0):
+        return False
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            mine = s[k - SEGMENT + SHARE]
-            t = s[k + T]
-            bounded = max(t, -QUARTER * min(s[k - SEGMENT + M], s[k + M]))
-            s[k + TH] = bounded if mine > ZERO else t
-            s[k + SHARE] = mine
+        t = get(s, o + T)
+        bounded = max(t, -QUARTER * min(get(s, o - SEGMENT + M), get(s, o + M)))
+        put(s, o + TH, where(lost > 0.0, bounded, t))
+    residual(s, n)
     eliminate(s, n, TH)
+    return True
+
+
+@inner
+def residual(s, n):
+    """y := ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + b_j − b_{j+1}, b_j = κ_j (c_j − c̄_j); the
+    edge before the first is the clamped direction."""
+    for c in range(3):
+        o = FIRST + c * V
+        edge = get(s, o + E)
+        next = get(s, o + SEGMENT + E)
+        b1 = get(s, FIRST + SEGMENT + K) * (next - edge - get(s, o + SEGMENT + C))
+        g = get(s, FIRST + K) * (edge - get(s, o - SEGMENT + E) - get(s, o + C)) - b1 + get(s, FIRST + T) * edge
+        edge = next
+        for j in range(n):
+            row = FIRST + j * SEGMENT
+            o = row + c * V
+            next = get(s, o + 2 * SEGMENT + E)
+            b2 = get(s, row + 2 * SEGMENT + K) * (next - edge - get(s, o + 2 * SEGMENT + C))
+            g1 = get(s, row + SEGMENT + T) * edge + b1 - b2
+            put(s, o + Y, get(s, row + M) * (get(s, o + A) - get(s, o + U)) - g + g1)
+            edge = next
+            b1 = b2
+            g = g1
 
 
 @inner
 def eliminate(s, n, t):
-    """LDLᵀ of H with the force densities in field t; row LOST becomes 1 in lanes with a pivot that is too small, which
-    is replaced by 1. Returns whether there are any."""
+    """LDLᵀ of H with the force densities in field t, and y := L⁻¹ y on the way; returns 1 in lanes with a pivot that is
+    too small, which is replaced by 1."""
+    zero = spread(s, 0.0)
+    lost = zero
+    n1 = zero  # −L of the row before, first band, and times its pivot
+    w1 = zero
+    n2 = zero  # second band, one and two rows before
+    m2 = zero
+    k0 = get(s, FIRST + K)
+    k1 = get(s, FIRST + SEGMENT + K)
+    t0 = get(s, FIRST + t)
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            k1 = s[k + SEGMENT + K]
-            k2 = s[k + U2 * SEGMENT + K]
-            p = s[k + SEGMENT + t] + k1 + k2
-            l1 = -p - k1 - k2
-            b1 = s[k - SEGMENT + L1]
-            b2 = s[k - U2 * SEGMENT + L2]
-            carried = s[k - SEGMENT + D] * b1
-            d = s[k + M] + s[k + t] + s[k + K] + THREE * k1 + p
-            d -= b2 * b2 * s[k - U2 * SEGMENT + D] + b1 * carried
-            l1 -= s[k - SEGMENT + L2] * carried
-            lost = s[k - SEGMENT + LOST]
-            good = d > MARGIN * s[k + M]
-            s[k + LOST] = lost if good else ONE
-            d = d if good else ONE
-            i = ONE / d
-            s[k + D] = d
-            s[k + DI] = i
-            s[k + L1] = l1 * i
-            s[k + L2] = k2 * i
-    return greatest(s, FIRST + (n - U1) * SEGMENT + LOST) > ZERO
+        k2 = get(s, o + 2 * SEGMENT + K)
+        t1 = get(s, o + SEGMENT + t)
+        mass = get(s, o + M)
+        p = t1 + k1 + k2
+        d = mass + t0 + k0 + 3.0 * k1 + p + m2 * k0 - n1 * w1
+        for c in range(3):
+            y = o + Y + c * V
+            put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
+        good = d > MARGIN * mass
+        lost = where(good, lost, 1.0)
+        i = 1.0 / where(good, d, 1.0)
+        w1 = p + k1 + k2 + n2 * w1
+        n1 = w1 * i
+        m2 = n2
+        n2 = -k2 * i
+        put(s, o + DI, i)
+        put(s, o + N1, n1)
+        put(s, o + N2, n2)
+        k0 = k1
+        k1 = k2
+        t0 = t1
+    return lost
 
 
 @inner
-def greatest(s, row):
-    """The greatest number of a row."""
-    most = s[row]
-    for k in range(LANES):
-        most = max(most, s[row + k])
-    return most
+def forward(s, n):
+    """y := L⁻¹ y with the factors that there are."""
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        m2 = get(s, o - 2 * SEGMENT + N2)
+        n1 = get(s, o - SEGMENT + N1)
+        for c in range(3):
+            y = o + Y + c * V
+            put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
 
 
 @inner
-def change(s, n):
-    """y := H⁻¹ ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + κ_j (c_j − c̄_j) − κ_{j+1} (c_{j+1} −
-    c̄_{j+1}); the edge before the first is the clamped direction."""
-    for j in range(n):
-        for c in range(U3):
-            o = FIRST + j * SEGMENT + c * LANES
-            lane = c * LANES
-            for v in range(LANES):
-                k = o + v
-                e = s[k + E]
-                b = s[k - lane + K] * (e - s[k - SEGMENT + E] - s[k + C])
-                b1 = s[k - lane + SEGMENT + K] * (s[k + SEGMENT + E] - e - s[k + SEGMENT + C])
-                s[k + Y] = s[k - lane + T] * e + b - b1
-    for j in range(n):
-        for c in range(U3):
-            o = FIRST + j * SEGMENT + c * LANES
-            lane = c * LANES
-            for v in range(LANES):
-                k = o + v
-                y = s[k - lane + M] * (s[k + A] - s[k + U]) - s[k + Y] + s[k + SEGMENT + Y]
-                y -= s[k - lane - SEGMENT + L1] * s[k - SEGMENT + Y]
-                s[k + Y] = y - s[k - lane - U2 * SEGMENT + L2] * s[k - U2 * SEGMENT + Y]
-    for a in range(n):
-        j = n - U1 - a
-        for c in range(U3):
-            o = FIRST + j * SEGMENT + c * LANES
-            lane = c * LANES
-            for v in range(LANES):
-                k = o + v
-                y = s[k - lane + DI] * s[k + Y] - s[k - lane + L1] * s[k + SEGMENT + Y]
-                s[k + Y] = y - s[k - lane + L2] * s[k + U2 * SEGMENT + Y]
+def backward(s, n):
+    """y := L⁻ᵀ diag(d)⁻¹ y."""
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        i = get(s, o + DI)
+        n1 = get(s, o + N1)
+        n2 = get(s, o + N2)
+        for c in range(3):
+            y = o + Y + c * V
+            put(s, y, i * get(s, y) + n2 * get(s, y + 2 * SEGMENT) + n1 * get(s, y + SEGMENT))
 
 
 @inner
 def move(s, n):
-    """u += y, e += D y; the greatest | |e|² − 1 |, and that of each lane in row WORST of the last segment."""
+    """u += y, e += D y; the greatest | |e|² − 1 | of each lane."""
+    worst = spread(s, 0.0)
+    x0 = worst
+    y0 = worst
+    z0 = worst
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            x = s[k + Y]
-            y = s[k + Y + LANES]
-            z = s[k + Y + U2 * LANES]
-            s[k + U] += x
-            s[k + U + LANES] += y
-            s[k + U + U2 * LANES] += z
-            x = s[k + E] + (x - s[k - SEGMENT + Y])
-            y = s[k + E + LANES] + (y - s[k - SEGMENT + Y + LANES])
-            z = s[k + E + U2 * LANES] + (z - s[k - SEGMENT + Y + U2 * LANES])
-            s[k + E] = x
-            s[k + E + LANES] = y
-            s[k + E + U2 * LANES] = z
-            w = abs(x * x + y * y + z * z - ONE)
-            w = w if w < MOST else MOST  # neither is NaN
-            s[k + WORST] = max(s[k - SEGMENT + WORST], w)
-    return greatest(s, FIRST + (n - U1) * SEGMENT + WORST)
+        x, y, z = get3(s, o + Y, V)
+        ux, uy, uz = get3(s, o + U, V)
+        put3(s, o + U, V, ux + x, uy + y, uz + z)
+        ex, ey, ez = get3(s, o + E, V)
+        ex += x - x0
+        ey += y - y0
+        ez += z - z0
+        put3(s, o + E, V, ex, ey, ez)
+        w = abs(ex * ex + ey * ey + ez * ez - 1.0)
+        worst = max(worst, where(w < MOST, w, MOST))  # never NaN
+        x0 = x
+        y0 = y
+        z0 = z
+    return worst
 
 
 @inner
-def retract(s, n):
-    """Edges of lanes with bounded τ, and of lanes that are far off, go back to unit length, root to tip. Rows Y sum up
-    how far particles are put off."""
-    last = FIRST + (n - U1) * SEGMENT + WORST
-    mine = FIRST - SEGMENT + SHARE
-    for k in range(LANES):
-        s[mine + k] = ONE if max(s[mine + k], s[last + k]) > FAR else ZERO
+def retract(s, n, worst):
+    """Edges of lanes with bounded τ, and of lanes whose greatest error is far off, go back to unit length, root to tip.
+    Rows Y sum up how far particles are put off."""
+    mine = max(get(s, HARD), worst) > FAR
+    x0 = spread(s, 0.0)
+    y0 = x0
+    z0 = x0
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            x = s[k + E]
-            y = s[k + E + LANES]
-            z = s[k + E + U2 * LANES]
-            share = s[k - SEGMENT + SHARE]
-            f = share * (ONE / np.sqrt(max(x * x + y * y + z * z, TINY)) - ONE)
-            x *= f
-            y *= f
-            z *= f
-            s[k + SHARE] = share
-            s[k + E] += x
-            s[k + E + LANES] += y
-            s[k + E + U2 * LANES] += z
-            x += s[k - SEGMENT + Y]
-            y += s[k - SEGMENT + Y + LANES]
-            z += s[k - SEGMENT + Y + U2 * LANES]
-            s[k + Y] = x
-            s[k + Y + LANES] = y
-            s[k + Y + U2 * LANES] = z
-            s[k + U] += x
-            s[k + U + LANES] += y
-            s[k + U + U2 * LANES] += z
+        x, y, z = get3(s, o + E, V)
+        f = where(mine, 1.0 / root(max(x * x + y * y + z * z, TINY)) - 1.0, 0.0)
+        dx = x * f
+        dy = y * f
+        dz = z * f
+        put3(s, o + E, V, x + dx, y + dy, z + dz)
+        x0 += dx
+        y0 += dy
+        z0 += dz
+        ux, uy, uz = get3(s, o + U, V)
+        put3(s, o + U, V, ux + x0, uy + y0, uz + z0)
 
 
 @inner
 def shorten(s, n, most):
-    """The change y is scaled lane by lane so that no edge changes by more than ``most``; rows WORST find the
-    greatest."""
+    """The change y is scaled lane by lane so that no edge changes by more than ``most``."""
+    worst = spread(s, TINY)
+    x0 = spread(s, 0.0)
+    y0 = x0
+    z0 = x0
+    for j in range(n):
+        x, y, z = get3(s, FIRST + j * SEGMENT + Y, V)
+        dx = x - x0
+        dy = y - y0
+        dz = z - z0
+        worst = max(worst, dx * dx + dy * dy + dz * dz)
+        x0 = x
+        y0 = y
+        z0 = z
+    f = min(1.0, most / root(worst))
+    for j in range(n):
+        for c in range(3):
+            o = FIRST + j * SEGMENT + Y + c * V
+            put(s, o, get(s, o) * f)
+
+
+@inner
+def demand(s, n, ahead):
+    """r, where ``ahead`` with what the change y in the scratch would add to it."""
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            x = s[k + Y] - s[k - SEGMENT + Y]
-            y = s[k + Y + LANES] - s[k - SEGMENT + Y + LANES]
-            z = s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES]
-            s[k + WORST] = max(s[k - SEGMENT + WORST], x * x + y * y + z * z)
-    last = FIRST + (n - U1) * SEGMENT
-    for k in range(LANES):
-        s[SPARE + k] = min(ONE, most / np.sqrt(max(s[last + WORST + k], TINY)))
-    for j in range(n):
-        for c in range(U3):
-            o = FIRST + j * SEGMENT + Y + c * LANES
-            for k in range(LANES):
-                s[o + k] *= s[SPARE + k]
+        x, y, z = get3(s, o + E, V)
+        q = x * x + y * y + z * z
+        r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
+        if ahead:
+            r += x * (get(s, o + Y) - get(s, o - SEGMENT + Y))
+            r += y * (get(s, o + Y + V) - get(s, o - SEGMENT + Y + V))
+            r += z * (get(s, o + Y + 2 * V) - get(s, o - SEGMENT + Y + 2 * V))
+        put(s, o + R, r)
 
 
 @inner
-def demand(s, n):
-    """δ := r, with what the change y in the scratch would add to it."""
+def respond(s, n):
+    """R := H⁻¹ R with the factors that there are, of one number a particle."""
     for j in range(n):
         o = FIRST + j * SEGMENT
-        for v in range(LANES):
-            k = o + v
-            x = s[k + E]
-            y = s[k + E + LANES]
-            z = s[k + E + U2 * LANES]
-            q = x * x + y * y + z * z
-            r = q * (np.sqrt(q) - ONE) if q > HALF * HALF else HALF * (q - ONE)
-            r += x * (s[k + Y] - s[k - SEGMENT + Y]) + y * (s[k + Y + LANES] - s[k - SEGMENT + Y + LANES])
-            s[k + R] = r + z * (s[k + Y + U2 * LANES] - s[k - SEGMENT + Y + U2 * LANES])
-
-
-@inner
-def still(s, n):
-    """y := 0."""
-    for j in range(n):
-        o = FIRST + j * SEGMENT + Y
-        for k in range(o, o + U3 * LANES):
-            s[k] = ZERO
-
-
-@inner
-def at(n, i, j):
-    """Where entry (i, j), i >= j, of the triangle is: each row begins with a zero, and a row of two comes before."""
-    return FIRST + (n + U2) * SEGMENT + (i * (i + U3) // U2 + j + U3) * LANES
-
-
-@inner
-def inverse(s, n):
-    """The lower triangle of H⁻¹, from the last column to the first (Takahashi, Fagan & Chin 1973)."""
-    for a in range(n):
-        j = n - U1 - a
+        r = get(s, o + R) + get(s, o - 2 * SEGMENT + N2) * get(s, o - 2 * SEGMENT + R)
+        put(s, o + R, r + get(s, o - SEGMENT + N1) * get(s, o - SEGMENT + R))
+    for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        for b in range(a + U1):
-            i = n - U1 - b
-            start = o + DI if i == j else NIL
-            one = NIL if a < U1 else at(n, max(i, j + U1), min(i, j + U1))
-            two = NIL if a < U2 else at(n, max(i, j + U2), min(i, j + U2))
-            here = at(n, i, j)
-            for k in range(LANES):
-                s[here + k] = s[start + k] - s[o + L1 + k] * s[one + k] - s[o + L2 + k] * s[two + k]
-
-
-@inner
-def couple(s, n):
-    """S := (e_i·e_j) ∘ (D H⁻¹ Dᵀ) in place of H⁻¹, from the last entry to the first."""
-    for a in range(n):
-        i = n - U1 - a
-        p = FIRST + i * SEGMENT
-        for b in range(i + U1):
-            here = at(n, i, i - b)
-            # (i − 1, i) is (i, i − 1)
-            up = here - LANES if b == U0 else here - (i + U1) * LANES
-            scale(s, here, up, here - (i + U2) * LANES, p, FIRST + (i - b) * SEGMENT, SHORT if b == U0 else LOWEST)
-
-
-@inner
-def scale(s, here, up, both, p, q, least):
-    """Entry (i, j) less those above it and left of it, plus that above and left, times e_i·e_j or ``least``."""
-    for k in range(LANES):
-        dot = s[p + k] * s[q + k] + s[p + LANES + k] * s[q + LANES + k] + s[p + U2 * LANES + k] * s[q + U2 * LANES + k]
-        s[here + k] = (s[here + k] - s[here - LANES + k] - s[up + k] + s[both + k]) * max(dot, least)
-
-
-@inner
-def solve_dense(s, n):
-    """δ := S⁻¹ δ by Cholesky's factors, row by row without pivoting, and τ += δ; the right-hand side is one more row.
-    S is positive definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry
-    is raised to that. Diagonal entries become the inverse ones of the factor."""
-    rhs = at(n, n, U0)
-    for i in range(n):
-        for k in range(LANES):
-            s[rhs + i * LANES + k] = s[FIRST + i * SEGMENT + R + k]
-    for i in range(n + U1):
-        row = at(n, i, U0)
-        for j in range(i):
-            project(s, row + j * LANES, row, at(n, j, U0), j, at(n, j, j))
-        if i < n:
-            last = row + i * LANES
-            for k in range(LANES):
-                s[SPARE + k] = max(PIVOT * s[last + k], TINY)
-            project(s, last, row, row, i, ALL)
-            for k in range(LANES):
-                s[last + k] = ONE / np.sqrt(max(s[last + k], s[SPARE + k]))
-    for a in range(n):
-        i = n - U1 - a
-        row = at(n, i, U0)
-        mine = rhs + i * LANES
-        tau = FIRST + i * SEGMENT + T
-        for k in range(LANES):
-            s[mine + k] *= s[row + i * LANES + k]
-        for k in range(LANES):
-            s[tau + k] += s[mine + k]
-        relieve(s, rhs, row, mine, i)
-
-
-@inner
-def project(s, here, row, other, count, by):
-    """Row `here` loses the products of ``count`` rows from `row` on with as many from `other` on, and is multiplied
-    by row `by`."""
-    while count > U3:
-        for k in range(LANES):
-            s[here + k] -= (s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]) + (
-                s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
-                + s[row + U3 * LANES + k] * s[other + U3 * LANES + k]
-            )
-        row += U4 * LANES
-        other += U4 * LANES
-        count -= U4
-    if count == U0:
-        for k in range(LANES):
-            s[here + k] *= s[by + k]
-    elif count == U1:
-        for k in range(LANES):
-            s[here + k] = (s[here + k] - s[row + k] * s[other + k]) * s[by + k]
-    elif count == U2:
-        for k in range(LANES):
-            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
-            s[here + k] = (s[here + k] - sum) * s[by + k]
-    else:
-        for k in range(LANES):
-            sum = s[row + k] * s[other + k] + s[row + LANES + k] * s[other + LANES + k]
-            sum += s[row + U2 * LANES + k] * s[other + U2 * LANES + k]
-            s[here + k] = (s[here + k] - sum) * s[by + k]
-
-
-@inner
-def relieve(s, rhs, row, mine, count):
-    """``count`` rows from `rhs` on lose their multiples, in rows from `row` on, of row `mine`."""
-    for j in range(count):
-        for k in range(LANES):
-            s[rhs + j * LANES + k] -= s[row + j * LANES + k] * s[mine + k]
-
-
-@inner
-def pull(s, n):
-    """τ at least what would carry the load if all of it pulled one way, less a few units of mass: rows LOAD sum it up
-    from the tip, row SPARE the mass."""
-    for k in range(U3 * LANES):
-        s[LOAD + k] = ZERO
-    for k in range(LANES):
-        s[SPARE + k] = ZERO
-    for a in range(n):
-        o = FIRST + (n - U1 - a) * SEGMENT
-        for c in range(U3):
-            for k in range(LANES):
-                s[LOAD + c * LANES + k] += s[o + M + k] * s[o + A + c * LANES + k]
-        for k in range(LANES):
-            s[SPARE + k] += s[o + M + k]
-        for k in range(LANES):
-            x = s[LOAD + k]
-            y = s[LOAD + LANES + k]
-            z = s[LOAD + U2 * LANES + k]
-            load = np.sqrt(x * x + y * y + z * z) - PULLED * s[SPARE + k]
-            t = s[o + T + k]
-            s[o + T + k] = max(t, load) if load > ZERO else t
-
-
-@inner
-def iterate(s, n, iterations, enough):
-    """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
-    returns what they are in the end. Begins with x(τ) for the τ of the step before, or, where loads turn out to be far
-    greater than that knows of, for more."""
-    worst = ZERO
-    for count in range(-1, iterations + 1):
-        if count > 1 and worst <= enough:
-            break
-        if count == 0:
-            if not worst > WILD:
-                continue
-            pull(s, n)
-        if count > 0:
-            if worst > FAR or s[HARD] > ZERO:
-                retract(s, n)
-                change(s, n)
-            else:
-                still(s, n)
-            demand(s, n)
-            inverse(s, n)
-            couple(s, n)
-            solve_dense(s, n)
-        factor(s, n)
-        change(s, n)
-        if count > PATIENCE:
-            shorten(s, n, STRIDES / np.float32(count - PATIENCE))
-        worst = move(s, n)
-    return worst
+        r = get(s, o + DI) * get(s, o + R) + get(s, o + N2) * get(s, o + 2 * SEGMENT + R)
+        put(s, o + R, r + get(s, o + N1) * get(s, o + SEGMENT + R))

@@ -1,4 +1,4 @@
-"""Newton's iteration for long strands: O(N) where `rod.iterate` is O(N³).
+"""The change of the force densities for long strands: O(N) where `rod_dense` is O(N³).
 
 The dense S is never formed. δ comes from the system that it is the Schur complement of,
 
@@ -13,134 +13,90 @@ N⁴): these kernels want float64.
 
 from __future__ import annotations
 
-import numpy as np
-
-from ...constants import W
+from ...constants import V
 from ...jit import inner
-from . import rod
-from .rod import FIRST, LANES, ONE, SEGMENT, SHORT, TH, THREE, TINY, U1, U2, U3, U4, ZERO, E, K, M, R, T
+from .rod import FIRST, SEGMENT, TINY, E, K, M, R, T, rows_for
+from .rod_dense import SHORT
+from .simd import get, get3, put, where
 
-BAND = np.uint64(9)
-ROW = np.uint64(10 * W)
+BAND = 9
+ROW = 10 * V
 """A row of the band, diagonal first, and its right-hand side."""
-RHS = np.uint64(9 * W)
+RHS = 9 * V
 
 
 def size_for(n: int) -> int:
-    """As `rod.size_for`, with the band in place of S."""
-    return int(FIRST) + (n + 2) * int(SEGMENT) + (n + 2) * 4 * int(ROW)
+    """Numbers of scratch for ``n`` segments."""
+    return rows_for(n) + (n + 2) * 4 * ROW
+
+
+@inner
+def newton(s, n, t):
+    """τ += δ; t: the field of force densities in H."""
+    for j in range(n + 2):
+        if j < n:
+            assemble(s, n, j, t)
+        if j >= 2:
+            for c in range(4):
+                eliminate(s, n, (j - 2) * 4 + c)
+    substitute(s, n)
 
 
 @inner
 def assemble(s, n, j, t):
-    """The four rows of segment j, entries (i, i + b) in row b of each; t: the field of force densities in H."""
+    """The four rows of segment j, entries (i, i + b) in row b of each."""
     o = FIRST + j * SEGMENT
-    here = FIRST + (n + U2) * SEGMENT + j * U4 * ROW
-    for k in range(U4 * ROW):
-        s[here + k] = ZERO
-    for c in range(U3):
+    here = FIRST + (n + 2) * SEGMENT + j * 4 * ROW
+    for i in range(40):
+        put(s, here + i * V, 0.0)
+    k1 = get(s, o + SEGMENT + K)
+    k2 = get(s, o + 2 * SEGMENT + K)
+    p = get(s, o + SEGMENT + t) + k1 + k2
+    mass = get(s, o + M)
+    d = mass + get(s, o + t) + get(s, o + K) + 3.0 * k1 + p
+    l1 = -p - k1 - k2
+    for c in range(3):
         row = here + c * ROW
-        e = o + E + c * LANES
+        put(s, row, d)
+        put(s, row + 4 * V, l1)
+        put(s, row + 8 * V, k2)
         # the edge's own constraint, and that of the edge after it: beyond the tip edges are zero
-        mine = row + (U3 - c) * LANES
-        next = row + (U4 + U3 - c) * LANES
-        for k in range(LANES):
-            k1 = s[o + SEGMENT + K + k]
-            k2 = s[o + U2 * SEGMENT + K + k]
-            p = s[o + SEGMENT + t + k] + k1 + k2
-            s[row + k] = s[o + M + k] + s[o + t + k] + s[o + K + k] + THREE * k1 + p
-            s[row + U4 * LANES + k] = -p - k1 - k2
-            s[row + U4 * U2 * LANES + k] = k2
-        for k in range(LANES):
-            s[mine + k] = s[e + k]
-        for k in range(LANES):
-            s[next + k] = -s[e + SEGMENT + k]
-    row = here + U3 * ROW
-    for k in range(LANES):
-        x = s[o + E + k]
-        y = s[o + E + LANES + k]
-        z = s[o + E + U2 * LANES + k]
-        s[row + k] = -max(SHORT - (x * x + y * y + z * z), ZERO) / s[o + M + k]
-        s[row + RHS + k] = s[o + R + k]
+        put(s, row + (3 - c) * V, get(s, o + E + c * V))
+        put(s, row + (7 - c) * V, -get(s, o + SEGMENT + E + c * V))
+    x, y, z = get3(s, o + E, V)
+    put(s, here + 3 * ROW, -max(SHORT - (x * x + y * y + z * z), 0.0) / mass)
+    put(s, here + 3 * ROW + RHS, get(s, o + R))
 
 
 @inner
 def eliminate(s, n, i):
     """Row i: those below it lose their multiples of it."""
-    row = FIRST + (n + U2) * SEGMENT + i * ROW
-    for k in range(LANES):
-        d = s[row + k]
-        s[row + k] = ONE / (d if abs(d) > TINY else TINY)
-    reach = min(BAND - U1, n * U4 - U1 - i)
-    for b in range(U1, reach + U1):
+    row = FIRST + (n + 2) * SEGMENT + i * ROW
+    d = get(s, row)
+    d = 1.0 / where(abs(d) > TINY, d, TINY)
+    put(s, row, d)
+    reach = min(BAND - 1, n * 4 - 1 - i)
+    rhs = get(s, row + RHS)
+    for b in range(1, reach + 1):
         below = row + b * ROW
-        mine = row + b * LANES
-        for k in range(LANES):
-            s[rod.SPARE + k] = s[mine + k] * s[row + k]
-        for a in range(b, reach + U1):
-            take(s, below + (a - b) * LANES, row + a * LANES)
-        take(s, below + RHS, row + RHS)
-
-
-@inner
-def take(s, target, source):
-    """A row loses the product of another and row SPARE."""
-    for k in range(LANES):
-        s[target + k] -= s[source + k] * s[rod.SPARE + k]
+        f = get(s, row + b * V) * d
+        for a in range(b, reach + 1):
+            o = below + (a - b) * V
+            put(s, o, get(s, o) - get(s, row + a * V) * f)
+        put(s, below + RHS, get(s, below + RHS) - rhs * f)
 
 
 @inner
 def substitute(s, n):
     """Backward through the band; τ += δ."""
-    base = FIRST + (n + U2) * SEGMENT
-    size = n * U4
+    base = FIRST + (n + 2) * SEGMENT
+    size = n * 4
     for back in range(size):
-        i = size - U1 - back
-        row = base + i * ROW
-        reach = min(BAND - U1, back)
-        for b in range(U1, reach + U1):
-            a = row + b * LANES
-            x = row + b * ROW + RHS
-            for k in range(LANES):
-                s[row + RHS + k] -= s[a + k] * s[x + k]
-        for k in range(LANES):
-            s[row + RHS + k] *= s[row + k]
+        row = base + (size - 1 - back) * ROW
+        x = get(s, row + RHS)
+        for b in range(1, min(BAND - 1, back) + 1):
+            x -= get(s, row + b * V) * get(s, row + b * ROW + RHS)
+        put(s, row + RHS, x * get(s, row))
     for j in range(n):
         o = FIRST + j * SEGMENT + T
-        x = base + (j * U4 + U3) * ROW + RHS
-        for k in range(LANES):
-            s[o + k] -= s[x + k]
-
-
-@inner
-def iterate(s, n, iterations, enough):
-    """As `rod.iterate`."""
-    worst = ZERO
-    for count in range(-1, iterations + 1):
-        if count > 1 and worst <= enough:
-            break
-        if count == 0:
-            if not worst > rod.WILD:
-                continue
-            rod.pull(s, n)
-        if count > 0:
-            t = TH if s[rod.HARD] > ZERO else T
-            if worst > rod.FAR or t == TH:
-                rod.retract(s, n)
-                rod.change(s, n)
-            else:
-                rod.still(s, n)
-            rod.demand(s, n)
-            for j in range(n + U2):
-                if j < n:
-                    assemble(s, n, j, t)
-                if j >= U2:
-                    for c in range(U4):
-                        eliminate(s, n, (j - U2) * U4 + c)
-            substitute(s, n)
-        rod.factor(s, n)
-        rod.change(s, n)
-        if count > rod.PATIENCE:
-            rod.shorten(s, n, rod.STRIDES / np.float32(count - rod.PATIENCE))
-        worst = rod.move(s, n)
-    return worst
+        put(s, o, get(s, o) - get(s, base + (j * 4 + 3) * ROW + RHS))

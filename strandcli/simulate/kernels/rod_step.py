@@ -2,145 +2,149 @@
 
 The driver calls `step` from as many threads as it likes, each with a share of the blocks and scratch of its own; lanes
 are independent, so that the number of threads changes no bit. A loop over `prange` would compile everything three
-times over.
+times over. V strands move at once, from the first to the last of a step.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
+from ...constants import V, W
 from ...jit import function, inner
-from . import contact, rod, rod_contact, rod_long
-from .rod import (
-    FIRST,
-    LANES,
-    LENGTH,
-    NOWHERE,
-    OFF,
-    OLD,
-    ONE,
-    PLACE,
-    SEGMENT,
-    SHIFT,
-    TINY,
-    U0,
-    U1,
-    U2,
-    U3,
-    ZERO,
-    A,
-    C,
-    E,
-    K,
-    M,
-    T,
-    U,
-    Y,
-)  # fmt: skip
+from . import contact, rod, rod_newton
+from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
+from .simd import get, get3, lay, put, put3, root, some, spread, where
 
-HUGE = np.float32(1e18)
-NONE = np.float32(1e-12)
-FARTHEST = np.float32(1e10)
+HUGE = 1e18
+NONE = 1e-12
+FARTHEST = 1e10
+LEAST = 1e-6
+"""Share of a particle's own mobility that is never undercut in contact."""
+AXES = 3 * W
+"""Numbers of a row of three coordinates, of all strands of a block."""
 
 
 @function
 def step(
-    edges, velocity, before, moved, tension, positions, lengths, stiffness, mass, joint, roots, directions, bends, gust,
-    pose, delta, numbers, iterations, second, curled, balls, others, whole, scratch, residuals, first, stride, long,
+    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
+    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes, boxes,
+    whole, scratch, residuals, first, stride, long,
 ):  # fmt: skip
     """Move the strands of blocks first, first + stride, … by one step, in place.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
     same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
-    W): force densities of the last step over h²; positions (blocks, N + 2, 3 W) world, row 0 one segment before the
-    root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B / (ρ A ℓ⁴) in 1/s²; mass, joint
-    (N,): a particle's mass and the rigidity of the joint before an edge, relative (root joint 2, tip mass 1/2); roots,
-    directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a unit vector across each
-    direction, in the emitter's frame, then the rest value of c_j in the frame carried along the strand; where not
-    `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,): the emitter's
-    rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity
-    m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that
-    it starts with), [10] friction, [11] error of |e|² at which iterations stop; balls (m, 17) as in `rod_contact`;
-    others: four arrays of all solids as in `contact`, or None where they are all balls and segments are not caught;
-    whole: segments are caught too; scratch as `rod.size_for` says; residuals (blocks,): greatest | |e| − 1 | before
-    lengths are made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are
-    flags where a None would have everything compiled once more.
+    W): force densities of the last step over h²; push (blocks, N, 3 W): acceleration of particles by contact, m/s²,
+    touching (blocks, W): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N + 2, 3 W)
+    world, row 0 one segment before the root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B
+    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass and the rigidity of the joint before an edge, relative (root
+    joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
+    unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
+    strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
+    the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
+    [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
+    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop; spheres, capsules,
+    planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
+    `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
+    made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a
+    None would have everything compiled once more.
     """
-    n = edges.shape[1]
-    for b in range(first, edges.shape[0], stride):
-        twin = b if second else 0
-        place_root(scratch, roots[b], directions[b], pose, delta, positions[b, 1])
-        weigh(scratch, n, edges[b], tension[b], lengths[b], stiffness[b], mass, joint, numbers)
-        predict(scratch, n, velocity[b], before[twin], moved[twin], lengths[b], gust[b], numbers, second)
-        if curled:
-            recall(scratch, n, edges[b], bends[b], pose, numbers[8] / numbers[0])
-        if long is None:
-            worst = rod.iterate(scratch, np.uint64(n), iterations, numbers[11])
-        else:
-            worst = rod_long.iterate(scratch, np.uint64(n), iterations, numbers[11])
-        # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
-        residuals[b] = worst / (ONE + np.sqrt(ONE + (worst if worst > ONE else -worst)))
-        keep(scratch, n, tension[b], numbers[0])
-        sweep(scratch, n, edges[b], lengths[b], positions[b], balls, others, whole, numbers[10])
-        settle(scratch, n, edges[b], velocity[b], before[twin], moved[twin], lengths[b], numbers, second)
-        precede(scratch, lengths[b], positions[b])
+    solids = (
+        (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
+        (lay(boxes), boxes.size),
+    )  # fmt: skip
+    run(
+        lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
+        lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
+        lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
+        lay(residuals), first, stride, long, edges.shape[0], edges.shape[1],
+    )  # fmt: skip
 
 
 @inner
-def place_root(s, local, direction, pose, delta, root):
+def run(
+    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
+    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
+    first, stride, long, blocks, n,
+):  # fmt: skip
+    """As `step`, of rows; V strands at a time."""
+    for b in range(first, blocks, stride):
+        for lane in range(0, W, V):
+            strand = b * W + lane
+            tip = b * n * W + lane
+            edge = b * n * AXES + lane
+            place = b * (n + 2) * AXES + lane
+            place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
+            weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
+            predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
+            if curled:
+                recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
+            touched = solid and some(get(touching, strand) > 0.0)
+            if touched:
+                press(scratch, n, edge, strand, push, lengths, numbers)
+            worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
+            # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
+            put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
+            keep(scratch, n, tip, tension, numbers[0])
+            if touched:
+                yield_to(scratch, n, edge, push)
+            sweep(
+                scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
+                numbers, second, solid, solids, whole, touched,
+            )  # fmt: skip
+
+
+@inner
+def rotated(turn, x, y, z):
+    """A vector turned by a matrix, given by rows."""
+    return (
+        turn[0] * x + turn[1] * y + turn[2] * z,
+        turn[3] * x + turn[4] * y + turn[5] * z,
+        turn[6] * x + turn[7] * y + turn[8] * z,
+    )
+
+
+@inner
+def place_root(s, local, place, roots, directions, pose, delta, positions):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
-    for c in range(U3):
-        o = c * LANES
-        a = pose[U3 * c]
-        b = pose[U3 * c + U1]
-        d = pose[U3 * c + U2]
-        p = pose[c + U3 * U3]
-        da = delta[U3 * c]
-        db = delta[U3 * c + U1]
-        dd = delta[U3 * c + U2]
-        dp = delta[c + U3 * U3]
-        for k in range(LANES):
-            root[o + k] = a * local[k] + b * local[LANES + k] + d * local[U2 * LANES + k] + p
-        for k in range(LANES):
-            s[SHIFT + o + k] = da * local[k] + db * local[LANES + k] + dd * local[U2 * LANES + k] + dp
-        for k in range(LANES):
-            turned = a * direction[k] + b * direction[LANES + k] + d * direction[U2 * LANES + k]
-            s[FIRST - SEGMENT + E + o + k] = turned
+    x, y, z = get3(roots, local, W)
+    px, py, pz = rotated(pose, x, y, z)
+    put3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
+    px, py, pz = rotated(delta, x, y, z)
+    put3(s, SHIFT, V, px + delta[9], py + delta[10], pz + delta[11])
+    x, y, z = get3(directions, local, W)
+    x, y, z = rotated(pose, x, y, z)
+    put3(s, FIRST - SEGMENT + E, V, x, y, z)
 
 
 @inner
-def weigh(s, n, edges, tension, lengths, stiffness, mass, joint, numbers):
+def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers):
     """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
     moved and nothing else. Internal damping pulls each joint to the bend that it had."""
     h = numbers[0]
     damping = numbers[8] / h
-    drag = numbers[7] * h
-    share = damping / (ONE + damping)
-    for k in range(LANES):
-        s[FIRST - SEGMENT + M + k] = mass[0] * (ONE + drag)
-    for j in range(np.uint64(n)):
+    heavier = 1 + numbers[7] * h
+    stiff = get(stiffness, strand) * (h * h * (1 + damping))
+    share = damping / (1 + damping)
+    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, V)
+    put(s, FIRST - SEGMENT + M, mass[0] * heavier)
+    for j in range(n):
         o = FIRST + j * SEGMENT
-        heavy = mass[j] * (ONE + drag)
-        stiff = h * h * joint[j] * (ONE + damping)
-        for k in range(LANES):
-            s[o + T + k] = tension[j, k] * (h * h)
-            s[o + M + k] = heavy
-            s[o + K + k] = stiffness[k] * stiff
-        for c in range(U3):
-            row = o + c * LANES
-            for k in range(LANES):
-                e = edges[j, c * LANES + k]
-                s[row + E + k] = e
-                s[row + U + k] = ZERO
-                s[row + C + k] = share * (e - s[row - SEGMENT + E + k])
-    for c in range(U3):
-        row = FIRST + E + c * LANES
-        for k in range(LANES):
-            s[row + k] -= s[SHIFT + c * LANES + k] / lengths[k]
+        put(s, o + T, get(tension, tip + j * W) * (h * h))
+        put(s, o + M, mass[j] * heavier)
+        put(s, o + K, stiff * joint[j])
+        x, y, z = get3(edges, edge + j * AXES, W)
+        put3(s, o + E, V, x, y, z)
+        put3(s, o + U, V, 0.0, 0.0, 0.0)
+        put3(s, o + C, V, share * (x - x0), share * (y - y0), share * (z - z0))
+        x0 = x
+        y0 = y
+        z0 = z
+    over = 1.0 / get(lengths, strand)
+    for c in range(0, 3 * V, V):
+        put(s, FIRST + E + c, get(s, FIRST + E + c) - get(s, SHIFT + c) * over)
 
 
 @inner
-def predict(s, n, velocity, before, moved, lengths, gust, numbers, second):
+def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second):
     """u*: where particles would go alone, in units of a segment, and none further than `FARTHEST`.
 
     BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
@@ -148,183 +152,185 @@ def predict(s, n, velocity, before, moved, lengths, gust, numbers, second):
     h = numbers[0]
     third = numbers[9]
     drag = numbers[7] * h
-    rest = h / (ONE + drag)
-    for j in range(np.uint64(n)):
-        for c in range(U3):
-            o = FIRST + j * SEGMENT + A + c * LANES
-            row = c * LANES
-            fall = h * numbers[U1 + c]
-            air = drag * numbers[U3 + U1 + c]
+    over = 1.0 / get(lengths, strand)
+    rest = h / (1 + drag) * over
+    for c in range(3):
+        fall = h * numbers[1 + c] + drag * numbers[4 + c] * get(gust, strand)
+        for j in range(n):
+            row = edge + j * AXES + c * W
+            v = get(velocity, row)
             if second:
-                for k in range(LANES):
-                    v = velocity[j, row + k]
-                    v += (v - before[j, row + k]) * third
-                    u = moved[j, row + k] * third + rest * (v + fall + air * gust[k])
-                    s[o + k] = min(max(u / lengths[k], -FARTHEST), FARTHEST)
+                v += (v - get(before, row)) * third
+                u = get(moved, row) * third * over + rest * (v + fall)
             else:
-                for k in range(LANES):
-                    u = rest * (velocity[j, row + k] + fall + air * gust[k]) / lengths[k]
-                    s[o + k] = min(max(u, -FARTHEST), FARTHEST)
+                u = rest * (v + fall)
+            put(s, FIRST + j * SEGMENT + A + c * V, min(max(u, -FARTHEST), FARTHEST))
 
 
 @inner
-def recall(s, n, edges, bends, pose, damping):
+def recall(s, n, edge, bend, edges, bends, pose, damping):
     """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
-    the edges as they were before the step. Frames are kept in rows of the change y, which is not yet in use."""
-    share = ONE / (ONE + damping)
-    for c in range(U3):
-        o = FIRST - SEGMENT + Y + c * LANES
-        p = pose[U3 * c]
-        q = pose[U3 * c + U1]
-        r = pose[U3 * c + U2]
-        for k in range(LANES):
-            s[o + k] = p * bends[0, k] + q * bends[0, LANES + k] + r * bends[0, U2 * LANES + k]
-    for j in range(np.uint64(n)):
-        o = FIRST + j * SEGMENT
-        b = o - SEGMENT
-        bend = bends[j + U1]
-        for k in range(LANES):
-            tx = s[b + E + k] if j == U0 else edges[j - U1, k]
-            ty = s[b + E + LANES + k] if j == U0 else edges[j - U1, LANES + k]
-            tz = s[b + E + U2 * LANES + k] if j == U0 else edges[j - U1, U2 * LANES + k]
-            ax = s[b + Y + k]
-            ay = s[b + Y + LANES + k]
-            az = s[b + Y + U2 * LANES + k]
-            u = bend[k] * share
-            v = bend[LANES + k] * share
-            w = bend[U2 * LANES + k] * share
-            s[o + C + k] += u * tx + v * ax + w * (ty * az - tz * ay)
-            s[o + C + LANES + k] += u * ty + v * ay + w * (tz * ax - tx * az)
-            s[o + C + U2 * LANES + k] += u * tz + v * az + w * (tx * ay - ty * ax)
-            ex = edges[j, k]
-            ey = edges[j, LANES + k]
-            ez = edges[j, U2 * LANES + k]
-            # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
-            f = (ax * ex + ay * ey + az * ez) / max(ONE + tx * ex + ty * ey + tz * ez, np.float32(1e-6))
-            ax -= f * (tx + ex)
-            ay -= f * (ty + ey)
-            az -= f * (tz + ez)
-            f = ONE / np.sqrt(max(ax * ax + ay * ay + az * az, TINY))
-            s[o + Y + k] = ax * f
-            s[o + Y + LANES + k] = ay * f
-            s[o + Y + U2 * LANES + k] = az * f
-    for k in range(U3 * LANES):
-        s[FIRST - SEGMENT + Y + k] = ZERO
+    the edges as they were before the step."""
+    share = 1 / (1 + damping)
+    tx, ty, tz = get3(s, FIRST - SEGMENT + E, V)
+    ax, ay, az = get3(bends, bend, W)
+    ax, ay, az = rotated(pose, ax, ay, az)
+    for j in range(n):
+        u, v, w = get3(bends, bend + (j + 1) * AXES, W)
+        o = FIRST + j * SEGMENT + C
+        x, y, z = get3(s, o, V)
+        x += share * (u * tx + v * ax + w * (ty * az - tz * ay))
+        y += share * (u * ty + v * ay + w * (tz * ax - tx * az))
+        z += share * (u * tz + v * az + w * (tx * ay - ty * ax))
+        put3(s, o, V, x, y, z)
+        ex, ey, ez = get3(edges, edge + j * AXES, W)
+        # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
+        f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
+        ax -= f * (tx + ex)
+        ay -= f * (ty + ey)
+        az -= f * (tz + ez)
+        f = 1.0 / root(max(ax * ax + ay * ay + az * az, TINY))
+        ax *= f
+        ay *= f
+        az *= f
+        tx = ex
+        ty = ey
+        tz = ez
 
 
 @inner
-def keep(s, n, tension, h):
+def keep(s, n, tip, tension, h):
     """τ / h² for the next step."""
-    over = ONE / (h * h)
-    for j in range(np.uint64(n)):
-        o = FIRST + j * SEGMENT + T
-        for k in range(LANES):
-            t = s[o + k]
-            tension[j, k] = t * over if abs(t) < HUGE else ZERO
+    over = 1 / (h * h)
+    for j in range(n):
+        t = get(s, FIRST + j * SEGMENT + T)
+        put(tension, tip + j * W, where(abs(t) < HUGE, t * over, 0.0))
 
 
 @inner
-def sweep(s, n, edges, lengths, positions, balls, others, whole, friction):
-    """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
-    the solids. New edges go to rows Y; an edge that has no direction or none that is finite stays as it was.
+def alone(numbers):
+    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
+    h = numbers[0]
+    return h * h / (1 + numbers[7] * h)
 
-    Rows of u, u* and c̄, no longer in use, hold where particles are, where they were, and how far they were put off."""
-    for k in range(U3 * LANES):
-        s[FIRST - SEGMENT + PLACE + k] = positions[1, k]
-    for j in range(np.uint64(n)):
+
+@inner
+def press(s, n, edge, strand, push, lengths, numbers):
+    """Add the force of contact to u*, as it was in the step before."""
+    f = alone(numbers) / get(lengths, strand)
+    for j in range(n):
+        o = FIRST + j * SEGMENT + A
+        x, y, z = get3(push, edge + j * AXES, W)
+        ax, ay, az = get3(s, o, V)
+        put3(s, o, V, ax + f * x, ay + f * y, az + f * z)
+
+
+@inner
+def yield_to(s, n, edge, push):
+    """R := how far such forces move particles, as a share of how far they would move each alone: H⁻¹ M χ, with χ = 1
+    where there are some."""
+    for j in range(n):
         o = FIRST + j * SEGMENT
-        p = positions[j + U2]
-        for k in range(LANES):
-            s[o + LENGTH + k] = lengths[k]
-        straighten(s, o)
-        if rod.greatest(s, o + NOWHERE) > ZERO:
-            stay(s, o, edges[j])
-        if others is not None or balls.shape[0] > 0:
-            for k in range(U3 * LANES):
-                s[o + OLD + k] = p[k]
-        if others is not None:
-            contact.touch(
-                s, o + Y, o + OLD, o - SEGMENT + PLACE, lengths, others[0], others[1], others[2], others[3], whole,
-                friction,
-            )  # fmt: skip
-        else:
-            for m in range(balls.shape[0]):
-                rod_contact.touch_ball(s, o, balls[m], friction)
-        advance(s, o)
-        for k in range(U3 * LANES):
-            p[k] = s[o + PLACE + k]
+        x, y, z = get3(push, edge + j * AXES, W)
+        put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, get(s, o + M), 0.0))
+    rod.respond(s, n)
 
 
 @inner
-def straighten(s, o):
-    """Rows Y of the segment at o: the unit vector along e, less how far the particle before has been put off. A row
-    is marked with 1 in lanes where there is none."""
-    for v in range(LANES):
-        k = o + v
-        x = s[k + E] - s[k - SEGMENT + OFF]
-        y = s[k + E + LANES] - s[k - SEGMENT + OFF + LANES]
-        z = s[k + E + U2 * LANES] - s[k - SEGMENT + OFF + U2 * LANES]
+def sweep(
+    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
+    solid, solids, whole, touched,
+):  # fmt: skip
+    """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
+    the solids; an edge that has no direction or none that is finite stays as it was. The velocity is what led there,
+    (u − û) / h, with u summed up from the changes of edges."""
+    length = get(lengths, strand)
+    px, py, pz = get3(positions, place + AXES, W)
+    clamp = FIRST - SEGMENT + E
+    put3(
+        positions, place, W,
+        px - length * get(s, clamp), py - length * get(s, clamp + V), pz - length * get(s, clamp + 2 * V),
+    )  # fmt: skip
+    sum = get3(s, SHIFT, V)
+    # how far the particle before was put off from where the iterations put it
+    dx = spread(s, 0.0)
+    dy = dx
+    dz = dx
+    still = (dx, dx, dx)
+    apart = alone(numbers)
+    beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    grip = dx
+    hit = dx
+    for j in range(n):
+        row = edge + j * AXES
+        here = place + (j + 2) * AXES
+        old = get3(edges, row, W)
+        ex, ey, ez = get3(s, FIRST + j * SEGMENT + E, V)
+        x = ex - dx
+        y = ey - dy
+        z = ez - dz
         q = x * x + y * y + z * z
-        f = ONE / np.sqrt(max(q, TINY))
-        s[k + Y] = x * f
-        s[k + Y + LANES] = y * f
-        s[k + Y + U2 * LANES] = z * f
+        f = 1.0 / root(max(q, TINY))
+        x *= f
+        y *= f
+        z *= f
         good = (q > NONE) & (q < HUGE * HUGE)
-        s[k + NOWHERE] = ZERO if good else ONE
+        if some(~good):
+            ex = where(good, ex, old[0] + dx)
+            ey = where(good, ey, old[1] + dy)
+            ez = where(good, ez, old[2] + dz)
+            x = where(good, x, old[0])
+            y = where(good, y, old[1])
+            z = where(good, z, old[2])
+        if solid:
+            held = still
+            bulk = spread(s, 1.0)
+            if touched:
+                ax, ay, az = get3(push, row, W)
+                held = apart * ax, apart * ay, apart * az
+                bulk = get(s, FIRST + j * SEGMENT + R)
+                bulk = where(bulk > 0.0, 1.0 / min(max(bulk, LEAST), 1.0), 1.0)
+            vx, vy, vz = get3(velocity, row, W)
+            d, force, new = contact.touch(
+                (x, y, z), get3(s, FIRST + (j + 1) * SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
+                (beat * vx, beat * vy, beat * vz), held, bulk, length, solids, whole, j == 0, numbers[10],
+            )  # fmt: skip
+            x, y, z = d
+            size = abs(force[0]) + abs(force[1]) + abs(force[2])
+            if touched or some(size > 0.0):
+                put3(push, row, W, force[0] / apart, force[1] / apart, force[2] / apart)
+                grip = max(grip, size)
+            hit = where(new, 1.0, hit)
+        dx += x - ex
+        dy += y - ey
+        dz += z - ez
+        px += length * x
+        py += length * y
+        pz += length * z
+        put3(positions, here, W, px, py, pz)
+        put3(edges, row, W, x, y, z)
+        sum = (
+            sum[0] + length * (x - old[0]), sum[1] + length * (y - old[1]), sum[2] + length * (z - old[2]),
+        )  # fmt: skip
+        settle(row, sum, hit > 0.0, velocity, before, moved, numbers, second)
+    if solid:
+        put(touching, strand, where(grip > 0.0, 1.0, spread(s, 0.0)))
 
 
 @inner
-def stay(s, o, edge):
-    """The edge as it was, in marked lanes."""
-    for k in range(LANES):
-        if s[o + NOWHERE + k] > ZERO:
-            for c in range(U3):
-                row = c * LANES + k
-                s[o + Y + row] = edge[row]
-                s[o + E + row] = edge[row] + s[o - SEGMENT + OFF + row]
-
-
-@inner
-def advance(s, o):
-    """Where the particle comes to be, and how far that is from where the iterations put it."""
-    for c in range(U3):
-        row = o + c * LANES
-        for v in range(LANES):
-            k = row + v
-            y = s[k + Y]
-            s[k + OFF] = s[k - SEGMENT + OFF] + (y - s[k + E])
-            s[k + PLACE] = s[k - SEGMENT + PLACE] + s[o + v + LENGTH] * y
-
-
-@inner
-def settle(s, n, edges, velocity, before, moved, lengths, numbers, second):
-    """New edges, and the velocity that led to them: (u − û) / h, with u summed up from the changes of edges."""
-    over = ONE / numbers[0]
-    third = numbers[9]
-    for c in range(U3):
-        sum = SHIFT + c * LANES
-        row = c * LANES
-        for j in range(np.uint64(n)):
-            o = FIRST + j * SEGMENT + Y + row
-            for k in range(LANES):
-                s[sum + k] += lengths[k] * (s[o + k] - edges[j, row + k])
-            for k in range(LANES):
-                edges[j, row + k] = s[o + k]
-            if second:
-                for k in range(LANES):
-                    before[j, row + k] = velocity[j, row + k]
-                for k in range(LANES):
-                    velocity[j, row + k] = (s[sum + k] - moved[j, row + k] * third) * over
-                    moved[j, row + k] = s[sum + k]
-            else:
-                for k in range(LANES):
-                    velocity[j, row + k] = s[sum + k] * over
-
-
-@inner
-def precede(s, lengths, positions):
-    """Row 0: one segment before the root, against the clamped direction; and no change is left in the scratch."""
-    for c in range(U3):
-        row = c * LANES
-        for k in range(LANES):
-            positions[0, row + k] = positions[1, row + k] - lengths[k] * s[FIRST - SEGMENT + E + row + k]
+def settle(row, sum, hit, velocity, before, moved, numbers, second):
+    """The velocity that led to the displacement ``sum``. From where a strand has been ``hit`` on, it goes on from that
+    alone: BDF2 would take a jump of velocity further, and strands bounce."""
+    over = 1 / numbers[0]
+    if second:
+        third = numbers[9]
+        rate = over / (1 + 1.5 * third)
+        for c in range(3):
+            o = row + c * W
+            past = get(velocity, o)
+            v = where(hit, rate * sum[c], (sum[c] - get(moved, o) * third) * over)
+            put(before, o, where(hit, v, past))
+            put(velocity, o, v)
+            put(moved, o, sum[c])
+    else:
+        put3(velocity, row, W, sum[0] * over, sum[1] * over, sum[2] * over)

@@ -1,0 +1,112 @@
+"""The change of the force densities for short strands: S is formed and factored, O(N³) with the least of constants.
+
+Scratch, after the segments: two rows an edge, and S as a square of rows and one row
+more, of which the lower triangle is used.
+"""
+
+from __future__ import annotations
+
+from ...constants import V
+from ...jit import inner
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, T, rows_for
+from .simd import get, get3, put, spread
+
+SHORT = 1 / 16
+"""|e|² below which an edge has hardly a direction left: S then takes this."""
+PIVOT = 1e-6
+
+
+def size_for(n: int) -> int:
+    """Numbers of scratch for ``n`` segments."""
+    return rows_for(n) + V * n * (n + 3)
+
+
+@inner
+def newton(s, n):
+    """τ += δ, S δ = r."""
+    couple(s, n)
+    solve(s, n)
+
+
+@inner
+def couple(s, n):
+    """The lower triangle of S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), column by column from the last.
+
+    Columns of G = H⁻¹ follow from the two after them (Takahashi, Fagan & Chin 1973), and so do their differences
+    P_ij = G_ij − G_{i−1,j} off the diagonal, of which S takes one more. Two columns of P are kept, and of G what is
+    next to the diagonal: G_jj in p, G_{j+1,j} in q, G_{j+1,j+1} in r."""
+    one = FIRST + (n + 2) * SEGMENT
+    two = one + n * V
+    square = one + 2 * n * V
+    p = get(s, FIRST + (n - 1) * SEGMENT + DI)
+    q = spread(s, 0.0)
+    r = q
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        n1 = get(s, o - SEGMENT + N1)
+        n2 = get(s, o - SEGMENT + N2)
+        x, y, z = get3(s, o + E, V)
+        # the column before: G_{j+1,j−1}, G_{j,j−1}, G_{j−1,j−1}; zero before the first
+        f = n1 * q + n2 * r
+        g = n1 * p + n2 * q
+        h = get(s, o - SEGMENT + DI) + n1 * g + n2 * f
+        put(s, square + (j * n + j) * V, ((p - g) - (g - h)) * max(x * x + y * y + z * z, SHORT))
+        if j + 1 < n:
+            a = q - p
+            b = f - g
+            put(s, one + (j + 1) * V, a)
+            put(s, two + (j + 1) * V, b)
+            ex, ey, ez = get3(s, o + SEGMENT + E, V)
+            put(s, square + ((j + 1) * n + j) * V, (a - b) * (x * ex + y * ey + z * ez))
+        for i in range(j + 2, n):
+            a = get(s, one + i * V)
+            b = n1 * a + n2 * get(s, two + i * V)
+            put(s, two + i * V, b)
+            ex, ey, ez = get3(s, FIRST + i * SEGMENT + E, V)
+            put(s, square + (i * n + j) * V, (a - b) * (x * ex + y * ey + z * ez))
+        one, two = two, one
+        r = p
+        q = g
+        p = h
+
+
+@inner
+def solve(s, n):
+    """τ += S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive definite by Schur's product
+    theorem; a pivot that rounding has taken below a millionth of its entry is raised to that. Below the diagonal
+    columns hold L times their pivots."""
+    pivots = FIRST + (n + 2) * SEGMENT
+    line = pivots + n * V
+    square = pivots + 2 * n * V
+    for j in range(n):
+        row = square + j * n * V
+        d = get(s, row + j * V)
+        least = max(PIVOT * d, TINY)
+        z = get(s, FIRST + j * SEGMENT + R)
+        for k in range(j):
+            c = get(s, row + k * V)
+            lower = c * get(s, pivots + k * V)
+            put(s, line + k * V, lower)
+            d -= c * lower
+            z -= lower * get(s, FIRST + k * SEGMENT + R)
+        put(s, FIRST + j * SEGMENT + R, z)
+        put(s, pivots + j * V, 1.0 / max(d, least))
+        # rows two by two, for they share what they read; there is one more than needed
+        for i in range(j + 1, n, 2):
+            other = square + i * n * V
+            a = get(s, other + j * V)
+            b = get(s, other + (n + j) * V)
+            for k in range(j):
+                lower = get(s, line + k * V)
+                a -= get(s, other + k * V) * lower
+                b -= get(s, other + (n + k) * V) * lower
+            put(s, other + j * V, a)
+            put(s, other + (n + j) * V, b)
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        x = get(s, o + R)
+        for i in range(n - 1, j, -1):
+            x -= get(s, square + (i * n + j) * V) * get(s, FIRST + i * SEGMENT + R)
+        x *= get(s, pivots + j * V)
+        put(s, o + R, x)
+        put(s, o + T, get(s, o + T) + x)

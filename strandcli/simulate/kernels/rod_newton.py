@@ -1,0 +1,70 @@
+"""Newton's iteration for the force densities; the system for their change is solved by one of two rooms."""
+
+from __future__ import annotations
+
+from ...constants import V
+from ...jit import inner
+from . import rod, rod_dense, rod_long
+from .rod import FIRST, SEGMENT, TH, A, M, T
+from .simd import get, put, root, some, spread, where
+
+PATIENCE = 6
+"""Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
+STRIDES = 2.0
+WILD = 64.0
+"""Error of |e|² above which τ does not start from the step before."""
+PULLED = 4.0
+
+
+@inner
+def iterate(s, n, iterations, enough, long):
+    """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
+    returns what they are in the end, the greatest of each lane. Begins with x(τ) for the τ of the step before, or,
+    where loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N)."""
+    worst = spread(s, 0.0)
+    hard = False
+    for count in range(-1, iterations + 1):
+        if count > 1 and not some(worst > enough):
+            break
+        if count == 0:
+            if not some(worst > WILD):
+                continue
+            pull(s, n)
+        if count > 0:
+            ahead = hard or some(worst > rod.FAR)
+            if ahead:
+                rod.retract(s, n, worst)
+                rod.residual(s, n)
+                rod.forward(s, n)
+                rod.backward(s, n)
+            rod.demand(s, n, ahead)
+            if long is None:
+                rod_dense.newton(s, n)
+            else:
+                rod_long.newton(s, n, TH if hard else T)
+        hard = rod.factor(s, n)
+        rod.backward(s, n)
+        if count > PATIENCE:
+            rod.shorten(s, n, STRIDES / (count - PATIENCE))
+        worst = rod.move(s, n)
+    return worst
+
+
+@inner
+def pull(s, n):
+    """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
+    from the tip."""
+    x = spread(s, 0.0)
+    y = x
+    z = x
+    sum = x
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        mass = get(s, o + M)
+        x += mass * get(s, o + A)
+        y += mass * get(s, o + A + V)
+        z += mass * get(s, o + A + 2 * V)
+        sum += mass
+        load = root(x * x + y * y + z * z) - PULLED * sum
+        t = get(s, o + T)
+        put(s, o + T, where(load > 0.0, max(t, load), t))

@@ -1,0 +1,305 @@
+"""Numbers of V strands at once as a type of Numba's own: one LLVM vector, which lives in registers.
+
+Kernels that work a row of lanes at a time through memory depend on what LLVM's loop vectoriser happens to see, and on a
+cache that holds all rows. With this type a kernel is written for one strand, moves V of them, and vectorises always; a
+vector that is wider than the machine's registers takes several.
+
+    rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
+    rows[o]                     one of them
+    x = get(rows, o)            V of them from place o on
+    put(rows, o, x)
+    x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x)
+    where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
+    some(x < y)                 whether it holds in any lane
+    greatest(x), spread(x, 2.0)
+
+Numbers that are not vectors stand for V that are equal. max and min return their first argument where one is NaN that
+comes second, as Numba's do. Rows are no more than a
+address: handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places
+are not checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.cgutils import get_or_insert_function
+from numba.core.datamodel import models
+from numba.core.extending import intrinsic, lower_builtin, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+
+from ...constants import V
+from ...jit import inner
+
+
+class Lanes(types.Type):
+    """V floating numbers of one kind."""
+
+    def __init__(self, dtype: types.Float) -> None:
+        self.dtype = dtype
+        super().__init__(f"Lanes({dtype})")
+
+
+class Mask(types.Type):
+    """V truth values."""
+
+    def __init__(self) -> None:
+        super().__init__("Mask")
+
+
+class Rows(types.Type):
+    """Numbers in memory."""
+
+    def __init__(self, dtype: types.Float) -> None:
+        self.dtype = dtype
+        super().__init__(f"Rows({dtype})")
+
+
+MASK = Mask()
+_BITS = ir.VectorType(ir.IntType(1), V)
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Lanes) -> None:
+        super().__init__(manager, kind, ir.VectorType(manager.lookup(kind.dtype).get_value_type(), V))
+
+
+@register_model(Rows)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Rows) -> None:
+        super().__init__(manager, kind, manager.lookup(kind.dtype).get_value_type().as_pointer())
+
+
+@register_model(Mask)
+class _MaskModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Mask) -> None:
+        super().__init__(manager, kind, _BITS)
+
+
+def _splat(builder: Any, value: Any) -> Any:
+    """All lanes equal."""
+    one = ir.Constant(ir.IntType(32), 0)
+    wide = ir.VectorType(value.type, V)
+    first = builder.insert_element(ir.Constant(wide, ir.Undefined), value, one)
+    return builder.shuffle_vector(first, ir.Constant(wide, ir.Undefined), ir.Constant(_lanes_of_i32(), None))
+
+
+def _lanes_of_i32() -> Any:
+    return ir.VectorType(ir.IntType(32), V)
+
+
+def _wide(context: Any, builder: Any, value: Any, given: Any, dtype: Any) -> Any:
+    """A lowered argument as a vector."""
+    if isinstance(given, Lanes):
+        return value
+    return _splat(builder, context.cast(builder, value, given, dtype))
+
+
+def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, result: Any = None) -> None:
+    """Teach Numba what a Python function is of vectors, or of vectors and numbers."""
+
+    class Template(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            wide = [one for one in args if isinstance(one, Lanes)]
+            if len(args) == count and wide and all(isinstance(one, (Lanes, types.Number)) for one in args):
+                return signature(result or wide[0], *args)
+            return None
+
+    infer_global(function)(Template)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        dtype = next(one for one in sig.args if isinstance(one, Lanes)).dtype
+        return emit(builder, *(_wide(context, builder, v, t, dtype) for v, t in zip(args, sig.args, strict=True)))
+
+    kinds = [(Lanes,)] if count == 1 else [(Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)]
+    for kind in kinds:
+        lower_builtin(function, *kind)(lower)
+
+
+def _either(sign: str) -> Callable[..., Any]:
+    return lambda b, x, y: b.select(b.fcmp_ordered(sign, y, x), y, x)
+
+
+def _call(name: str) -> Callable[..., Any]:
+    def emit(builder: Any, x: Any) -> Any:
+        width = "f32" if x.type.element == ir.FloatType() else "f64"
+        kind = ir.FunctionType(x.type, [x.type])
+        return builder.call(get_or_insert_function(builder.module, kind, f"{name}.v{V}{width}"), [x])
+
+    return emit
+
+
+for _functions, _emit in (
+    ((operator.add, operator.iadd), lambda b, x, y: b.fadd(x, y)),
+    ((operator.sub, operator.isub), lambda b, x, y: b.fsub(x, y)),
+    ((operator.mul, operator.imul), lambda b, x, y: b.fmul(x, y)),
+    ((operator.truediv, operator.itruediv), lambda b, x, y: b.fdiv(x, y)),
+    ((max,), _either(">")),
+    ((min,), _either("<")),
+):
+    for _function in _functions:
+        _define(_function, _emit, 2)
+_SIGNS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
+for _function, _sign in _SIGNS.items():
+    _define(_function, lambda b, x, y, _sign=_sign: b.fcmp_ordered(_sign, x, y), 2, MASK)
+_define(operator.ne, lambda b, x, y: b.fcmp_unordered("!=", x, y), 2, MASK)
+_define(operator.neg, lambda b, x: b.fneg(x), 1)
+_define(abs, _call("llvm.fabs"), 1)
+
+
+def _join(function: Callable[..., Any], emit: Callable[..., Any], count: int) -> None:
+    class Template(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            return signature(MASK, *args) if args == (MASK,) * count else None
+
+    infer_global(function)(Template)
+    lower_builtin(function, *(Mask,) * count)(lambda context, builder, sig, args: emit(builder, *args))
+
+
+_join(operator.and_, lambda b, x, y: b.and_(x, y), 2)
+_join(operator.or_, lambda b, x, y: b.or_(x, y), 2)
+_join(operator.invert, lambda b, x: b.xor(x, ir.Constant(_BITS, [1] * V)), 1)
+
+
+@intrinsic
+def lay(typingctx: Any, array: Any) -> Any:
+    """The numbers of a contiguous array."""
+    if not (isinstance(array, types.Array) and array.layout == "C"):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.make_array(sig.args[0])(context, builder, value=args[0]).data
+
+    return Rows(array.dtype)(array), emit
+
+
+@infer_global(operator.getitem)
+class _Item(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if isinstance(args[0], Rows) and isinstance(args[1], types.Integer):
+            return signature(args[0].dtype, *args)
+        return None
+
+
+@lower_builtin(operator.getitem, Rows, types.Integer)
+def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.load(builder.gep(args[0], [args[1]]))
+
+
+def _here(builder: Any, rows: Any, o: Any) -> Any:
+    """Pointer to a vector."""
+    wide = ir.VectorType(rows.type.pointee, V)
+    return builder.bitcast(builder.gep(rows, [o]), wide.as_pointer())
+
+
+@intrinsic
+def get(typingctx: Any, rows: Any, o: Any) -> Any:
+    """V numbers from place o on."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.load(_here(builder, *args), align=sig.args[0].dtype.bitwidth // 8)
+
+    return Lanes(rows.dtype)(rows, o), emit
+
+
+@intrinsic
+def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
+    """Keep V numbers from place o on; a plain number is kept V times."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0].dtype
+        value = _wide(context, builder, args[2], sig.args[2], kind)
+        builder.store(value, _here(builder, *args[:2]), align=kind.bitwidth // 8)
+        return context.get_dummy_value()
+
+    return types.void(rows, o, x), emit
+
+
+@inner
+def get3(rows, o, stride):
+    """Vectors from places o, o + stride and o + 2 stride on."""
+    return get(rows, o), get(rows, o + stride), get(rows, o + 2 * stride)
+
+
+@inner
+def put3(rows, o, stride, x, y, z):
+    """Keep three vectors so."""
+    put(rows, o, x)
+    put(rows, o + stride, y)
+    put(rows, o + 2 * stride, z)
+
+
+@intrinsic
+def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
+    """x in lanes where the mask holds, else y."""
+    wide = [one for one in (x, y) if isinstance(one, Lanes)]
+    if not isinstance(mask, Mask) or not wide:
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        dtype = sig.return_type.dtype
+        first, second = (_wide(context, builder, v, t, dtype) for v, t in zip(args[1:], sig.args[1:], strict=True))
+        return builder.select(args[0], first, second)
+
+    return wide[0](mask, x, y), emit
+
+
+@intrinsic
+def some(typingctx: Any, mask: Any) -> Any:
+    """Whether a mask holds in any lane."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(V))
+        return builder.icmp_unsigned("!=", bits, ir.Constant(ir.IntType(V), 0))
+
+    return types.boolean(mask), emit
+
+
+@intrinsic
+def root(typingctx: Any, x: Any) -> Any:
+    """Square root."""
+    if not isinstance(x, Lanes):
+        return None
+    call = _call("llvm.sqrt")
+    return x(x), lambda context, builder, sig, args: call(builder, *args)
+
+
+@intrinsic
+def greatest(typingctx: Any, x: Any) -> Any:
+    """The greatest number of all lanes, none of which is NaN."""
+    if not isinstance(x, Lanes):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        lane = ir.IntType(32)
+        most = builder.extract_element(args[0], ir.Constant(lane, 0))
+        for i in range(1, V):
+            one = builder.extract_element(args[0], ir.Constant(lane, i))
+            most = builder.select(builder.fcmp_ordered(">", one, most), one, most)
+        return most
+
+    return x.dtype(x), emit
+
+
+@intrinsic
+def spread(typingctx: Any, like: Any, x: Any) -> Any:
+    """V times the number x, of the kind of numbers that rows or a vector ``like`` hold."""
+    if not (isinstance(like, (Rows, Lanes)) and isinstance(x, types.Number)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _wide(context, builder, args[1], sig.args[1], sig.return_type.dtype)
+
+    return Lanes(like.dtype)(like, x), emit
