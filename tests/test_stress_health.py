@@ -40,11 +40,11 @@ def test_no_wind_of_the_matrix_stops_a_run(dt: str) -> None:
 
 
 def test_a_case_that_would_stop_a_run_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(RodSolver, "residual", lambda self: 1.5 * health.RESIDUAL_MOST)
+    monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, 1.5 * health.RESIDUAL_MOST))
     labels = {"dt": "10", "wind": "gale"}  # a step so long that the residual itself is told and not judged
     (outcome,) = drive.run([Case.of("rod", labels)])
     assert outcome.metrics["stopped"] == 1
     assert len(troubles(labels)) == len(scenes.times_of(Case.of("rod", labels)))
-    monkeypatch.setattr(RodSolver, "residual", lambda self: np.nan)
+    monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, np.nan))
     (outcome,) = drive.run([Case.of("rod", labels)])
     assert outcome.metrics["stopped"] == 1

@@ -277,9 +277,9 @@ class RodSolver(Solver):
             out["stretch_max"] = float(np.abs(length - 1).max())
         return out
 
-    def residual(self) -> float | None:
-        """Greatest error of an edge's length that the last step's iterations left, as a share: made exact after."""
-        return float(self.residuals.max())
+    def strand_residuals(self) -> NDArray[np.floating]:
+        """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
+        return self.residuals.reshape(-1)[: self.strands]
 
 
 def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
