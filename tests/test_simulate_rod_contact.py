@@ -113,8 +113,8 @@ def off_ball(given, length, r, out):
     x, y, z = get3(rows, 0, V)
     dx, dy, dz = get3(rows, 3 * V, V)
     ox, oy, oz = get3(rows, 6 * V, V)
-    x, y, z = contact.off_ball(x, y, z, dx, dy, dz, spread(rows, length), ox, oy, oz, r, True)
-    put3(lay(out), 0, V, x, y, z)
+    d = contact.tangent((x, y, z), (dx, dy, dz), spread(rows, length), ox - x, oy - y, oz - z, r)
+    put3(lay(out), 0, V, d[0], d[1], d[2])
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:

@@ -189,10 +189,12 @@ def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
     round = spread(x, 0.0)
     found = (round, round, round, round, round, round, round)
     for m in range(0, last_sphere, SPHERE):
-        ox, oy, oz = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
-        r = kept_from(x - ox, y - oy, z - oz, spheres[m + 3], edge, next, half, whole)
-        d = in_ball(x - ox, y - oy, z - oz, r)
-        if some(d > most):
+        dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
+        r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, half, whole)
+        far = r - most
+        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            d = in_ball(dx, dy, dz, r)
+            ox, oy, oz = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
             found = choose(d > most, (ox, oy, oz, r, *motion(spheres, m + 5, old)), found)
             round = where(d > most, 1.0, round)
             most = max(most, d)
@@ -244,23 +246,32 @@ def choose(nearer, one, other):
 
 
 @inner
-def unit(x, y, z):
-    """A vector scaled to length 1."""
-    f = 1.0 / root(max(x * x + y * y + z * z, TINY))
-    return f * x, f * y, f * z
+def aim(q, over, length, round, found):
+    """The axis that an edge from q makes the same angle with wherever its end is on a ball or on a flat face, the
+    cosine of that angle and its sine; ``over``: 1 over the edge's length."""
+    ox, oy, oz, r, _, _, _ = found
+    ax = where(round, ox - q[0], -ox)
+    ay = where(round, oy - q[1], -oy)
+    az = where(round, oz - q[2], -oz)
+    away = root(ax * ax + ay * ay + az * az)
+    f = 1.0 / max(away, TINY)
+    height = q[0] * ox + q[1] * oy + q[2] * oz - r
+    cosine = where(round, 0.5 * (length * length + (away - r) * (away + r)) * f, height) * over
+    cosine = min(max(cosine, -1.0), 1.0)
+    return (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0))
 
 
 @inner
-def bend(turn, d, ax, ay, az, limit):
-    """Turn the unit vector d toward the unit vector a, or away from it, until d·a = limit, where ``turn``."""
+def swing(turn, d, axis, cosine, sine):
+    """Turn a vector toward an axis or away from it, and scale it to length 1, where ``turn``."""
     dx, dy, dz = d
-    limit = min(max(limit, -1.0), 1.0)
+    ax, ay, az = axis
     c = dx * ax + dy * ay + dz * az
     nx = dx - c * ax
     ny = dy - c * ay
     nz = dz - c * az
-    size = root(nx * nx + ny * ny + nz * nz)
-    lost = size < LEAST
+    square = nx * nx + ny * ny + nz * nz
+    lost = square < LEAST * LEAST
     if some(lost):  # straight at it: any way round will do
         one = where(abs(ax) > 0.5, spread(ax, 0.0), 1.0)
         two = 1.0 - one
@@ -268,30 +279,15 @@ def bend(turn, d, ax, ay, az, limit):
         nx = where(lost, one - c * ax, nx)
         ny = where(lost, two - c * ay, ny)
         nz = where(lost, -c * az, nz)
-        size = root(nx * nx + ny * ny + nz * nz)
-    s = root(max(1.0 - limit * limit, 0.0)) / size
-    x = where(turn, limit * ax + s * nx, dx)
-    y = where(turn, limit * ay + s * ny, dy)
-    return x, y, where(turn, limit * az + s * nz, dz)
+        square = nx * nx + ny * ny + nz * nz
+    f = sine / root(square)
+    x = where(turn, cosine * ax + f * nx, dx)
+    y = where(turn, cosine * ay + f * ny, dy)
+    return x, y, where(turn, cosine * az + f * nz, dz)
 
 
 @inner
-def onto(turn, q, d, length, round, found):
-    """Turn an edge from q along d until its end is on a ball or a flat face, where ``turn``."""
-    ox, oy, oz, r, _, _, _ = found
-    ax = where(round, ox - q[0], -ox)
-    ay = where(round, oy - q[1], -oy)
-    az = where(round, oz - q[2], -oz)
-    away = root(ax * ax + ay * ay + az * az)
-    turn = turn & (away > TINY)
-    over = 1.0 / max(away, TINY)
-    height = q[0] * ox + q[1] * oy + q[2] * oz - r
-    limit = where(round, 0.5 * (length * length + (away - r) * (away + r)) * over, height) / length
-    return bend(turn, d, ax * over, ay * over, az * over, limit)
-
-
-@inner
-def off_solids(q, d, next, length, half, solids, whole):
+def off_solids(q, d, next, length, over, half, solids, whole):
     """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
     slack = SLACK * length
     for _ in range(ROUNDS):
@@ -302,7 +298,8 @@ def off_solids(q, d, next, length, half, solids, whole):
         inside = depth > slack
         if not some(inside):
             break
-        d = onto(inside, q, d, length, round, found)
+        axis, cosine, sine = aim(q, over, length, round, found)
+        d = swing(inside, d, axis, cosine, sine)
     return d
 
 
@@ -335,17 +332,19 @@ def tangent(q, d, length, ax, ay, az, r):
     turn = (outside < length * length) & (ahead > height) & (away > TINY)
     if not some(turn):
         return d
-    over = 1.0 / max(away, TINY)
-    return bend(turn, d, ax * over, ay * over, az * over, height * over)
+    f = 1.0 / max(away, TINY)
+    cosine = height * f
+    return swing(turn, d, (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0)))
 
 
 @inner
-def touch(d, next, q, old, going, held, bulk, length, solids, whole, first, friction):
+def touch(d, next, q, old, going, held, light, length, over, solids, whole, first, friction):
     """The unit edge d from q, turned off all solids; ``first``: whether q is the root.
 
     next: the edge after it; old: where the particle was before the step; going: how far its velocity alone would take
-    it in this step; held: the force of contact in the step before, and bulk, how much heavier than the particle is what
-    that moves. Returns the edge, the force, the share of it that is none of an impact's, and where there is any."""
+    it in this step; held: the force of contact in the step before, and light, how heavy the particle is beside all that
+    this moves; over: 1 over the edge's length. Returns the edge, the force without that of impacts, and where force is
+    new."""
     hx, hy, hz = held
     half = 0.5 * length
     if whole and first:
@@ -355,31 +354,40 @@ def touch(d, next, q, old, going, held, bulk, length, solids, whole, first, fric
     z = q[2] + length * d[2]
     grip = root(hx * hx + hy * hy + hz * hz)
     was = grip > 0.0
-    reach = grip / bulk
+    reach = grip * light
     none = spread(x, 0.0)
     depth, round, found = nearest(x, y, z, d, next, half, old, reach, solids, whole)
     near = depth > -reach
     if not some(near | was):
         return d, (none, none, none), near
-    ox, oy, oz, _, tx, ty, tz = found
-    nx, ny, nz = unit(where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz))
-    force = max(hx * nx + hy * ny + hz * nz, 0.0) + bulk * depth
+    bulk = 1.0 / light
+    ox, oy, oz, r, tx, ty, tz = found
+    nx, ny, nz = where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz)
+    force = max(hx * nx + hy * ny + hz * nz, 0.0) / where(round, max(r - depth, TINY), 1.0) + bulk * depth
     near = near & (force > 0.0)
+    new = near & ~was
     force = where(near, force, 0.0)
-    light = 1.0 / bulk
     free = was & ~near
     if some(free):
-        x, y, z = unit(length * d[0] - light * hx, length * d[1] - light * hy, length * d[2] - light * hz)
-        d = where(free, x, d[0]), where(free, y, d[1]), where(free, z, d[2])
+        f = over * light
+        x = d[0] - f * hx
+        y = d[1] - f * hy
+        z = d[2] - f * hz
+        f = 1.0 / root(max(x * x + y * y + z * z, TINY))
+        d = where(free, f * x, d[0]), where(free, f * y, d[1]), where(free, f * z, d[2])
     fx = none
     fy = none
     fz = none
     if some(near):
-        d = onto(near, q, d, length, round, found)
+        axis, cosine, sine = aim(q, over, length, round, found)
+        d = swing(near, d, axis, cosine, sine)
         x = q[0] + length * d[0]
         y = q[1] + length * d[1]
         z = q[2] + length * d[2]
-        nx, ny, nz = unit(where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz))
+        f = 1.0 / where(round, r, 1.0)
+        nx = where(round, x - ox, ox) * f
+        ny = where(round, y - oy, oy) * f
+        nz = where(round, z - oz, oz) * f
         f = hx * nx + hy * ny + hz * nz
         hx -= f * nx
         hy -= f * ny
@@ -392,16 +400,17 @@ def touch(d, next, q, old, going, held, bulk, length, solids, whole, first, fric
         fx *= f
         fy *= f
         fz *= f
-        x, y, z = unit(
-            length * d[0] + light * (fx - hx), length * d[1] + light * (fy - hy), length * d[2] + light * (fz - hz)
-        )
-        d = where(near, x, d[0]), where(near, y, d[1]), where(near, z, d[2])
-        d = onto(near, q, d, length, round, found)
-        # an impact is no force that stays: of the depth, what velocity alone has led to
-        f = nx * (tx - old[0] - going[0]) + ny * (ty - old[1] - going[1]) + nz * (tz - old[2] - going[2])
-        f = max(depth - max(f, 0.0), 0.0) / max(depth, TINY)
-        f = where(near, where(was, 1.0, f), 0.0)
-        fx = f * (fx + force * nx)
-        fy = f * (fy + force * ny)
-        fz = f * (fz + force * nz)
-    return off_solids(q, d, next, length, half, solids, whole), (fx, fy, fz), near & ~was
+        f = where(near, over * light, 0.0)
+        d = swing(near, (d[0] + f * (fx - hx), d[1] + f * (fy - hy), d[2] + f * (fz - hz)), axis, cosine, sine)
+        fx = where(near, fx + force * nx, 0.0)
+        fy = where(near, fy + force * ny, 0.0)
+        fz = where(near, fz + force * nz, 0.0)
+        if some(new):
+            # an impact is no force that stays: of the depth, what velocity alone has led to
+            f = nx * (tx - old[0] - going[0]) + ny * (ty - old[1] - going[1]) + nz * (tz - old[2] - going[2])
+            f = max(depth - max(f, 0.0), 0.0) / max(depth, TINY)
+            f = where(new, f, 1.0)
+            fx *= f
+            fy *= f
+            fz *= f
+    return off_solids(q, d, next, length, over, half, solids, whole), (fx, fy, fz), new

@@ -1,102 +1,131 @@
 """The change of the force densities for long strands: O(N) where `rod_dense` is O(N³).
 
-The dense S is never formed. δ comes from the system that it is the Schur complement of,
+S is never formed. It is the covariance of numbers z_j = e_j·(y_j − y_{j−1}) where that of a random vector y is H⁻¹.
+With H = L diag(d) Lᵀ such a vector is a process from the tip to the root that remembers two particles,
 
-    [ H  Gᵀ ] [  y ]   [ 0 ]
-    [ G  0  ] [ −δ ] = [ r ],    (G y)_j = e_j·(y_j − y_{j−1}),
+    y_{j−1} = N1 y_j + N2 y_{j+1} + noise of variance 1 / d_{j−1},    N the bands of −L.
 
-with the three coordinates of a particle and the multiplier of its edge taken together: a symmetric band of half width
-8, factored as L D Lᵀ without pivoting, each segment right after it has been put together. That is safe because H is
-positive definite, so that each multiplier meets a negative pivot. For long strands H itself is badly conditioned (as
-N⁴): these kernels want float64.
+So S is factored as Kalman's filter does it (1960): the mean and the covariance of (y_{j−1}, y_j) follow from those of
+(y_j, y_{j+1}), and then r_j is what z_j has been observed to be. What is observed beyond what was expected, divided by
+its variance, and the adjoint of the filter, from the root to the tip, give δ = S⁻¹ r (Bryson & Frazier 1963). The
+variance of z_j is no less than that of the noise in it. For long strands H is badly conditioned (as N⁴): these kernels
+want float64.
 """
 
 from __future__ import annotations
 
 from ...constants import V
 from ...jit import inner
-from .rod import FIRST, SEGMENT, TINY, E, K, M, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, M, R, T, rows_for
 from .rod_dense import SHORT
-from .simd import get, get3, put, where
+from .simd import get, get3, put, put3, spread
 
-BAND = 9
-ROW = 10 * V
-"""A row of the band, diagonal first, and its right-hand side."""
-RHS = 9 * V
+GAIN = 7 * V
+"""Rows of scratch a segment: the gain, three rows a particle, and what was observed beyond, over its variance."""
 
 
 def size_for(n: int) -> int:
     """Numbers of scratch for ``n`` segments."""
-    return rows_for(n) + (n + 2) * 4 * ROW
+    return rows_for(n) + n * GAIN
 
 
 @inner
-def newton(s, n, t):
-    """τ += δ; t: the field of force densities in H."""
-    for j in range(n + 2):
-        if j < n:
-            assemble(s, n, j, t)
-        if j >= 2:
-            for c in range(4):
-                eliminate(s, n, (j - 2) * 4 + c)
-    substitute(s, n)
+def newton(s, n):
+    """τ += S⁻¹ r."""
+    observe(s, n)
+    recall(s, n)
 
 
 @inner
-def assemble(s, n, j, t):
-    """The four rows of segment j, entries (i, i + b) in row b of each."""
-    o = FIRST + j * SEGMENT
-    here = FIRST + (n + 2) * SEGMENT + j * 4 * ROW
-    for i in range(40):
-        put(s, here + i * V, 0.0)
-    k1 = get(s, o + SEGMENT + K)
-    k2 = get(s, o + 2 * SEGMENT + K)
-    p = get(s, o + SEGMENT + t) + k1 + k2
-    mass = get(s, o + M)
-    d = mass + get(s, o + t) + get(s, o + K) + 3.0 * k1 + p
-    l1 = -p - k1 - k2
-    for c in range(3):
-        row = here + c * ROW
-        put(s, row, d)
-        put(s, row + 4 * V, l1)
-        put(s, row + 8 * V, k2)
-        # the edge's own constraint, and that of the edge after it: beyond the tip edges are zero
-        put(s, row + (3 - c) * V, get(s, o + E + c * V))
-        put(s, row + (7 - c) * V, -get(s, o + SEGMENT + E + c * V))
-    x, y, z = get3(s, o + E, V)
-    put(s, here + 3 * ROW, -max(SHORT - (x * x + y * y + z * z), 0.0) / mass)
-    put(s, here + 3 * ROW + RHS, get(s, o + R))
+def observe(s, n):
+    """From the tip to the root. Covariances: a of the nearer particle, b of the nearer with the farther one, c of the
+    farther one; m, w: their means."""
+    o = FIRST + (n - 1) * SEGMENT
+    zero = spread(s, 0.0)
+    axx = get(s, o + DI)
+    axy, axz, ayy, ayz, azz = zero, zero, axx, zero, axx
+    bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
+    cxx, cxy, cxz, cyy, cyz, czz = zero, zero, zero, zero, zero, zero
+    mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        p = get(s, o - SEGMENT + N1)
+        q = get(s, o - SEGMENT + N2)
+        noise = get(s, o - SEGMENT + DI)
+        # of the particle before with the farther one, and with the nearer one
+        fxx, fxy, fxz = p * bxx + q * cxx, p * bxy + q * cxy, p * bxz + q * cxz
+        fyy, fyz, fzz = p * byy + q * cyy, p * byz + q * cyz, p * bzz + q * czz
+        gxx, gxy, gxz = p * axx + q * bxx, p * axy + q * byx, p * axz + q * bzx
+        gyx, gyy, gyz = p * axy + q * bxy, p * ayy + q * byy, p * ayz + q * bzy
+        gzx, gzy, gzz = p * axz + q * bxz, p * ayz + q * byz, p * azz + q * bzz
+        cxx, cxy, cxz, cyy, cyz, czz = axx, axy, axz, ayy, ayz, azz
+        axx = p * gxx + q * fxx + noise
+        axy = p * gxy + q * fxy
+        axz = p * gxz + q * fxz
+        ayy = p * gyy + q * fyy + noise
+        ayz = p * gyz + q * fyz
+        azz = p * gzz + q * fzz + noise
+        ux, uy, uz = p * mx + q * wx, p * my + q * wy, p * mz + q * wz
+        wx, wy, wz = mx, my, mz
+        # what is observed: the covariance of z with both particles, its variance, and the gain
+        x, y, z = get3(s, o + E, V)
+        hx = (gxx - axx) * x + (gxy - axy) * y + (gxz - axz) * z
+        hy = (gyx - axy) * x + (gyy - ayy) * y + (gyz - ayz) * z
+        hz = (gzx - axz) * x + (gzy - ayz) * y + (gzz - azz) * z
+        kx = (cxx - gxx) * x + (cxy - gyx) * y + (cxz - gzx) * z
+        ky = (cxy - gxy) * x + (cyy - gyy) * y + (cyz - gzy) * z
+        kz = (cxz - gxz) * x + (cyz - gyz) * y + (czz - gzz) * z
+        square = x * x + y * y + z * z
+        short = max(SHORT - square, 0.0) / get(s, o + M)
+        variance = max(x * (kx - hx) + y * (ky - hy) + z * (kz - hz), noise * square) + short
+        over = 1.0 / max(variance, TINY)
+        seen = get(s, o + R) - (x * (wx - ux) + y * (wy - uy) + z * (wz - uz))
+        dx, dy, dz = hx * over, hy * over, hz * over
+        ex, ey, ez = kx * over, ky * over, kz * over
+        here = FIRST + (n + 2) * SEGMENT + j * GAIN
+        put3(s, here, V, dx, dy, dz)
+        put3(s, here + 3 * V, V, ex, ey, ez)
+        put(s, here + 6 * V, seen * over)
+        mx, my, mz = ux + dx * seen, uy + dy * seen, uz + dz * seen
+        wx, wy, wz = wx + ex * seen, wy + ey * seen, wz + ez * seen
+        axx -= dx * hx
+        axy -= dx * hy
+        axz -= dx * hz
+        ayy -= dy * hy
+        ayz -= dy * hz
+        azz -= dz * hz
+        bxx, bxy, bxz = gxx - dx * kx, gxy - dx * ky, gxz - dx * kz
+        byx, byy, byz = gyx - dy * kx, gyy - dy * ky, gyz - dy * kz
+        bzx, bzy, bzz = gzx - dz * kx, gzy - dz * ky, gzz - dz * kz
+        cxx -= ex * kx
+        cxy -= ex * ky
+        cxz -= ex * kz
+        cyy -= ey * ky
+        cyz -= ey * kz
+        czz -= ez * kz
 
 
 @inner
-def eliminate(s, n, i):
-    """Row i: those below it lose their multiples of it."""
-    row = FIRST + (n + 2) * SEGMENT + i * ROW
-    d = get(s, row)
-    d = 1.0 / where(abs(d) > TINY, d, TINY)
-    put(s, row, d)
-    reach = min(BAND - 1, n * 4 - 1 - i)
-    rhs = get(s, row + RHS)
-    for b in range(1, reach + 1):
-        below = row + b * ROW
-        f = get(s, row + b * V) * d
-        for a in range(b, reach + 1):
-            o = below + (a - b) * V
-            put(s, o, get(s, o) - get(s, row + a * V) * f)
-        put(s, below + RHS, get(s, below + RHS) - rhs * f)
-
-
-@inner
-def substitute(s, n):
-    """Backward through the band; τ += δ."""
-    base = FIRST + (n + 2) * SEGMENT
-    size = n * 4
-    for back in range(size):
-        row = base + (size - 1 - back) * ROW
-        x = get(s, row + RHS)
-        for b in range(1, min(BAND - 1, back) + 1):
-            x -= get(s, row + b * V) * get(s, row + b * ROW + RHS)
-        put(s, row + RHS, x * get(s, row))
+def recall(s, n):
+    """From the root to the tip; m, w: the adjoints of the means."""
+    zero = spread(s, 0.0)
+    mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
     for j in range(n):
-        o = FIRST + j * SEGMENT + T
-        put(s, o, get(s, o) - get(s, base + (j * 4 + 3) * ROW + RHS))
+        o = FIRST + j * SEGMENT
+        here = FIRST + (n + 2) * SEGMENT + j * GAIN
+        dx, dy, dz = get3(s, here, V)
+        ex, ey, ez = get3(s, here + 3 * V, V)
+        change = get(s, here + 6 * V) + (dx * mx + dy * my + dz * mz) + (ex * wx + ey * wy + ez * wz)
+        put(s, o + T, get(s, o + T) + change)
+        x, y, z = get3(s, o + E, V)
+        x *= change
+        y *= change
+        z *= change
+        mx += x
+        my += y
+        mz += z
+        p = get(s, o - SEGMENT + N1)
+        q = get(s, o - SEGMENT + N2)
+        mx, my, mz, wx, wy, wz = (
+            p * mx + (wx - x), p * my + (wy - y), p * mz + (wz - z), q * mx, q * my, q * mz,
+        )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...constants import V
 from ...jit import inner
 from . import rod, rod_dense, rod_long
-from .rod import FIRST, SEGMENT, TH, A, M, T
+from .rod import FIRST, SEGMENT, A, M, T
 from .simd import get, put, root, some, spread, where
 
 PATIENCE = 6
@@ -41,7 +41,7 @@ def iterate(s, n, iterations, enough, long):
             if long is None:
                 rod_dense.newton(s, n)
             else:
-                rod_long.newton(s, n, TH if hard else T)
+                rod_long.newton(s, n)
         hard = rod.factor(s, n)
         rod.backward(s, n)
         if count > PATIENCE:

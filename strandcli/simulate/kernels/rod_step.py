@@ -257,6 +257,8 @@ def sweep(
     dy = dx
     dz = dx
     still = (dx, dx, dx)
+    one = spread(s, 1.0)
+    over = 1.0 / length
     apart = alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     grip = dx
@@ -284,21 +286,22 @@ def sweep(
             z = where(good, z, old[2])
         if solid:
             held = still
-            bulk = spread(s, 1.0)
+            light = one
             if touched:
                 ax, ay, az = get3(push, row, W)
                 held = apart * ax, apart * ay, apart * az
-                bulk = get(s, FIRST + j * SEGMENT + R)
-                bulk = where(bulk > 0.0, 1.0 / min(max(bulk, LEAST), 1.0), 1.0)
+                light = get(s, FIRST + j * SEGMENT + R)
+                light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
             vx, vy, vz = get3(velocity, row, W)
             d, force, new = contact.touch(
                 (x, y, z), get3(s, FIRST + (j + 1) * SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
-                (beat * vx, beat * vy, beat * vz), held, bulk, length, solids, whole, j == 0, numbers[10],
+                (beat * vx, beat * vy, beat * vz), held, light, length, over, solids, whole, j == 0, numbers[10],
             )  # fmt: skip
             x, y, z = d
             size = abs(force[0]) + abs(force[1]) + abs(force[2])
             if touched or some(size > 0.0):
-                put3(push, row, W, force[0] / apart, force[1] / apart, force[2] / apart)
+                f = 1 / apart
+                put3(push, row, W, f * force[0], f * force[1], f * force[2])
                 grip = max(grip, size)
             hit = where(new, 1.0, hit)
         dx += x - ex
