@@ -39,8 +39,15 @@ def test_no_wind_of_the_matrix_stops_a_run(dt: str) -> None:
     assert found == []
 
 
+@pytest.mark.parametrize("labels", [{"B": "0", "gamma": "1e4"}, {"tip": "1e3"}, {"tip": "1e3", "gamma": "1e4"}])
+def test_loads_and_tips_too_great_for_single_precision_are_moved_in_double(labels: dict[str, str]) -> None:
+    """In single precision these never moved: no iteration came to an end, and every step was given up."""
+    assert troubles({"dt": "10", **labels}) == []
+
+
 def test_a_case_that_would_stop_a_run_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, 1.5 * health.RESIDUAL_MOST))
+    lost = 1.5 * health.RESIDUAL_MOST
+    monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, lost))
     labels = {"dt": "10", "wind": "gale"}  # a step so long that the residual itself is told and not judged
     (outcome,) = drive.run([Case.of("rod", labels)])
     assert outcome.metrics["stopped"] == 1

@@ -20,6 +20,7 @@ from ...errors import UsageError
 from ...groom.emit import Groom, emit
 from ...scene.model import Scene
 from ...simulate.rod import rigidity
+from ...simulate.surroundings import gravity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up
@@ -155,8 +156,7 @@ class Motion:
     def bend(self) -> float | None:
         """Within what share of their length rods bend at their roots: 1 / √Γ, Γ = g L³ ρ A / B. Longer segments cannot
         show it. None without a rod, or without weight."""
-        pulls = [use.parameters.acceleration for use in self.scene.rules if use.name == "gravity"]
-        pull = float(np.linalg.norm(np.sum([np.zeros(3), *pulls], axis=0)))
+        pull = float(np.linalg.norm(gravity(self.scene)))
         if pull == 0 or not any(one.iterations for one in self.contestants):
             return None
         return float(np.sqrt(rigidity(self.scene.rod) / (pull * np.mean(self.lengths, dtype=np.float64) ** 3)))
