@@ -41,8 +41,8 @@ CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
 one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
 THROW = 1e6
-"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is that
-many times the inertia, and leaves too few digits to it."""
+"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
+that many times the inertia, and leaves too few digits to it."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
