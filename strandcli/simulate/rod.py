@@ -48,6 +48,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
+WORTH = 5000
+"""Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
@@ -117,11 +119,12 @@ class RodSolver(Solver):
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
         self.touching = aligned((len(self.push), W), self.dtype)
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
-        workers = min(numba.get_num_threads(), len(self.lengths))
+        workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
         size = (rod_long if self.long else rod_dense).size_for(n)
         self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
+        self.rounding = 4 * float(np.finfo(self.dtype).eps)
         self.last_step = 0.0
 
     def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -146,7 +149,7 @@ class RodSolver(Solver):
         h = 2 * dt / 3 if second else dt
         numbers = [
             h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-            self.enough,
+            self.enough, self.rounding,
         ]  # fmt: skip
         self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
@@ -156,7 +159,7 @@ class RodSolver(Solver):
     def _share_out(
         self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
     ) -> None:
-        """Run the step with a share of the blocks on each thread: this one and those of a pool."""
+        """Run the step on all threads: this one and those of a pool."""
         packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
         delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
         given = (
@@ -165,22 +168,31 @@ class RodSolver(Solver):
             self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
             self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
         )  # fmt: skip
-        workers = len(self.scratch)
+        tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
         long = True if self.long else None
 
-        def work(i: int) -> None:
-            rod_step.step(*given, self.scratch[i], self.residuals, i, workers, long)
+        def work(scratch: NDArray[Any]) -> None:
+            rod_step.step(*given, scratch, self.residuals, tickets, long)
 
-        others = [_pool().submit(work, i) for i in range(1, workers)]
-        work(0)
+        others = [_pool().submit(work, one) for one in self.scratch[1:]]
+        work(self.scratch[0])
         for other in others:
-            other.result()
+            if not other.cancel():  # it has begun; where it has not, there is nothing left to do
+                other.result()
+        self._pad()
+
+    def _pad(self) -> None:
+        """Lanes without a strand are copies of the last strand, and are not moved themselves."""
+        done = -(-self.strands // rod_step.SHARE) * rod_step.SHARE - (len(self.lengths) - 1) * W
+        if done < W:
+            last = self._rows()[-1].reshape(-1, W)
+            last[:, done:] = last[:, done - 1 : done]
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
         the shorter the step, and how strands move would have no limit."""
         tension = self.tension.copy()
-        numbers = [MOMENT, *np.zeros(9), 0.0, self.enough]
+        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding]
         self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
         self.tension[...] = tension
         for still in (self.velocity, self.before, self.moved, self.push, self.touching):
@@ -191,7 +203,8 @@ class RodSolver(Solver):
         if self.dtype == np.float32:
             return self.positions
         if not hasattr(self, "wide"):
-            self.wide = self.positions.astype(np.float64)
+            self.wide = aligned(self.positions.shape, np.float64)
+            self.wide[...] = self.positions
         return self.wide
 
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:

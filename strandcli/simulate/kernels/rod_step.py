@@ -1,6 +1,6 @@
 """The step of the rod solver over blocks of strands: predict, iterate, make lengths exact, take the new velocity.
 
-The driver calls `step` from as many threads as it likes, each with a share of the blocks and scratch of its own; lanes
+The driver calls `step` from as many threads as it likes, each with scratch of its own; lanes
 are independent, so that the number of threads changes no bit. A loop over `prange` would compile everything three
 times over. V strands move at once, from the first to the last of a step.
 """
@@ -12,12 +12,15 @@ from ...jit import function, inner
 from . import contact, rod, rod_newton
 from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
 from .simd import get, get3, lay, put, put3, root, some, spread, where
+from .tickets import take
 
 HUGE = 1e18
 NONE = 1e-12
 FARTHEST = 1e10
 LEAST = 1e-6
 """Share of a particle's own mobility that is never undercut in contact."""
+SHARE = 16
+"""Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
 AXES = 3 * W
 """Numbers of a row of three coordinates, of all strands of a block."""
 
@@ -26,9 +29,9 @@ AXES = 3 * W
 def step(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes, boxes,
-    whole, scratch, residuals, first, stride, long,
+    whole, scratch, residuals, tickets, long,
 ):  # fmt: skip
-    """Move the strands of blocks first, first + stride, … by one step, in place.
+    """Move strands by one step, in place, `SHARE` to each ticket from ``tickets`` while there are any.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
     same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
@@ -41,55 +44,59 @@ def step(
     strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
     the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
     [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
-    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop; spheres, capsules,
+    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding; spheres, capsules,
     planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
     `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
-    made exact; long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a
+    made exact; tickets (2,): the next one's number and how many there are; long: None, or anything for the kernel that
+    is O(N). All of one floating type. There are flags where a
     None would have everything compiled once more.
     """
     solids = (
         (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
         (lay(boxes), boxes.size),
     )  # fmt: skip
-    run(
-        lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
-        lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
-        lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
-        lay(residuals), first, stride, long, edges.shape[0], edges.shape[1],
-    )  # fmt: skip
+    ticket = take(tickets)
+    while ticket < tickets[1]:
+        run(
+            lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
+            lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
+            lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
+            lay(residuals), ticket * SHARE, long, edges.shape[1],
+        )  # fmt: skip
+        ticket = take(tickets)
 
 
 @inner
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
-    first, stride, long, blocks, n,
+    first, long, n,
 ):  # fmt: skip
-    """As `step`, of rows; V strands at a time."""
-    for b in range(first, blocks, stride):
-        for lane in range(0, W, V):
-            strand = b * W + lane
-            tip = b * n * W + lane
-            edge = b * n * AXES + lane
-            place = b * (n + 2) * AXES + lane
-            place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
-            weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
-            predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
-            if curled:
-                recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
-            touched = solid and some(get(touching, strand) > 0.0)
-            if touched:
-                press(scratch, n, edge, strand, push, lengths, numbers)
-            worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
-            # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
-            put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
-            keep(scratch, n, tip, tension, numbers[0])
-            if touched:
-                yield_to(scratch, n, edge, push)
-            sweep(
-                scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
-                numbers, second, solid, solids, whole, touched,
-            )  # fmt: skip
+    """As `step`, of rows and of the strands from number ``first`` on; V strands at a time."""
+    b = first // W
+    for strand in range(first, first + SHARE, V):
+        lane = strand - b * W
+        tip = b * n * W + lane
+        edge = b * n * AXES + lane
+        place = b * (n + 2) * AXES + lane
+        place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
+        weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
+        predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
+        if curled:
+            recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
+        touched = solid and some(get(touching, strand) > 0.0)
+        if touched:
+            press(scratch, n, edge, strand, push, lengths, numbers)
+        worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
+        # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
+        put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
+        keep(scratch, n, tip, tension, numbers[0])
+        if touched:
+            yield_to(scratch, n, edge, push)
+        sweep(
+            scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
+            numbers, second, solid, solids, whole, touched,
+        )  # fmt: skip
 
 
 @inner
@@ -243,7 +250,8 @@ def sweep(
 ):  # fmt: skip
     """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
     the solids; an edge that has no direction or none that is finite stays as it was. The velocity is what led there,
-    (u − û) / h, with u summed up from the changes of edges."""
+    (u − û) / h. u is that of the iterations and how far the particle is put off: what rounding does to edges, an error
+    of places, must not become one of velocities, which would last."""
     length = get(lengths, strand)
     px, py, pz = get3(positions, place + AXES, W)
     clamp = FIRST - SEGMENT + E
@@ -251,7 +259,8 @@ def sweep(
         positions, place, W,
         px - length * get(s, clamp), py - length * get(s, clamp + V), pz - length * get(s, clamp + 2 * V),
     )  # fmt: skip
-    sum = get3(s, SHIFT, V)
+    root_moved = get3(s, SHIFT, V)
+    sum = root_moved
     # how far the particle before was put off from where the iterations put it
     dx = spread(s, 0.0)
     dy = dx
@@ -263,40 +272,54 @@ def sweep(
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     grip = dx
     hit = dx
+    lost = dx
     for j in range(n):
         row = edge + j * AXES
         here = place + (j + 2) * AXES
+        o = FIRST + j * SEGMENT
         old = get3(edges, row, W)
-        ex, ey, ez = get3(s, FIRST + j * SEGMENT + E, V)
-        x = ex - dx
-        y = ey - dy
-        z = ez - dz
+        x, y, z = get3(s, o + E, V)
+        x -= dx
+        y -= dy
+        z -= dz
         q = x * x + y * y + z * z
-        f = 1.0 / root(max(q, TINY))
+        size = root(max(q, TINY))
+        f = 1.0 / size
+        g = f * (1.0 - q) / (1.0 + size)  # f - 1
+        exact = abs(1.0 - q) < numbers[12]  # or every step would round it anew, and never to rest
+        f = where(exact, 1.0, f)
+        g = where(exact, 0.0, g)
+        dx = g * x
+        dy = g * y
+        dz = g * z
         x *= f
         y *= f
         z *= f
         good = (q > NONE) & (q < HUGE * HUGE)
         if some(~good):
-            ex = where(good, ex, old[0] + dx)
-            ey = where(good, ey, old[1] + dy)
-            ez = where(good, ez, old[2] + dz)
+            lost = where(good, lost, 1.0)
             x = where(good, x, old[0])
             y = where(good, y, old[1])
             z = where(good, z, old[2])
+            dx = where(good, dx, 0.0)
+            dy = where(good, dy, 0.0)
+            dz = where(good, dz, 0.0)
         if solid:
             held = still
             light = one
             if touched:
                 ax, ay, az = get3(push, row, W)
                 held = apart * ax, apart * ay, apart * az
-                light = get(s, FIRST + j * SEGMENT + R)
+                light = get(s, o + R)
                 light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
             vx, vy, vz = get3(velocity, row, W)
             d, force, new = contact.touch(
-                (x, y, z), get3(s, FIRST + (j + 1) * SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
+                (x, y, z), get3(s, o + SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
                 (beat * vx, beat * vy, beat * vz), held, light, length, over, solids, whole, j == 0, numbers[10],
             )  # fmt: skip
+            dx += d[0] - x
+            dy += d[1] - y
+            dz += d[2] - z
             x, y, z = d
             size = abs(force[0]) + abs(force[1]) + abs(force[2])
             if touched or some(size > 0.0):
@@ -304,17 +327,22 @@ def sweep(
                 put3(push, row, W, f * force[0], f * force[1], f * force[2])
                 grip = max(grip, size)
             hit = where(new, 1.0, hit)
-        dx += x - ex
-        dy += y - ey
-        dz += z - ez
         px += length * x
         py += length * y
         pz += length * z
         put3(positions, here, W, px, py, pz)
         put3(edges, row, W, x, y, z)
+        before_it = sum
+        ux, uy, uz = get3(s, o + U, V)
         sum = (
-            sum[0] + length * (x - old[0]), sum[1] + length * (y - old[1]), sum[2] + length * (z - old[2]),
+            root_moved[0] + length * (ux + dx), root_moved[1] + length * (uy + dy), root_moved[2] + length * (uz + dz),
         )  # fmt: skip
+        if some(lost > 0.0):
+            sum = (
+                where(lost > 0.0, before_it[0] + length * (x - old[0]), sum[0]),
+                where(lost > 0.0, before_it[1] + length * (y - old[1]), sum[1]),
+                where(lost > 0.0, before_it[2] + length * (z - old[2]), sum[2]),
+            )
         settle(row, sum, hit > 0.0, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(grip > 0.0, 1.0, spread(s, 0.0)))
