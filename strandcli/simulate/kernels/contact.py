@@ -21,8 +21,7 @@ any other step. The depth that comes of velocity alone, an impact, is no force k
 
 Where whole edges are caught, each particle stays far enough from a solid that the near halves of its edges do, as they
 lie: √(r² + s²) from a ball, where s is how far along a half it is nearest. So no edge is a lever that a touch near its
-beginning would throw up. The first edge, whose root cannot give way, is turned until it is a tangent all the same,
-c <= √(1 − r² / D²).
+beginning would throw up. Of the first edge, whose root cannot give way, the particle takes care of all.
 
 Coordinates are vectors of lanes; a solid that is out of every lane's reach costs no more than finding that out. Solids
 come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
@@ -101,9 +100,8 @@ def face(boxes, m, x, y, z):
 
 
 @inner
-def inner_part(boxes, m, x, y, z, dx, dy, dz, reach):
-    """How far along a line from (x, y, z) it is deepest in a box: the middle of what is inside within ``reach``, or
-    0."""
+def way_out(boxes, m, x, y, z, dx, dy, dz, reach):
+    """How far along a line from (x, y, z) it leaves a box, but no more than ``reach``; 0 where it does not meet it."""
     enter = spread(x, 0.0)
     leave = reach
     for k in range(3):
@@ -116,7 +114,7 @@ def inner_part(boxes, m, x, y, z, dx, dy, dz, reach):
         b = (half - q) * over
         enter = where(level, where(abs(q) > half, reach, enter), max(enter, min(a, b)))
         leave = where(level, leave, min(leave, max(a, b)))
-    return where(leave > enter, 0.5 * (enter + leave), 0.0)
+    return where(leave > enter, leave, 0.0)
 
 
 @inner
@@ -129,21 +127,28 @@ def foot(x, y, z, edge, next, half):
 
 
 @inner
-def kept_from(dx, dy, dz, r, edge, next, half, whole):
-    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too."""
+def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
+    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
+    the first edge all: up to its end it goes on for what is left of it from the tangent point."""
     if not whole:
         return spread(dx, r)
-    back, on = foot(dx, dy, dz, edge, next, half)
+    back, on = foot(dx, dy, dz, edge, next, 0.5 * length)
+    if first:
+        x = dx - length * edge[0]
+        y = dy - length * edge[1]
+        z = dz - length * edge[2]
+        back = max(length - root(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
     s = max(back, on)
     return root(s * s + r * r)
 
 
 @inner
-def toward_axis(capsules, m, x, y, z, edge, next, half, whole):
+def toward_axis(capsules, m, x, y, z, edge, next, length, whole, first):
     """Point of a capsule's axis that is nearest to a particle, or to the halves of its edges: by alternating
     projections."""
     ox, oy, oz = on_axis(capsules, m, x, y, z)
     if whole:
+        half = where(spread(length, 1.0 if first else 0.0) > 0.5, length, 0.5 * length)
         for _ in range(2):
             back, on = foot(x - ox, y - oy, z - oz, edge, next, half)
             behind = back > on
@@ -157,30 +162,21 @@ def toward_axis(capsules, m, x, y, z, edge, next, half, whole):
 
 
 @inner
-def deeper(one, other):
-    """Of two faces, (depth, normal) each, the one that a place is deeper under."""
-    a = one[0] > other[0]
-    return (
-        max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
-    )  # fmt: skip
-
-
-@inner
-def under_face(boxes, m, x, y, z, edge, next, half, whole):
-    """Depth of a particle in a box below its nearest face, and that face's normal; or of the halves of its edges."""
-    found = face(boxes, m, x, y, z)
+def under_face(boxes, m, x, y, z, edge, next, length, whole, first):
+    """Depth of a particle in a box below the face that it is nearest to, and that face's normal; or below the same face
+    of the halves of its edges where they leave the box."""
+    under, nx, ny, nz = face(boxes, m, x, y, z)
     if whole:
-        t = inner_part(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], half)
-        if some(t > 0.0):
-            found = deeper(found, face(boxes, m, x - t * edge[0], y - t * edge[1], z - t * edge[2]))
-        t = inner_part(boxes, m, x, y, z, next[0], next[1], next[2], half)
-        if some(t > 0.0):
-            found = deeper(found, face(boxes, m, x + t * next[0], y + t * next[1], z + t * next[2]))
-    return found
+        back = way_out(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], length if first else 0.5 * length)
+        on = way_out(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length)
+        back *= nx * edge[0] + ny * edge[1] + nz * edge[2]
+        on *= nx * next[0] + ny * next[1] + nz * next[2]
+        under += max(max(back, -on), 0.0)
+    return under, nx, ny, nz
 
 
 @inner
-def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
+def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
     """The solid that a particle at (x, y, z) is deepest in, or nearest to and no further than ``reach``: the depth; 1
     where it is round there and 0 where flat; the centre and radius, or of a flat face the normal and how far along that
     the particle has to be; where it has carried the place ``old`` in this step. A depth of -reach: there is none."""
@@ -190,7 +186,7 @@ def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
     found = (round, round, round, round, round, round, round)
     for m in range(0, last_sphere, SPHERE):
         dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
-        r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, half, whole)
+        r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
         far = r - most
         if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
             d = in_ball(dx, dy, dz, r)
@@ -199,8 +195,8 @@ def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
             round = where(d > most, 1.0, round)
             most = max(most, d)
     for m in range(0, last_capsule, CAPSULE):
-        ox, oy, oz = toward_axis(capsules, m, x, y, z, edge, next, half, whole)
-        r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, half, whole)
+        ox, oy, oz = toward_axis(capsules, m, x, y, z, edge, next, length, whole, first)
+        r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
         d = in_ball(x - ox, y - oy, z - oz, r)
         if some(d > most):
             found = choose(d > most, (ox, oy, oz, r, *motion(capsules, m + 9, old)), found)
@@ -214,7 +210,7 @@ def nearest(x, y, z, edge, next, half, old, reach, solids, whole):
             round = where(d > most, 0.0, round)
             most = max(most, d)
     for m in range(0, last_box, BOX):
-        d, ox, oy, oz = under_face(boxes, m, x, y, z, edge, next, half, whole)
+        d, ox, oy, oz = under_face(boxes, m, x, y, z, edge, next, length, whole, first)
         if some(d > most):
             level = d + x * ox + y * oy + z * oz
             found = choose(d > most, (ox, oy, oz, level, *motion(boxes, m + 16, old)), found)
@@ -292,54 +288,20 @@ def swing(turn, d, axis, cosine, sine):
 
 
 @inner
-def off_solids(q, d, next, length, over, half, solids, whole):
+def off_solids(q, d, next, length, over, solids, whole, first):
     """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
     slack = SLACK * length
     for _ in range(ROUNDS):
         x = q[0] + length * d[0]
         y = q[1] + length * d[1]
         z = q[2] + length * d[2]
-        depth, round, found = nearest(x, y, z, d, next, half, q, -slack, solids, whole)
+        depth, round, found = nearest(x, y, z, d, next, length, q, -slack, solids, whole, first)
         inside = depth > slack
         if not some(inside):
             break
         axis, cosine, sine = aim(q, over, length, round, found)
         d = swing(inside, d, axis, cosine, sine)
     return d
-
-
-@inner
-def off_root(q, d, length, solids):
-    """Turn an edge from the root along d until it is not inside a ball or a capsule anywhere."""
-    (spheres, last_sphere), (capsules, last_capsule), _, _ = solids
-    for m in range(0, last_sphere, SPHERE):
-        d = tangent(q, d, length, spheres[m] - q[0], spheres[m + 1] - q[1], spheres[m + 2] - q[2], spheres[m + 3])
-    for m in range(0, last_capsule, CAPSULE):
-        t = length
-        ox, oy, oz = q
-        for _ in range(4):
-            ox, oy, oz = on_axis(capsules, m, q[0] + t * d[0], q[1] + t * d[1], q[2] + t * d[2])
-            t = (ox - q[0]) * d[0] + (oy - q[1]) * d[1] + (oz - q[2]) * d[2]
-            t = min(max(t, 0.0), length)
-        d = tangent(q, d, length, ox - q[0], oy - q[1], oz - q[2], capsules[m + 6])
-    return d
-
-
-@inner
-def tangent(q, d, length, ax, ay, az, r):
-    """Turn an edge along d away from a ball, whose centre is (ax, ay, az) away, until it is a tangent, where it reaches
-    that far. One from the surface itself is a tangent whichever way its beginning is rounded."""
-    square = ax * ax + ay * ay + az * az
-    outside = square - r * r  # square of the tangent's length
-    away = root(square)
-    height = root(max(outside, 0.0))
-    ahead = d[0] * ax + d[1] * ay + d[2] * az
-    turn = (outside < length * length) & (ahead > height) & (away > TINY)
-    if not some(turn):
-        return d
-    f = 1.0 / max(away, TINY)
-    cosine = height * f
-    return swing(turn, d, (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0)))
 
 
 @inner
@@ -351,9 +313,6 @@ def touch(d, next, q, old, going, held, light, length, over, solids, whole, firs
     this moves; over: 1 over the edge's length. Returns the edge, the force without that of impacts, and where force is
     new."""
     hx, hy, hz = held
-    half = 0.5 * length
-    if whole and first:
-        d = off_root(q, d, length, solids)
     x = q[0] + length * d[0]
     y = q[1] + length * d[1]
     z = q[2] + length * d[2]
@@ -361,7 +320,7 @@ def touch(d, next, q, old, going, held, light, length, over, solids, whole, firs
     was = grip > 0.0
     reach = grip * light
     none = spread(x, 0.0)
-    depth, round, found = nearest(x, y, z, d, next, half, old, reach, solids, whole)
+    depth, round, found = nearest(x, y, z, d, next, length, old, reach, solids, whole, first)
     near = depth > -reach
     if not some(near | was):
         return d, (none, none, none), near
@@ -418,4 +377,4 @@ def touch(d, next, q, old, going, held, light, length, over, solids, whole, firs
             fx *= f
             fy *= f
             fz *= f
-    return off_solids(q, d, next, length, over, half, solids, whole), (fx, fy, fz), new
+    return off_solids(q, d, next, length, over, solids, whole, first), (fx, fy, fz), new
