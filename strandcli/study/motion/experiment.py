@@ -150,7 +150,8 @@ class Motion:
             told[one.name] = {"knobs": knobs, "gaps": gaps, **dataclasses.asdict(self.limits[one.name])}
         own = self.finest.get(self.scene.solver)
         for name, strands in self.finest.items():
-            told[name]["from_own_solver"] = None if own is None else apart(strands, own, self.lengths)[self.metric]
+            away = None if own is None else apart(strands, own, self.lengths)[self.metric]
+            told[name]["from_own_solver"] = away if away is not None and np.isfinite(away) else None
         return {"name": self.request.name, "frames": self.frames, "limits": told, "bend": self.bend()}
 
     def bend(self) -> float | None:
@@ -169,8 +170,9 @@ class Motion:
         """One run."""
         (strands, worst), seconds = least(lambda: self.run(knobs))
         error: dict[str, float | None] = dict.fromkeys(("median", "p95", "rms", "max"))
-        if np.isfinite(strands).all():
-            error.update(apart(strands, self.finest[knobs["solver"]], self.lengths))
+        finest = self.finest[knobs["solver"]]
+        if np.isfinite(strands).all() and np.isfinite(finest).all():
+            error.update(apart(strands, finest, self.lengths))
         dt = 1 / (self.scene.time.fps * knobs["time.substeps"])
         return Point(
             knobs=knobs,

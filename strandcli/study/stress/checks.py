@@ -1,4 +1,4 @@
-"""Checks that one extreme scene cannot make, by name: physics with a reference, rest, energy, repetition.
+"""Checks that one extreme scene cannot make, by name: physics with a reference, rest, energy, repetition, a film.
 
 The name that a check is listed under, after the solver's, is what replays it.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from . import physics, sameness
+from . import films, physics, sameness
 from .strand import Metrics
 
 Check = Callable[[str], Metrics]
@@ -57,7 +57,14 @@ SAMENESS: dict[str, Check] = {
     "check=determinism/n=32": partial(sameness.check_determinism, labels={"n": "32"}),
     **{f"check=lengths/precision=double/n={n}": partial(sameness.check_double, n=n) for n in (10, 32, 100)},
 }
-CHECKS = {**PHYSICS, **SAMENESS}
+FILMS: dict[str, Check] = {
+    f"check=film/preset=hair/n={n}/substeps={substeps}/integrator={kind}": partial(
+        films.check_film, preset="hair", particles=n + 1, substeps=substeps, integrator=kind
+    )
+    for n, substeps in ((15, 1), (15, 8), (30, 16))
+    for kind in ("euler", "bdf2")
+}
+CHECKS = {**PHYSICS, **SAMENESS, **FILMS}
 """By the name that follows the solver's."""
 
 QUICK = (
