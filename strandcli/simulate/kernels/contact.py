@@ -100,21 +100,58 @@ def face(boxes, m, x, y, z):
 
 
 @inner
-def way_out(boxes, m, x, y, z, dx, dy, dz, reach):
-    """How far along a line from (x, y, z) it leaves a box, but no more than ``reach``; 0 where it does not meet it."""
-    enter = spread(x, 0.0)
+def cut(boxes, m, x, y, z, dx, dy, dz, reach):
+    """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
+    enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
+    edge, |d·G| F + |d·F| G. One that leaves by the opposite face, or not at all, is led out by the nearest face."""
+    zero = spread(x, 0.0)
+    enter = zero
     leave = reach
+    f = zero
+    g = zero
+    ax, ay, az = zero, zero, zero
+    bx, by, bz = zero, zero, zero
     for k in range(3):
         half = boxes[m + 12 + k]
         q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
         d = across(boxes, m, k, dx, dy, dz)
-        level = abs(d) < TINY
-        over = 1.0 / where(level, 1.0, d)
-        a = (-half - q) * over
-        b = (half - q) * over
-        enter = where(level, where(abs(q) > half, reach, enter), max(enter, min(a, b)))
-        leave = where(level, leave, min(leave, max(a, b)))
-    return where(leave > enter, leave, 0.0)
+        size = max(abs(d), TINY)
+        way = where(d < 0.0, spread(x, -1.0), 1.0)
+        begin = -(half + way * q) / size
+        end = (half - way * q) / size
+        later = begin > enter
+        enter = max(enter, begin)
+        f = where(later, size, f)
+        ax = where(later, -way * boxes[m + 3 + k], ax)
+        ay = where(later, -way * boxes[m + 6 + k], ay)
+        az = where(later, -way * boxes[m + 9 + k], az)
+        sooner = end < leave
+        leave = min(leave, end)
+        g = where(sooner, size, g)
+        bx = where(sooner, way * boxes[m + 3 + k], bx)
+        by = where(sooner, way * boxes[m + 6 + k], by)
+        bz = where(sooner, way * boxes[m + 9 + k], bz)
+    inside = leave > enter
+    if not some(inside):
+        return zero, zero, zero, zero
+    nx = g * ax + f * bx
+    ny = g * ay + f * by
+    nz = g * az + f * bz
+    size = root(nx * nx + ny * ny + nz * nz)
+    edge = size > LEAST
+    over = 1.0 / max(size, LEAST)
+    depth = (leave - enter) * f * g * over
+    nx *= over
+    ny *= over
+    nz *= over
+    if some(inside & ~edge):
+        t = where(g > 0.0, 0.5 * (enter + leave), leave)
+        d, ax, ay, az = face(boxes, m, x + t * dx, y + t * dy, z + t * dz)
+        depth = where(edge, depth, d)
+        nx = where(edge, nx, ax)
+        ny = where(edge, ny, ay)
+        nz = where(edge, nz, az)
+    return where(inside, depth, 0.0), nx, ny, nz
 
 
 @inner
@@ -148,7 +185,7 @@ def toward_axis(capsules, m, x, y, z, edge, next, length, whole, first):
     projections."""
     ox, oy, oz = on_axis(capsules, m, x, y, z)
     if whole:
-        half = where(spread(length, 1.0 if first else 0.0) > 0.5, length, 0.5 * length)
+        half = length * (1.0 if first else 0.5)
         for _ in range(2):
             back, on = foot(x - ox, y - oy, z - oz, edge, next, half)
             behind = back > on
@@ -162,17 +199,27 @@ def toward_axis(capsules, m, x, y, z, edge, next, length, whole, first):
 
 
 @inner
+def deeper(one, other):
+    """Of two ways out of a box, (depth, normal) each, the longer one."""
+    a = one[0] > other[0]
+    return (
+        max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
+    )  # fmt: skip
+
+
+@inner
 def under_face(boxes, m, x, y, z, edge, next, length, whole, first):
-    """Depth of a particle in a box below the face that it is nearest to, and that face's normal; or below the same face
-    of the halves of its edges where they leave the box."""
-    under, nx, ny, nz = face(boxes, m, x, y, z)
+    """Depth of a particle in a box below its nearest face, and that face's normal; or of the halves of its edges."""
+    found = face(boxes, m, x, y, z)
     if whole:
-        back = way_out(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], length if first else 0.5 * length)
-        on = way_out(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length)
-        back *= nx * edge[0] + ny * edge[1] + nz * edge[2]
-        on *= nx * next[0] + ny * next[1] + nz * next[2]
-        under += max(max(back, -on), 0.0)
-    return under, nx, ny, nz
+        reach = length * (1.0 if first else 0.5)
+        back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], reach)
+        on = cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length)
+        way = deeper(back, on)
+        out = found[0] <= 0.0
+        if some(out & (way[0] > 0.0)):
+            found = deeper((where(out, way[0], -1.0 / TINY), way[1], way[2], way[3]), found)
+    return found
 
 
 @inner

@@ -44,12 +44,12 @@ def step(
     strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
     the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
     [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
-    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding; spheres, capsules,
-    planes, boxes: solids as in `contact`, `solid` whether there are any; whole: segments are caught too; scratch as
-    `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W): greatest | |e| − 1 | before lengths are
-    made exact; tickets (2,): the next one's number and how many there are; long: None, or anything for the kernel that
-    is O(N). All of one floating type. There are flags where a
-    None would have everything compiled once more.
+    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no
+    more than rounding; spheres, capsules, planes, boxes: solids as in `contact`, `solid` whether there are any; whole:
+    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W):
+    greatest | |e| − 1 | before lengths are made exact; tickets (2,): the next one's number and how many there are;
+    long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a None would
+    have everything compiled once more.
     """
     solids = (
         (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
