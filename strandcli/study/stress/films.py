@@ -1,4 +1,4 @@
-"""Checks of a shipped preset's film: seconds of contact, for which the few steps of the matrix's scenes are too short."""
+"""Checks of a shipped preset's film: seconds of contact, which few steps are too short for."""
 
 from __future__ import annotations
 
