@@ -10,7 +10,7 @@ FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 
 FRAGMENT_BYTES = 28
-"""A fragment: pixel, depth, index, opacity, place; and its key."""
+"""A fragment: depth, index, opacity, place and pixel as it is found; vertex, weight and place once it is sorted."""
 
 VECTOR = 64
 """Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""

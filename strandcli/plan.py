@@ -275,7 +275,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             deep = 4 * (one.shadow.layers + 3) if one.shadow.model == "opacity" else 0
             total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
-    if scene.image.resolver != "zbuffer":  # each pixel has a list, and vertices are marked twice
+    if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices
     if scene.camera.shutter > 0:  # the frame before, and the moment between
         total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)

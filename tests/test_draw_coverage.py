@@ -12,6 +12,9 @@ from reference.bands import covered
 
 from strandcli.draw.coverage import Coverage
 from strandcli.draw.curves import Polylines
+from strandcli.draw.edges import none
+from strandcli.draw.kernels import tiles
+from strandcli.draw.kernels.tiles import PLACES
 from strandcli.draw.scratch import Scratch
 from strandcli.errors import RefusedError
 
@@ -38,7 +41,8 @@ def drawn(
     vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
     image = np.full((size[1], size[0], 3), behind, np.float32)
     coverage = Coverage(size, opacity, nearest, room)
-    for layer in coverage.layers(Polylines(first, screen), screen, wide, hides, workers, Scratch()):
+    edges = None if hides is None else none(hides)
+    for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
         layer.compose(vertex, image)
     return image
 
@@ -189,6 +193,41 @@ def test_a_bounded_list_keeps_the_opacity_and_loses_only_colours() -> None:
     assert sorted(wrong, reverse=True) == wrong
     assert wrong[3] < wrong[0] / 4
     np.testing.assert_allclose(layered(64, seed=10), layered(seed=10), atol=1e-6)
+
+
+def test_a_bounded_list_is_lit_at_fewer_places() -> None:
+    strands, widths, _ = crowd(9, 300)
+    screen = np.concatenate(strands).astype(np.float32)
+    lines = Polylines(np.arange(0, 601, 2), screen)
+    wide = np.concatenate(widths).astype(np.float32)
+    lit = []
+    for nearest in (1, 3, None):
+        (layer,) = Coverage((40, 30), 0.5, nearest).layers(lines, screen, wide, None, 1, Scratch())
+        assert nearest is None or layer.kept.max() == nearest
+        lit.append(int(layer.marks.sum()))
+    assert lit[0] < lit[1] < lit[2]
+
+
+def test_tiles_leave_no_trace() -> None:
+    """A crowd over many tiles is the same crowd within a few, where each pixel's list is as long."""
+    strands, widths, colours = crowd(12, 200)
+    small = drawn(strands, widths, (40, 30), colours=colours)
+    for dx, dy in ((128, 48), (45, 9), (250, 100)):
+        moved = [line + np.array([dx, dy, 0]) for line in strands]
+        large = drawn(moved, widths, (300, 140), colours=colours)
+        part = large[dy : dy + 30, dx : dx + 40]
+        assert np.abs(part - small).max() < 0.02  # places are coarser there
+        assert np.abs(part - small).mean() < 1e-4
+
+
+def test_the_place_of_a_fragment_belongs_to_its_own_piece() -> None:
+    for stride in (1, 2, 16):
+        bits = PLACES - (stride.bit_length() - 1)
+        for past in range(stride):
+            for t in (0.0, 0.3, 1.0):
+                kept = tiles.fixed(np.float32(t), past, bits)
+                assert kept >> bits == past
+                assert kept / 2**PLACES == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
 
 
 def test_solids_hide_what_is_behind_them() -> None:

@@ -155,7 +155,7 @@ def test_a_moving_strand_is_spread_over_its_way() -> None:
     x = np.arange(80) + 0.5 - (40 + (end - 0.002) / 4 * FOCAL)
     assert row.sum() == pytest.approx(1, abs=1e-4)
     covered = over_pixels(np.linspace(-streak, 0, 10_001), np.ones(10_001), x)
-    assert np.abs(row - covered).max() < 0.005
+    assert np.abs(row - covered).max() < 0.01  # half of what 512 random points would be off by
     still = line("aperture: 1.0e-9, samples: 4", keys)
     np.testing.assert_allclose(line("shutter: 0.5, samples: 4", keys), still, atol=1e-6)
 

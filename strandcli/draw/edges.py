@@ -1,9 +1,10 @@
 """The edges of solids under sorted strands: antialiased, with strands before, between and behind.
 
-A pixel whose solid is another one than a neighbour's is looked at by 4×4 samples. The solid in front becomes a fragment
-of its own, sorted among those of strands, whose opacity is the share of the samples that show it; what the others show,
-mixed, stays as what all fragments are laid over. As with strands, what covers a pixel in part is taken to lie anywhere
-in it. Creases of a box, and solids so small that they lie between the middles of pixels, are left as they are.
+A pixel whose solid is another one than a neighbour's, or that lies at the picture's border, is seen by 4×4 samples. The
+solid in front becomes a fragment of its own, sorted among those of strands, whose opacity is the share of the samples
+that show it; what the others show, mixed, stays as what all fragments are laid over. As with strands, what covers a
+pixel in part is taken to lie anywhere in it. Creases of a box, and solids so small that they lie between the middles of
+pixels, are left as they are.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ def depths(keys, out):
 
 @parallel
 def count(keys, width, height, out):
-    """Pixels of each row whose solid is another one than that of a neighbour: out (height,) int64."""
+    """Pixels of each row where a solid may end: out (height,) int64."""
     for y in prange(height):
         n = np.int64(0)
         for x in range(width):
@@ -45,14 +45,16 @@ def collect(keys, width, height, ends, pixels):
 
 @function
 def differs(keys, width, height, x, y):
-    """1 where a pixel's solid is another one than that of one beside, above or below it, else 0."""
+    """1 where a pixel's solid is another one than that of one beside, above or below it, or where one of them is beyond
+    the picture, else 0."""
     p = np.int64(y) * width + x
+    border = (x == 0) | (x == width - 1) | (y == 0) | (y == height - 1)
     own = keys[p] & LOW
     left = keys[p - (x > 0)] & LOW
     right = keys[p + (x < width - 1)] & LOW
     above = keys[p - (width if y > 0 else 0)] & LOW
     below = keys[p + (width if y < height - 1 else 0)] & LOW
-    return np.int64((left != own) | (right != own) | (above != own) | (below != own))
+    return np.int64(border | (left != own) | (right != own) | (above != own) | (below != own))
 
 
 @parallel
