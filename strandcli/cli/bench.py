@@ -30,7 +30,7 @@ from .progress import Progress
 )
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @options.threads
-@options.talk_options
+@options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(
     strands: int,
     particles: int,
@@ -69,7 +69,7 @@ def command(
         )
     if as_json:
         options.print_json(data)
-    else:
+    elif not quiet:
         click.echo(table(data))
 
 

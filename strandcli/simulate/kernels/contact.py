@@ -305,14 +305,19 @@ def aim(q, over, length, round, found):
 
 
 @inlined
+def beside(d, axis):
+    """What of a vector is across an axis."""
+    c = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
+    return d[0] - c * axis[0], d[1] - c * axis[1], d[2] - c * axis[2]
+
+
+@inlined
 def swing(turn, d, axis, cosine, sine):
     """Turn a vector toward an axis or away from it, and scale it to length 1, where ``turn``."""
     dx, dy, dz = d
     ax, ay, az = axis
-    c = dx * ax + dy * ay + dz * az
-    nx = dx - c * ax
-    ny = dy - c * ay
-    nz = dz - c * az
+    # twice, for what is left of a vector along the axis is mostly rounding, and rounding is not across it
+    nx, ny, nz = beside(beside(d, axis), axis)
     square = nx * nx + ny * ny + nz * nz
     lost = square < LEAST * LEAST
     if some(lost):  # straight at it: any way round will do
