@@ -123,7 +123,7 @@ def moving(gamma: float, keys: list[dict[str, Any]], **changes: Any) -> RodSolve
 @pytest.mark.parametrize("integrator", ["euler", "bdf2"])
 def test_a_strand_falls_in_a_moving_frame_as_in_one_at_rest(integrator: str) -> None:
     """Roots at a steady speed change nothing but where everything is: Galileo's principle."""
-    keys = [{"time": 0, "position": [0, 0, 0]}, {"time": 4, "position": [2.4, 0, 1.6]}]
+    keys = [{"time": 0, "position": [0, 0, 0], "ease": "linear"}, {"time": 4, "position": [2.4, 0, 1.6]}]
     settings = {**FREE, "rod.integrator": integrator, "rod.precision": "double", "emitter.strands": 1}
     still = moving(10.0, [{"time": 0}], **settings)
     carried = moving(10.0, keys, **settings)
