@@ -116,7 +116,7 @@ def source_hash() -> str:
     because Numba itself does not notice that a function in another file has changed."""
     digest = hashlib.sha256()
     root = Path(__file__).parent
-    kernels = [*root.glob("*/kernels/*.py"), *root.glob("simulate/rules/*.py"), root / "jit.py", root / "constants.py"]
+    kernels = [*root.rglob("kernels/*.py"), *root.glob("simulate/rules/*.py"), root / "jit.py", root / "constants.py"]
     for path in sorted(kernels):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]

@@ -95,6 +95,30 @@ def test_verbose_writes_lines_instead(monkeypatch: pytest.MonkeyPatch) -> None:
     assert stream.getvalue() == "compiling step\nframe 1: 3 ms\n"
 
 
+def test_long_runs_are_heard_of_without_a_terminal_too(monkeypatch: pytest.MonkeyPatch, clock: list[float]) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    with Progress(3, "study", lines=True) as progress:
+        progress.note("compiling step")
+        progress.note("compiling depth")
+        progress.step("rod, 8 substeps: 3 s")
+    assert stream.getvalue() == "study: compiling kernels (only on first use)\nstudy: 1/3 rod, 8 substeps: 3 s\n"
+    stream.truncate(0)
+    stream.seek(0)
+    with Progress(2000, "stress", each="case", lines=True) as progress:
+        for _ in range(401):
+            clock[0] += 0.1
+            progress.step(count=1)
+    assert stream.getvalue().splitlines() == [
+        "stress: 200 of 2,000 cases, 3:00 left", "stress: 400 of 2,000 cases, 2:40 left"
+    ]  # fmt: skip
+    stream.truncate(0)
+    with Progress(3, "study", hidden=True, lines=True) as progress:
+        progress.note("compiling step")
+        progress.step("rod")
+    assert stream.getvalue().strip("\0") == ""
+
+
 @pytest.mark.parametrize(
     ("seconds", "words"), [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1:00"), (185, "3:05"), (7385, "2:03:05")]
 )

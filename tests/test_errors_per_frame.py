@@ -137,15 +137,18 @@ def test_panels_name_the_one_that_went_wrong(run: Runner) -> None:
     assert "wild: frame 4: strand" in run("render", "panels.yaml", "-o", "a").error()
 
 
-def made(solver: str, residuals: list[float], stretch: float = 1.0, away: float = 0.0) -> Solver:
-    """A solver as `health.examine` sees one: 200 strands of two segments along x, the last of them stretched."""
+def made(solver: str, residual: float, stretch: float = 1.0, away: float = 0.0) -> Solver:
+    """A solver as `health.examine` sees one: 200 strands of two segments along x, the last of them stretched; what
+    iterations left of strand 130 is given, and little of all others."""
     particles = np.zeros((200, 3, 3), np.float32)
     particles[:, :, 0] = np.float32(away) + np.arange(3, dtype=np.float32)
     particles[199, 2, 0] += np.float32(stretch - 1)
     scene = SimpleNamespace(solver=solver, label="", rod=SimpleNamespace(iterations=8), rules=())
+    residuals = np.full(200, 0.1)
+    residuals[130] = residual
     return SimpleNamespace(  # type: ignore[return-value]
         scene=scene, strands=200, particles=lambda: particles, lengths=np.ones((2, 128), np.float32),
-        positions=np.zeros((2, 4, 384), np.float32), residuals=np.array(residuals),
+        positions=np.zeros((2, 4, 384), np.float32), strand_residuals=lambda: residuals,
     )  # fmt: skip
 
 
@@ -153,25 +156,26 @@ def errors(**values: Any) -> dict[str, Any]:
     return {"stretch_max": 0.0, "penetration_max": None, "residual_max": None, "nonfinite": 0, **values}
 
 
-def test_a_residual_beyond_its_bound_names_the_constraint_and_the_strands_it_is_known_to() -> None:
+def test_a_residual_beyond_its_bound_names_the_constraint_and_the_strand() -> None:
     bound = health.RESIDUAL_MOST
-    assert health.examine(made("rod", [0.1, bound]), 7, errors(residual_max=bound)) is None
+    assert health.examine(made("rod", bound), 7, errors(residual_max=bound)) is None
     for worst in (1.5 * bound, float("nan")):
-        trouble = health.examine(made("rod", [0.1, worst]), 7, errors(residual_max=worst))
+        trouble = health.examine(made("rod", worst), 7, errors(residual_max=worst))
         assert trouble is not None
-        assert trouble.message.startswith("frame 7: one of the strands 128 to 199 is off by ")
+        assert trouble.message.startswith("frame 7: strand 130 is off by ")
+        assert trouble.strand == 130
         assert "the constraint that keeps lengths was not met" in trouble.message
         assert "rod.iterations" in trouble.message
 
 
 def test_a_rods_stretch_is_judged_beyond_what_rounding_costs() -> None:
-    assert health.examine(made("rod", [0.0, 0.0], 1.009), 2, errors(stretch_max=0.009)) is None
-    trouble = health.examine(made("rod", [0.0, 0.0], 1.02), 2, errors(stretch_max=0.02))
+    assert health.examine(made("rod", 0.0, 1.009), 2, errors(stretch_max=0.009)) is None
+    trouble = health.examine(made("rod", 0.0, 1.02), 2, errors(stretch_max=0.02))
     assert trouble is not None
     assert trouble.strand == 199
     assert "strand 199 is stretched by 2 %, more than 1 %" in trouble.message
     # a million segments from the origin single precision is no better than that
-    far = made("rod", [0.0, 0.0], 1.0625, away=1e6)
+    far = made("rod", 0.0, 1.0625, away=1e6)
     assert health.examine(far, 2, errors(stretch_max=0.0625)) is None
 
 

@@ -68,8 +68,35 @@ def test_json_stands_alone_on_stdout(run: Runner) -> None:
 def test_no_setting_under_an_error_is_exit_code_3(run: Runner) -> None:
     done = run("study", "falling.yaml", *QUICK, "--max-error", "0.01", "-q")
     assert done.code == 3
-    assert "no setting keeps under an error of 1 %" in done.error()
+    assert "no setting keeps under an error of 1 %: falling: thesis comes to 6.8" in done.error()
+    assert done.error().endswith("try finer --substeps or --particles")
     assert Path("out/study/falling.png").exists()
+
+
+def test_what_is_told_of_a_study_that_found_nothing() -> None:
+    from strandcli.cli.study import _missed
+    from strandcli.study.points import Point
+    from strandcli.study.sweep import Study
+
+    limit = {"converges": True, "uncertainty": 0.02, "gaps": [0.1, 0.03], "order": 1.7}
+    lost = {"converges": False, "uncertainty": 0.9, "gaps": [0.1, 0.32], "order": -1.0}
+    points = [
+        Point({"solver": name, "emitter.particles": 16}, 1.0, {"median": error}, name)
+        for name, error in (("thesis", 0.5), ("rod", 0.07), ("rod", 0.05), ("foil", 0.001))
+    ]
+
+    def told(bend: float | None) -> str:
+        reference = {"limits": {"rod": limit, "thesis": lost, "foil": limit}, "bend": bend}
+        study = Study("motion", "hair", "", "median", "of the length", reference, {}, points, [], [], [])
+        return _missed([study], 0.01)
+
+    assert told(0.036) == (
+        "no setting keeps under an error of 1 %: hair: thesis has no limit in sight (its last refinement moved strands "
+        "by 32 %), rod comes to 5 %, its limit known to 2 %; strands bend within 3.6 % of their length, less than a "
+        "segment: try --solver rod --particles 29,57"
+    )
+    assert told(0.07).endswith("its limit known to 2 %; try finer --substeps or --particles")
+    assert told(None).endswith("try finer --substeps or --particles")
 
 
 def test_a_reference_that_nobody_represents(run: Runner) -> None:
@@ -105,7 +132,7 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--substeps", "0"], "from 1 to 1000"),
         (["still.yaml", "--substeps", "1,x"], "'x' is not a whole number"),
         (["still.yaml", "--particles", "1"], "from 2 to"),
-        (["still.yaml", "--iterations", "51"], "from 1 to 50"),
+        (["still.yaml", "--iterations", "1001"], "from 1 to 1000"),
         (["still.yaml", "--integrators", "rk4"], "they are euler and bdf2"),
         (["still.yaml", "--dt", "0"], "not a step"),
         (["still.yaml", "--dt", "-1/24"], "not a step"),

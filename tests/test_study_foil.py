@@ -10,10 +10,10 @@ import pytest
 from strand_kit import groom_of, scene_of
 
 from strandcli.scene import Scene, SceneError
-from strandcli.study.contestants import CONTESTANTS, Contestant, follow, prepare
 from strandcli.study.exactness import Exactness, Request
 from strandcli.study.exactness import scene_of as reference_scene
-from strandcli.study.foil import Foil
+from strandcli.study.motion.contestants import CONTESTANTS, Contestant, follow, prepare
+from strandcli.study.motion.foil import Foil
 from strandcli.study.points import fitted_order
 from strandcli.study.references import REFERENCES, Case
 

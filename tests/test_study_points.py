@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from strandcli.study.motion.resample import apart, resample
+from strandcli.study.motion.watch import without_pauses
 from strandcli.study.points import Point, cheapest, fitted_order, grid, limit, orders, pareto
-from strandcli.study.resample import apart, resample
-from strandcli.study.watch import without_pauses
 
 COSTS = st.floats(1e-6, 1e3)
 ERRORS = st.one_of(st.none(), st.floats(0, 10), st.just(float("nan")))

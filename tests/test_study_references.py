@@ -9,10 +9,21 @@ import numpy as np
 import pytest
 
 from strandcli.errors import UsageError
-from strandcli.study import elastica, modes
-from strandcli.study.quadrature import interval
-from strandcli.study.references import NEEDS, REFERENCES, Track, beam, buckling, catenary, chain, pendulum, tip_load
+from strandcli.study.references import (
+    NEEDS,
+    REFERENCES,
+    Track,
+    beam,
+    buckling,
+    catenary,
+    chain,
+    pendulum,
+    swing,
+    tip_load,
+)
 from strandcli.study.references import elastica as heavy
+from strandcli.study.references.exact import elastica, modes
+from strandcli.study.references.exact.quadrature import interval
 
 DROOP = {
     0.1: 0.0124996, 1: 0.124562, 3: 0.364621, 10: 1.06680, 30: 2.54721, 100: 5.88810, 300: 11.1831, 1e3: 21.3354,
@@ -156,10 +167,10 @@ def level(shape: elastica.Shape, length: float, particles: int = 9) -> np.ndarra
 
 @pytest.mark.parametrize("module", [heavy, tip_load])
 def test_exact_shapes_have_no_error_and_moved_tips_have_theirs(module: object) -> None:
-    strands = [level(shape, size) for shape, size in zip(module.shapes(), module.LENGTHS, strict=True)]  # type: ignore[attr-defined]
+    strands = [level(shape, size) for shape, size in zip(module.RODS.shapes, module.RODS.lengths, strict=True)]  # type: ignore[attr-defined]
     exact = module.measure(still(strands))  # type: ignore[attr-defined]
     assert all(error == pytest.approx(0, abs=1e-9) for error in exact.values())
-    strands[1][-1, 2] += 0.03 * module.LENGTHS[1]  # type: ignore[attr-defined]
+    strands[1][-1, 2] += 0.03 * module.RODS.lengths[1]  # type: ignore[attr-defined]
     assert module.measure(still(strands))["tip"] == pytest.approx(0.03)  # type: ignore[attr-defined]
 
 
@@ -198,9 +209,9 @@ def test_frequencies_are_read_off_a_motion_of_modes(module: object) -> None:
 
 def test_a_motion_without_swing_has_no_frequency() -> None:
     times = np.arange(100) / 60
-    assert modes.oscillation(times, np.zeros(100), 6.0) is None
-    assert modes.oscillation(times[:4], np.cos(6 * times[:4]), 6.0) is None
-    assert modes.oscillation(times, np.full(100, np.nan), 6.0) is None
+    assert swing.oscillation(times, np.zeros(100), 6.0) is None
+    assert swing.oscillation(times[:4], np.cos(6 * times[:4]), 6.0) is None
+    assert swing.oscillation(times, np.full(100, np.nan), 6.0) is None
     errors = beam.measure(Track(times, np.zeros((100, 1, 5, 3))))
     assert set(errors.values()) == {None}
 

@@ -13,7 +13,7 @@ from study_kit import Synthetic, made
 from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, axes, sweep
 from strandcli.study.exactness import Exactness
-from strandcli.study.motion import Motion, with_knobs
+from strandcli.study.motion.experiment import Motion, with_knobs
 from strandcli.study.points import Point
 
 
@@ -102,6 +102,14 @@ rules: [gravity, elasticity]
 """
 
 
+def validate_iterations(count: int) -> int:
+    """As many as a preset may ask for, and no more: one more is refused."""
+    assert scene_of(f"rod: {{iterations: {count}}}").rod.iterations == count
+    with pytest.raises(UsageError, match=r"rod\.iterations"):
+        scene_of(f"rod: {{iterations: {count + 1}}}")
+    return count
+
+
 def motion(**wishes: Any) -> Motion:
     return Motion(axes.Request(scene=scene_of(HANGING), name="hanging", **wishes))
 
@@ -120,12 +128,27 @@ def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
 def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
     opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
     found = [(one["rod.integrator"], one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
-    assert found == [(name, 8, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
+    assert found == [(name, 200, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
     finest = opened.finer(opened.contestants[0])[-1]
-    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 16)
+    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 400)
+    own = Motion(axes.Request(scene=with_knobs(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
+    assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
+    finest = own.finer(own.contestants[0])[-1]
+    assert validate_iterations(finest["rod.iterations"]) == 1000
     kept = motion(solvers=("rod",), integrators=("euler",), iterations=(3,))
     assert {(one["rod.integrator"], one["rod.iterations"]) for one in kept.settings()} == {("euler", 3)}
     assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("euler",)}
+
+
+def test_rods_bend_within_a_length_that_segments_should_not_exceed() -> None:
+    matter = "rod: {density: 1000, radius: 0.01, young: 4.0e+8, rest: straight}\n"  # B / (ρ A) is 10 m⁴/s²
+    heavy = HANGING.replace("[gravity,", "[gravity: {acceleration: [0, -40, 0]},")
+    equal = heavy.replace("length_variation: 0.4, ", "")
+    opened = Motion(axes.Request(scene=scene_of(equal + matter), solvers=("rod",)))
+    assert opened.bend() == pytest.approx((10 / (40 * 0.5**3)) ** 0.5, rel=1e-3)
+    assert motion(solvers=("thesis",)).bend() is None
+    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
+    assert Motion(axes.Request(scene=still, solvers=("rod",))).bend() is None
 
 
 def test_frames_keep_within_the_span() -> None:

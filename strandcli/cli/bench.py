@@ -31,7 +31,7 @@ from .progress import Progress
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads
-@options.talk_options
+@options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(
     strands: int,
     particles: int,
@@ -75,7 +75,7 @@ def command(
             )
     if as_json:
         options.print_json(data)
-    else:
+    elif not quiet:
         click.echo(growth_table(data) if growth else table(data))
 
 

@@ -16,7 +16,7 @@ HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 
 @click.command()
 @options.threads
-@options.talk_options
+@options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_progress: bool) -> None:
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
     options.exclusive(quiet=quiet, verbose=verbose)
@@ -29,7 +29,7 @@ def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_p
         data = claims.run(threads=threads, notify=progress.note)
     if as_json:
         options.print_json(data)
-    else:
+    elif not quiet:
         click.echo(table(data["claims"]))
 
 

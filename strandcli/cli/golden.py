@@ -31,7 +31,7 @@ names_argument = click.argument("names", nargs=-1, metavar="[NAME]...")
 @names_argument
 @options.folder("golden-diff in the temporary folder")
 @options.threads
-@options.talk_options
+@options.talk("Say what is compiled, where stderr is no terminal too.")
 def check(
     directory: Path,
     names: tuple[str, ...],
@@ -72,7 +72,7 @@ def check(
 @directory_argument
 @names_argument
 @options.threads
-@options.talk_options
+@options.talk("Name the images that did not change, too.")
 def update(
     directory: Path,
     names: tuple[str, ...],

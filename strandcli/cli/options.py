@@ -104,7 +104,6 @@ from_cache = click.option(
 )  # fmt: skip
 as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")
 quiet = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-verbose = click.option("-v", "--verbose", is_flag=True, help="Say what happens for every frame.")
 no_progress = click.option("--no-progress", is_flag=True, help="No progress line, even on a terminal.")
 debug = click.option(
     "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, hidden=True, help="Show tracebacks."
@@ -123,7 +122,15 @@ def together(*decorators: Callable[[Any], Any]) -> Callable[[F], F]:
 
 
 scene_options = together(size, strands, particles, seed, overrides)
-talk_options = together(as_json, quiet, verbose, no_progress, debug)
+
+
+def talk(more: str) -> Callable[[F], F]:
+    """How much a command says; ``more`` is what it does with --verbose."""
+    verbose = click.option("-v", "--verbose", is_flag=True, help=more)
+    return together(as_json, quiet, verbose, no_progress, debug)
+
+
+talk_options = talk("Say what happens for every frame.")
 
 
 def load_scene(

@@ -1,4 +1,5 @@
-"""What a person sees while a run goes on: one line on stderr, redrawn in place, and only on a terminal."""
+"""What a person sees while a run goes on: one line on stderr, redrawn in place on a terminal; elsewhere plain lines,
+where a command asks for them."""
 
 from __future__ import annotations
 
@@ -19,21 +20,26 @@ class Progress:
     """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
 
     Nothing is drawn where stderr is no terminal, or with ``hidden``; with ``verbose`` notes are printed as lines then.
-    A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted.
+    A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted. With
+    ``lines`` a run that takes minutes is heard of where nothing is drawn as well: each step that has a text is a line,
+    and so is every tenth part of steps that have none.
     """
 
     def __init__(
-        self, total: int, label: str, *, hidden: bool = False, verbose: bool = False, each: str = "frame"
-    ) -> None:
+        self, total: int, label: str, *, hidden: bool = False, verbose: bool = False, each: str = "frame",
+        lines: bool = False,
+    ) -> None:  # fmt: skip
         self.total = total
         self.label = label
         self.each = each
         self.stream: TextIO = sys.stderr
         self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
         self.verbose = verbose
+        self.lines = lines and not hidden and not self.live
         self.done = 0
         self._note = ""
         self._note_since = 0.0
+        self._compiled = False
         self._first = 0.0
         self._lock = threading.Lock()
         self._stop = threading.Event()
@@ -63,6 +69,9 @@ class Progress:
             self._note = text
         if text and self.verbose and not self.live:
             click.echo(text, err=True)
+        elif self.lines and not self._compiled and _kind(text) == "compiling":
+            self._compiled = True
+            self.line(f"{self.label}: compiling kernels (only on first use)")
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
@@ -70,9 +79,11 @@ class Progress:
             if self.done == 0 or self._note:
                 self._first += self._pause()
             self._note = ""
-            self.done += count
-        if text and self.verbose:
-            self.line(text)
+            before, self.done = self.done, self.done + count
+        if text and (self.verbose or self.lines):
+            self.line(f"{self.label}: {self.done}/{self.total} {text}" if self.lines else text)
+        elif self.lines and _tenths(self.done, self.total) > _tenths(before, self.total):
+            self.line(f"{self.label}: {self.done:,} of {self.total:,} {self.each}s{self._left(time.monotonic())}")
 
     def _pause(self) -> float:
         """Time that the frames did not cost, so that the estimate of what is left does not count it."""
@@ -112,9 +123,19 @@ class Progress:
         if not self.done or elapsed <= 0:
             return counts
         rate = self.done / elapsed
-        left = (self.total - self.done) / rate
         pace = f"{rate:.1f} {self.each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {self.each}"
-        return f"{counts} {pace}, {duration(left)} left"
+        return f"{counts} {pace}{self._left(now)}"
+
+    def _left(self, now: float) -> str:
+        """The time left at the time ``now``, where something is done and something left."""
+        elapsed = now - self._first
+        if not self.done or elapsed <= 0:
+            return ""
+        return f", {duration((self.total - self.done) * elapsed / self.done)} left"
+
+
+def _tenths(done: int, total: int) -> int:
+    return 10 * done // max(1, total)
 
 
 def _kind(text: str) -> str:

@@ -101,7 +101,7 @@ def command(
     scene_settings["aovs"] = aovs
     scene = options.load_scene(preset, **scene_settings)
     if max_error is not None:
-        talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run")
+        talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
         chosen = _advised(scene, preset, max_error, scene_settings, talk, quiet)
         scene_settings["overrides"] += chosen
         scene = options.load_scene(preset, **scene_settings)

@@ -29,7 +29,7 @@ MOST_TOLD = 20
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
 @click.option("--accept", is_flag=True, help="Keep the failures of the source's solver as those that are expected.")
 @options.threads
-@options.talk_options
+@options.talk("Name each case as it fails, and what is compiled.")
 def command(
     preset: str | None,
     solver: str | None,
@@ -61,10 +61,16 @@ def command(
     if listing:
         click.echo("\n".join(names))
         return
-    with Progress(len(names), "stress", hidden=no_progress or quiet, verbose=verbose, each="case") as progress:
+    hidden = no_progress or quiet
+    with Progress(len(names), "stress", hidden=hidden, verbose=verbose, each="case", lines=len(names) > 1) as progress:
+
+        def tell(one: Verdict) -> None:
+            if verbose and one.verdict == "fail":
+                progress.line(f"failed: {one.name}: {one.why}")
+
         result = stress.run(
             work, only=only, processes=threads or options.available_cores(), notify=progress.note,
-            step=lambda count: progress.step(count=count),
+            step=lambda count: progress.step(count=count), tell=tell,
         )
     if accept:
         click.echo(f"{result.accept()}: rewritten", err=True)

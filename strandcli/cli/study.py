@@ -107,7 +107,7 @@ max_error = click.option(
 @click.option("--dt", "steps", type=ListType("SECONDS", step, "1/24,1/240"), metavar="SECONDS", help="Steps to try.")
 @click.option("--substeps", type=ListType("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
-@click.option("--iterations", type=ListType("COUNTS", count(1, 50), "2,8"), metavar="COUNTS",
+@click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them.")  # fmt: skip
 @click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
               help="Integrators to try, of solvers that have them: euler, bdf2.")  # fmt: skip
@@ -125,7 +125,7 @@ max_error = click.option(
 @click.option("--threads", type=options.ThreadsType(), default=1, show_default=True,
               help="Threads. One alone is timed most evenly, and so few strands hardly need another.")  # fmt: skip
 @options.overwrite
-@options.talk_options
+@options.talk("Print a line a run on a terminal too, and what is compiled.")
 def command(
     preset: str | None,
     reference: tuple[str, ...] | None,
@@ -144,8 +144,9 @@ def command(
     knobs of one stage of drawing, or all.
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
-    far finer one, or rays, or quadrature. With --reference: against exact solutions. Prints a table, writes NAME.csv,
-    .json, .png and .svg, and recommends the cheapest setting under an error. A solver that cannot represent something
+    far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
+    for each of them and each solver. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest
+    setting under an error. A solver that cannot represent something
     is told as not represented. Exit code 3: no setting keeps under --max-error.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
@@ -158,11 +159,12 @@ def command(
         options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
 
     from .. import runtime
-    from ..study import sweep
+    from ..study import summary, sweep
 
     chosen = axes.find("reference" if preset is None else axis or "motion")
     studies = []
-    with Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run") as progress:
+    hidden = no_progress or quiet
+    with Progress(1, "study", hidden=hidden, verbose=verbose, each="run", lines=True) as progress:
         runtime.start(threads, progress.note)
         for request in requests:
             progress.label = f"study {request.name}"
@@ -171,11 +173,15 @@ def command(
             _write(study, folder, max_error)
     if as_json:
         data = [one.as_dict() for one in studies]
-        options.print_json(_finite(data[0] if len(data) == 1 else {"studies": data}))
+        several = {"studies": data, "summary": summary.rows(studies, max_error)}
+        options.print_json(_finite(data[0] if len(data) == 1 else several))
     elif not quiet:
         from ..study.tables import to_text
 
-        click.echo("\n\n".join(to_text(one) for one in studies))
+        texts = [to_text(one) for one in studies]
+        if len(studies) > 1:
+            texts.append(summary.to_text(summary.rows(studies, max_error)))
+        click.echo("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
         click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)
@@ -288,13 +294,45 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
 
 
 def _missed(studies: list[Study], most: float) -> str:
-    """Why nothing could be recommended, with the nearest that there is."""
+    """Why nothing could be recommended: how near each solver comes, and what to try."""
+    words = [f"{study.name}: {_nearest(study)}" for study in studies]
+    return f"no setting keeps under an error of {_share(most)}: {'; '.join(words)}; {_remedy(studies)}"
+
+
+def _nearest(study: Study) -> str:
+    """How near each solver that presets may ask for comes."""
+    found = []
+    for solver in dict.fromkeys(point.solver for point in study.offered):
+        limit = study.reference.get("limits", {}).get(solver)
+        if limit is not None and not limit["converges"]:
+            gap = limit["gaps"][1]
+            moved = f" (its last refinement moved strands by {_share(gap)})" if math.isfinite(gap) else ""
+            found.append(f"{solver} has no limit in sight{moved}")
+            continue
+        errors = [point.error.get(study.metric) for point in study.offered if point.solver == solver]
+        known = [error for error in errors if error is not None]
+        sure = f", its limit known to {_share(limit['uncertainty'])}" if limit is not None else ""
+        found.append(f"{solver} comes to {_share(min(known))}{sure}".strip() if known else f"{solver} has no error")
+    return ", ".join(found)
+
+
+def _remedy(studies: list[Study]) -> str:
+    """What to try: first of all segments as short as strands bend."""
+    if any(study.axis not in ("motion", "reference") for study in studies):
+        return "allow a greater error"
+    for study in studies:
+        bend = study.reference.get("bend")
+        tried = [point.knobs["emitter.particles"] for point in study.offered if "emitter.particles" in point.knobs]
+        if bend and tried and bend * (max(tried) - 1) < 1:
+            need = math.ceil(1 / bend) + 1
+            return (
+                f"strands bend within {_share(bend)} of their length, less than a segment: "
+                f"try --solver rod --particles {need},{2 * need - 1}"
+            )
+    return "try finer --substeps or --particles"
+
+
+def _share(value: float) -> str:
     from ..study.chart import share
 
-    words = []
-    drawn = any(study.axis not in ("motion", "reference") for study in studies)
-    hint = "allow a greater error" if drawn else "try finer --substeps or --particles"
-    for study in studies:
-        least = study.nearest()
-        words.append(study.name if least is None else f"{study.name} (nearest {share(least)})")
-    return f"no setting keeps under an error of {share(most)}: {', '.join(words)}; {hint}"
+    return share(value)

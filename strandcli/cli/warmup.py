@@ -14,7 +14,7 @@ SMALL = {"image.size": (64, 48), "emitter.strands": 128}
 @click.command()
 @click.argument("presets", nargs=-1, metavar="[PRESET]...")
 @options.threads
-@options.talk_options
+@options.talk("Name each preset that is done, and what is compiled.")
 def command(
     presets: tuple[str, ...],
     threads: int | None,

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import W
 from ..scene.fields import LARGEST
 from . import blame
 
@@ -32,8 +31,7 @@ class Trouble(NamedTuple):
 
     message: str
     frame: int
-    strand: int | None
-    """None where it is known to a block of strands alone, or to none."""
+    strand: int
     cause: str
     """The rule's path, or the constraint that did not hold."""
 
@@ -68,13 +66,14 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
             )  # fmt: skip
     residual = error.get("residual_max")
     if simulated and residual is not None and not residual <= RESIDUAL_MOST:
-        first, last = suspects(solver)
-        which = f"strand {first}" if first == last else f"one of the strands {first} to {last}"
+        each = solver.strand_residuals()
+        strand = int(np.argmax(np.where(np.isnan(each), np.inf, each)))
         cause = "the constraint that keeps lengths was not met"
         return Trouble(
-            f"{where}: {which} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} iterations: "
-            f"{cause}; {blame.SMALLER_STEPS}, or a greater rod.iterations",
-            frame, first if first == last else None, cause,
+            f"{where}: strand {strand} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} "
+            f"iterations{_others(int((~(each <= RESIDUAL_MOST)).sum()))}: {cause}; {blame.SMALLER_STEPS}, or a greater "
+            "rod.iterations",
+            frame, strand, cause,
         )  # fmt: skip
     return None
 
@@ -86,15 +85,6 @@ def stretches(solver: Any) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore", over="ignore"):
         off = np.abs(np.linalg.norm(np.diff(x, axis=1), axis=2) - length) - ROUNDING * np.abs(x).max((1, 2))[:, None]
         return np.asarray((off / length).max(1))
-
-
-def suspects(solver: Any) -> tuple[int, int]:
-    """First and last of the strands that the residual may be of: solvers tell it by blocks."""
-    residuals = getattr(solver, "residuals", None)
-    if residuals is None or len(residuals) != len(solver.positions):
-        return 0, solver.strands - 1
-    block = int(np.argmax(np.where(np.isnan(residuals), np.inf, residuals)))
-    return block * W, min((block + 1) * W, solver.strands) - 1
 
 
 def drawable(solver: Any) -> NDArray[np.bool_]:

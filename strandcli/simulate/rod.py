@@ -25,7 +25,7 @@ from ..scene.model import Rod
 from ..scene.motion import emitter_pose
 from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
-from .surroundings import Surroundings
+from .surroundings import Surroundings, gravity
 
 MATERIALS = {
     # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
@@ -37,9 +37,12 @@ MATERIALS = {
 }
 DENSE_MOST = 20
 """Segments up to which the dense O(N³) kernel is the faster one, and single precision enough."""
-CONTRAST = 1e7
+CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
-one is a load to the other. A tip a hundred times as thick as the root has it, and none that a preset can ask for."""
+one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
+THROW = 1e6
+"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
+that many times the inertia, and leaves too few digits to it."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
@@ -83,9 +86,11 @@ class RodSolver(Solver):
         rod: Rod = scene.rod
         n = scene.emitter.particles - 1
         mass, joint = _matter_along(rod, n)
-        self.long = n > DENSE_MOST or float(joint.max()) > CONTRAST * float(joint.min())
-        self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         lengths = groom.lengths.astype(np.float64) / n
+        fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
+        hard = float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
+        self.long = n > DENSE_MOST or hard
+        self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
         self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
@@ -290,9 +295,9 @@ class RodSolver(Solver):
             out["stretch_max"] = float(np.abs(length - 1).max())
         return out
 
-    def residual(self) -> float | None:
-        """Greatest error of an edge's length that the last step's iterations left, as a share: made exact after."""
-        return float(self.residuals.max())
+    def strand_residuals(self) -> NDArray[np.floating]:
+        """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
+        return self.residuals.reshape(-1)[: self.strands]
 
 
 def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -53,9 +53,15 @@ class Solver(ABC):
     def place_roots(self, frame: int) -> None:
         """Put the two rows that rules do not simulate, the root and the one before it, where they are at a frame."""
 
-    def residual(self) -> float | None:
-        """The greatest error that the solver itself left in the last step; None where it has no such notion."""
+    def strand_residuals(self) -> NDArray[np.floating] | None:
+        """(strands,) the greatest error that the solver itself left in each in the last step; None where it has no such
+        notion."""
         return None
+
+    def residual(self) -> float | None:
+        """The greatest of them; NaN where one is."""
+        found = self.strand_residuals()
+        return None if found is None else float(found.max())
 
     def advance(self, frame: int) -> None:
         """Move on to a frame (1 is the start, after the pre-roll)."""

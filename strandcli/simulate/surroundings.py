@@ -16,14 +16,18 @@ from ..scene.motion import Pose, multiply, rotate, solid_pose
 from .rules import collision, wind
 
 
+def gravity(scene: Any) -> NDArray[np.float64]:
+    """(3,) the sum of all gravity rules, m/s²."""
+    pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
+    return np.asarray(np.sum([np.zeros(3), *pulls], axis=0))
+
+
 class Surroundings:
     """Those of one scene, in numbers of a floating type."""
 
     def __init__(self, scene: Any, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
-        pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
-        self.gravity: NDArray[np.float64] = np.sum([np.zeros(3), *pulls], axis=0)
-        """The sum of all gravity rules, m/s²."""
+        self.gravity = gravity(scene)
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self._phases = wind.phases(scene.seed).tolist()
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]

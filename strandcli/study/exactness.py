@@ -9,10 +9,10 @@ from typing import Any
 from ..errors import UsageError
 from ..scene.model import Scene
 from .axes import Axis, Request, chosen_solvers
-from .contestants import CONTESTANTS, Contestant, follow, prepare
+from .motion.contestants import CONTESTANTS, Contestant, follow, prepare
+from .motion.watch import least
 from .points import Knobs, Point, grid
 from .references import REFERENCES, Case, Track
-from .watch import least
 
 FRAME = 1 / 24
 """Of the substeps of a reference, seconds: references have no film."""

@@ -138,6 +138,25 @@ def grid(choices: Mapping[str, Sequence[Hashable]]) -> list[dict[str, Any]]:
     return out
 
 
+def described(knobs: Knobs) -> str:
+    """A setting in a few words, such as "rod bdf2, 16 particles, 8 substeps"."""
+    who = [str(knobs[name]) for name in ("solver", "rod.integrator") if name in knobs]
+    words = [" ".join(who)] if who else []
+    for path, value in knobs.items():
+        name = path.rpartition(".")[2]
+        if path == "dt":
+            words.append(f"steps of {value:.3g} s")
+        elif path in COUNTED:
+            words.append(f"{value} {name}")
+        elif path not in ("solver", "rod.integrator"):
+            words.append(f"{name} {value}")
+    return ", ".join(words)
+
+
+COUNTED = ("emitter.particles", "rod.iterations", "time.substeps")
+"""Knobs that are numbers of what their name says."""
+
+
 @dataclass(frozen=True)
 class Limit:
     """How well the limit of a series of runs, each twice as fine as the one before, is known."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .axes import Axis, Experiment, Request
-from .contestants import CONTESTANTS
-from .points import Point, by_line, cheapest, orders, pareto
+from .motion.contestants import CONTESTANTS
+from .points import Point, by_line, cheapest, described, orders, pareto
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
 """Errors for which a setting is recommended where none was asked for."""
@@ -99,7 +99,7 @@ def carry_out(
         point = experiment.measure(knobs)
         points.append(point)
         error = point.error.get(metric)
-        step(f"{point.line}: {point.seconds:.3f} s, {metric} {'-' if error is None else f'{error:.3g}'}")
+        step(f"{described(knobs)}: {point.seconds:.3g} s, {metric} {'-' if error is None else f'{error:.3g}'}")
     front = pareto([point.seconds for point in points], [rounded(point.error.get(metric)) for point in points])
     for point, on_front in zip(points, front, strict=True):
         point.pareto = on_front

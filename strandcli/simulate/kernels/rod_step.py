@@ -310,7 +310,8 @@ def sweep(
             if touched:
                 ax, ay, az = get3(push, row, W)
                 held = apart * ax, apart * ay, apart * az
-                light = get(s, o + R)
+                # of particles that nothing pressed R tells only how far others' forces take them
+                light = where(abs(ax) + abs(ay) + abs(az) > 0.0, get(s, o + R), 0.0)
                 light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
             vx, vy, vz = get3(velocity, row, W)
             d, force, new = contact.touch(

@@ -1,1 +1,1 @@
-"""Compiled loops of the foil."""
+"""Compiled loops of studies of pictures."""

@@ -10,8 +10,8 @@ from functools import cache
 
 import numpy as np
 
-from .. import elastica
 from .base import Case, G, Reference, Track, groom, off, preset
+from .exact import elastica
 
 TILT = 0.01
 OUT = 0.35

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ...scene.model import Scene, SphereSolid
 from ...scene.motion import solid_pose
 from ...simulate import solver_of
+from ...simulate.health import RESIDUAL_MOST
 from .axes import Case
 from .scenes import groom_of, scene_of, times_of
-from .verdicts import RESIDUAL, judged_by_residual
 
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
 """Error of a distance between two points for each metre of their coordinates, half a unit in the last place each."""
@@ -36,25 +36,11 @@ class Outcome:
 
 
 def run(cases: Sequence[Case]) -> list[Outcome]:
-    """Outcomes of cases that differ in the start alone.
-
-    A solver tells one residual for all its strands: where that is above the threshold, every strand is run once more by
-    itself to see which it was.
-    """
-    found = _together(list(cases))
-    shared = max((one.metrics.get("residual", 0.0) for one in found), default=0.0)
-    if len(cases) > 1 and judged_by_residual(cases[0]) and not shared <= RESIDUAL:
-        for one in found:
-            alone = _together([one.case])[0]
-            one.metrics["residual"] = alone.metrics.get("residual", float("nan"))
-    return found
-
-
-def _together(cases: list[Case]) -> list[Outcome]:
+    """Outcomes of cases that differ in the start alone."""
     found = [Outcome(case) for case in cases]
     try:
         with np.errstate(all="ignore"):
-            _drive(cases, found)
+            _drive(list(cases), found)
     except Exception as error:  # whatever a solver raises is what is looked for here
         for one in found:
             one.error = f"{type(error).__name__}: {error}"
@@ -75,7 +61,7 @@ def _drive(cases: list[Case], found: list[Outcome]) -> None:
     for time in times:
         solver.step(float(time), float(time) - past)
         past = float(time)
-        meter.look(solver.particles(), past, solver.residual())
+        meter.look(solver.particles(), past, solver.strand_residuals())
     for number, one in enumerate(found):
         lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
         one.metrics = meter.metrics(lanes)
@@ -94,10 +80,10 @@ class Meter:
         self.stretch = np.zeros(len(segments))
         self.depth = np.zeros(len(segments))
         self.bad = np.zeros(len(segments), np.int64)
-        self.residual: float | None = None
+        self.residual: NDArray[np.float64] | None = None
 
-    def look(self, particles: NDArray[np.float32], time: float, residual: float | None) -> None:
-        """Measure (strands, particles, 3) at a time."""
+    def look(self, particles: NDArray[np.float32], time: float, residuals: NDArray[np.floating] | None) -> None:
+        """Measure (strands, particles, 3) at a time; ``residuals`` (strands,) are what the solver left."""
         finite: NDArray[np.bool_] = np.asarray(np.isfinite(particles).all((1, 2)))
         self.bad += ~finite
         x = np.where(finite[:, None, None], particles, np.float32(0)).astype(np.float64)
@@ -109,8 +95,9 @@ class Meter:
             centre = np.array(solid_pose(one, self.scene.emitter, time).translation)
             depth = one.radius - np.linalg.norm(x[:, 1:] - centre, axis=2).min(1) - rounding
             self.depth = np.maximum(self.depth, np.where(finite, depth / self.length, 0))
-        if residual is not None:
-            self.residual = residual if self.residual is None else _worse(self.residual, residual)
+        if residuals is not None:
+            past = np.zeros(len(self.segments)) if self.residual is None else self.residual
+            self.residual = np.maximum(past, residuals)  # which keeps NaN
 
     def metrics(self, strands: slice) -> dict[str, float]:
         """The greatest of some strands."""
@@ -118,10 +105,7 @@ class Meter:
         if self.spheres:
             found["overlap" if self.overlapping else "penetration"] = float(self.depth[strands].max())
         if self.residual is not None:
-            found["residual"] = self.residual
+            residual = float(self.residual[strands].max())
+            found |= {"residual": residual, "stopped": float(not residual <= RESIDUAL_MOST)}
         return found
 
-
-def _worse(a: float, b: float) -> float:
-    """The greater, NaN being worse than anything."""
-    return float("nan") if np.isnan(a) or np.isnan(b) else max(a, b)

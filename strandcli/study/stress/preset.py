@@ -117,5 +117,5 @@ def _drive(scene: Scene, groom: Groom, times: np.ndarray) -> dict[str, float]:
     for time in times:
         solver.step(float(time), float(time) - past)
         past = float(time)
-        meter.look(solver.particles(), past, solver.residual())
+        meter.look(solver.particles(), past, solver.strand_residuals())
     return meter.metrics(slice(None))

@@ -18,6 +18,7 @@ from ...scene.faults import hint
 from ...scene.model import Scene
 from . import checks, drive, expected, inputs, preset, sheets
 from .axes import AXES, SOLVERS, Case, case_named
+from .strand import NotRepresented
 from .verdicts import WORDS, Verdict, judge, judged_by_residual
 
 Notify = Callable[[str], None]
@@ -96,7 +97,11 @@ def named(name: str) -> Task:
         if solver not in SOLVERS:
             raise UsageError(f"--case {name}: begins with the solver; {hint(solver, SOLVERS, 'the solvers are')}")
         if rest not in known:
-            raise UsageError(f"--case {name}: there is no such check; {hint(rest, known, 'they are')}")
+            begun = [one for one in known if one.startswith(rest)]
+            raise UsageError(
+                f"--case {name}: there is no such check; "
+                + (f"there are {', '.join(begun)}" if begun else hint(rest, known, "they are"))
+            )
         return Task(solver, named=rest)
     case = case_named(name)
     if case.value("strands") > 1:
@@ -117,16 +122,22 @@ def run(
     processes: int = 1,
     notify: Notify | None = None,
     step: Callable[[int], None] | None = None,
+    tell: Callable[[Verdict], None] | None = None,
 ) -> Result:
-    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` is told how many are done."""
+    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` is told how many more are done,
+    ``tell`` each verdict."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
     wanted = [task for task in work if any(accept(name) for name in task.names)]
     verdicts: list[Verdict] = []
     for found in _results(wanted, processes, notify):
-        verdicts += [one for one in found if accept(one.name)]
+        kept = [one for one in found if accept(one.name)]
+        verdicts += kept
+        if tell is not None:
+            for one in kept:
+                tell(one)
         if step is not None:
-            step(len(found))
+            step(len(kept))
     solvers = tuple(solver for solver in SOLVERS if any(task.solver == solver for task in wanted))
     return Result(solvers, verdicts, time.perf_counter() - began)
 
@@ -203,7 +214,7 @@ def _named(task: Task) -> Verdict:
         return found
     try:
         metrics = checks.CHECKS[task.named](task.solver)
-    except checks.NotRepresented as reason:
+    except NotRepresented as reason:
         return judge(name, parameters, {}, absent=str(reason))
     except Exception as error:  # whatever a solver raises is what is looked for here
         return judge(name, parameters, {}, f"{type(error).__name__}: {error}")

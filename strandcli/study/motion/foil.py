@@ -12,16 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids
-from ..blocks import lanes
-from ..constants import W
-from ..errors import UsageError
-from ..groom.emit import Groom
-from ..scene.motion import emitter_pose
-from ..simulate.rod import rigidity
-from ..simulate.rules import collision as collision_rule
-from ..simulate.rules import wind as wind_rule
-from ..simulate.solver import Solver
+from ... import solids
+from ...blocks import lanes
+from ...constants import W
+from ...errors import UsageError
+from ...groom.emit import Groom
+from ...scene.motion import emitter_pose
+from ...simulate.rod import rigidity
+from ...simulate.rules import collision as collision_rule
+from ...simulate.rules import wind as wind_rule
+from ...simulate.solver import Solver
+from ...simulate.surroundings import gravity
 from .kernels import foil as kernel
 
 APPLIED = ("emitter_motion", "gravity", "wind", "collision", "elasticity", "stiffness")
@@ -77,7 +78,7 @@ class Foil(Solver):
             held = start + min(max(time, 0.0) / seconds, 1.0) * (goal - start)
             light[-1] = 0.0
         rod = self.scene.rod
-        numbers = np.array([dt, *self._gravity(), *self._air(time), rod.drag, rod.damping])
+        numbers = np.array([dt, *gravity(self.scene), *self._air(time), rod.drag, rod.damping])
         kernel.step(
             self.x, self.v, self.before, self.clamp, self.segment, self.stiffness, light, self.joint, self._gust(time),
             numbers, held, self._solids(time),
@@ -98,10 +99,6 @@ class Foil(Solver):
         self._place((frame - 1) / self.scene.time.fps if self.moving else 0.0)
         self.positions[:, 1] = self.x[:, 0]
         self.positions[:, 0] = self.x[:, 0] - self._lengths() * self.clamp
-
-    def _gravity(self) -> NDArray[np.float64]:
-        pulls = [use.parameters.acceleration for use in self.scene.rules if use.name == "gravity"]
-        return np.asarray(np.sum([np.zeros(3), *pulls], axis=0))
 
     def _air(self, time: float) -> NDArray[np.float64]:
         """Velocity of the air, but for gusts that travel: a wind's strength is a speed here, as for rods."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from ...constants import W
-from ...jit import function, parallel, prange
-from ...simulate.rules import collision_shapes
+from ....constants import W
+from ....jit import function, parallel, prange
+from ....simulate.rules import collision_shapes
 
 sphere = function(collision_shapes.sphere)
 capsule = function(collision_shapes.capsule)

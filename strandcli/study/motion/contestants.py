@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
-from ..groom.emit import Groom, emit
-from ..scene.model import Scene
-from .references.base import NEEDS, Case, Track
+from ...errors import UsageError
+from ...groom.emit import Groom, emit
+from ...scene.model import Rod, Scene
+from ..references.base import NEEDS, Case, Track
 from .watch import Stopwatch
 
 
@@ -43,7 +43,7 @@ class Contestant:
             from .foil import Foil
 
             return Foil(scene, groom)
-        from ..simulate import solver_of
+        from ...simulate import solver_of
 
         return solver_of(scene)(scene, groom)
 
@@ -70,7 +70,7 @@ CONTESTANTS = {
             True,
             (1 / 24, 1 / 60, 1 / 240),
             (1, 2, 4, 8),
-            (2, 8),
+            (2, Rod().iterations),
             ("euler", "bdf2"),
         ),
         Contestant(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import StrandError
+from ....errors import StrandError
 from .quadrature import Array, Interval, interval
 
 NODES = 128

@@ -16,12 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
-from ..groom.emit import Groom, emit
-from ..scene.model import Scene
-from .axes import STRANDS, Axis, Request, chosen_solvers
+from ...errors import UsageError
+from ...groom.emit import Groom, emit
+from ...scene.model import Scene
+from ...simulate.rod import rigidity
+from ...simulate.surroundings import gravity
+from ..axes import STRANDS, Axis, Request, chosen_solvers
+from ..points import Knobs, Limit, Point, described, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up
-from .points import Knobs, Limit, Point, grid, limit
 from .resample import apart, resample
 from .watch import Stopwatch, least
 
@@ -31,6 +33,8 @@ TIMES = 8
 """Frames that are compared, at the most."""
 NOISE = 1e-6
 """Share of the length below which positions in single precision tell nothing."""
+MOST_ITERATIONS = 1000
+"""That a preset may ask for."""
 SPAN = 1.0
 """Seconds of the film that are run, at the most, the pre-roll not counted."""
 
@@ -91,6 +95,10 @@ class Motion:
             found.append(round(count))
         return tuple(found)
 
+    def iterations(self, one: Contestant) -> tuple[int, ...]:
+        """Iterations a step to try: few, and as many as the preset allows."""
+        return self.request.iterations or tuple(sorted({*one.iterations[:-1], self.scene.rod.iterations}))
+
     def settings(self) -> list[dict[str, Any]]:
         """Substeps and particles; of a solver that has them integrators as well, and fewer iterations with the preset's
         own one."""
@@ -101,7 +109,7 @@ class Motion:
             if not one.iterations:
                 out += grid({**choices, **steps})
                 continue
-            *fewer, most = self.request.iterations or one.iterations
+            *fewer, most = self.iterations(one)
             integrators = self.request.integrators or one.integrators
             out += grid({**choices, "rod.integrator": integrators, "rod.iterations": (most,), **steps})
             own = [name for name in integrators if name == self.scene.rod.integrator] or integrators[:1]
@@ -115,7 +123,7 @@ class Motion:
         if one.iterations:
             integrators = self.request.integrators or one.integrators
             more["rod.integrator"] = "bdf2" if "bdf2" in integrators else integrators[0]
-            more["rod.iterations"] = min(50, 2 * max(self.request.iterations or one.iterations))
+            more["rod.iterations"] = min(MOST_ITERATIONS, 2 * max(self.iterations(one)))
         return [
             {
                 "solver": one.name,
@@ -134,7 +142,7 @@ class Motion:
             for knobs in self.finer(one):
                 (strands, _), seconds = self.run(knobs)
                 runs.append(strands)
-                step(f"{describe(knobs)}: {seconds:.2f} s")
+                step(f"limit of {described(knobs)}: {seconds:.3g} s")
             gaps = [apart(a, b, self.lengths)[self.metric] for a, b in pairwise(runs)]
             gaps = [gap if np.isfinite(gap) else math.inf for gap in gaps]
             self.limits[one.name] = limit(gaps[0], gaps[1], NOISE)
@@ -142,8 +150,17 @@ class Motion:
             told[one.name] = {"knobs": knobs, "gaps": gaps, **dataclasses.asdict(self.limits[one.name])}
         own = self.finest.get(self.scene.solver)
         for name, strands in self.finest.items():
-            told[name]["from_own_solver"] = None if own is None else apart(strands, own, self.lengths)[self.metric]
-        return {"name": self.request.name, "frames": self.frames, "limits": told}
+            away = None if own is None else apart(strands, own, self.lengths)[self.metric]
+            told[name]["from_own_solver"] = away if away is not None and np.isfinite(away) else None
+        return {"name": self.request.name, "frames": self.frames, "limits": told, "bend": self.bend()}
+
+    def bend(self) -> float | None:
+        """Within what share of their length rods bend at their roots: 1 / √Γ, Γ = g L³ ρ A / B. Longer segments cannot
+        show it. None without a rod, or without weight."""
+        pull = float(np.linalg.norm(gravity(self.scene)))
+        if pull == 0 or not any(one.iterations for one in self.contestants):
+            return None
+        return float(np.sqrt(rigidity(self.scene.rod) / (pull * np.mean(self.lengths, dtype=np.float64) ** 3)))
 
     def margins(self) -> Mapping[str, float]:
         """The uncertainty of each solver's limit."""
@@ -153,8 +170,9 @@ class Motion:
         """One run."""
         (strands, worst), seconds = least(lambda: self.run(knobs))
         error: dict[str, float | None] = dict.fromkeys(("median", "p95", "rms", "max"))
-        if np.isfinite(strands).all():
-            error.update(apart(strands, self.finest[knobs["solver"]], self.lengths))
+        finest = self.finest[knobs["solver"]]
+        if np.isfinite(strands).all() and np.isfinite(finest).all():
+            error.update(apart(strands, finest, self.lengths))
         dt = 1 / (self.scene.time.fps * knobs["time.substeps"])
         return Point(
             knobs=knobs,
@@ -196,13 +214,6 @@ def with_knobs(scene: Scene, knobs: Knobs) -> Scene:
             value = dataclasses.replace(getattr(scene, outer), **{leaf: value})
         scene = dataclasses.replace(scene, **{outer or leaf: value})
     return scene
-
-
-def describe(knobs: Knobs) -> str:
-    """A setting in a few words."""
-    words = {"emitter.particles": "particles", "time.substeps": "substeps", "rod.iterations": "iterations"}
-    parts = [f"{value} {words.get(name, name)}" for name, value in knobs.items() if name in words]
-    return f"{knobs['solver']} {knobs.get('rod.integrator', '')}".rstrip() + f", {', '.join(parts)}"
 
 
 AXIS = Axis(
