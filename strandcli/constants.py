@@ -12,5 +12,5 @@ FRAGMENTS = 4_194_304
 FRAGMENT_BYTES = 28
 """A fragment: pixel, depth, index, opacity, place; and its key."""
 
-V = 8
-"""Strands that move at once as one vector of numbers in registers: eight fill those of AVX2."""
+VECTOR = 64
+"""Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""

@@ -23,3 +23,6 @@ function: Any = njit(nogil=True, cache=True, error_model="numpy")
 _bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner: Any = njit(nogil=True, cache=True, error_model="numpy", **_bare)
 """A function that only kernels call: without the wrappers for Python, which take a tenth of a second each."""
+
+inlined: Any = njit(nogil=True, cache=True, error_model="numpy", forceinline=True, **_bare)
+"""A function that is part of whichever calls it: for small ones that are handed much, which calls would write down."""

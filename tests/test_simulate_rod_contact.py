@@ -10,10 +10,12 @@ from numba import njit
 from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
-from strandcli.constants import V
+from strandcli.constants import VECTOR
 from strandcli.simulate.kernels import contact
-from strandcli.simulate.kernels.simd import get3, lay, put3, spread
+from strandcli.simulate.kernels.simd import get3, lay, put, spread
 from strandcli.simulate.rod import RodSolver
+
+LANES = VECTOR // 8
 
 
 def against(solids: list[dict[str, Any]], gamma: float = 10.0, **changes: Any) -> RodSolver:
@@ -106,24 +108,23 @@ def test_a_ball_that_moves_pushes() -> None:
 
 
 @njit(error_model="numpy")
-def off_ball(given, length, r, out):
-    """The kernel, which has no way in from Python: ``given`` (9, V) are the edge's beginning and direction and the
-    ball's centre, ``out`` (3, V) the edge turned off it."""
+def radius_for_first_edges(given, length, r, out):
+    """The kernel, which has no way in from Python: ``given`` (6, LANES) are roots as seen from a ball's centre and unit
+    edges, ``out`` (LANES,) how far from the centre their ends are kept."""
     rows = lay(given)
-    x, y, z = get3(rows, 0, V)
-    dx, dy, dz = get3(rows, 3 * V, V)
-    ox, oy, oz = get3(rows, 6 * V, V)
-    d = contact.tangent((x, y, z), (dx, dy, dz), spread(rows, length), ox - x, oy - y, oz - z, r)
-    put3(lay(out), 0, V, d[0], d[1], d[2])
+    x, y, z = get3(rows, 0, LANES)
+    d = get3(rows, 3 * LANES, LANES)
+    x, y, z = x + length * d[0], y + length * d[1], z + length * d[2]
+    put(lay(out), 0, contact.kept_from(x, y, z, r, d, d, spread(rows, length), True, True))
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:
-    given = np.zeros((9, V))
-    given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], V)
+    given = np.zeros((6, LANES))
+    given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], LANES)
     given[3:5] = [[0.8], [-0.6]]
-    out = np.empty((3, V))
-    off_ball(given, 0.3, 1.0, out)
-    np.testing.assert_allclose(out.T, np.tile([1.0, 0.0, 0.0], (V, 1)), atol=3e-3)
+    out = np.empty(LANES)
+    radius_for_first_edges(given, 0.3, 1.0, out)
+    np.testing.assert_allclose(out, np.hypot(1.0, 0.3), atol=1e-3)
 
 
 @pytest.mark.parametrize("particles", [11, 31])

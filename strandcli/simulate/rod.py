@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..blocks import aligned, lanes
-from ..constants import W
+from ..constants import VECTOR, W
 from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
@@ -121,7 +121,7 @@ class RodSolver(Solver):
         self.still_air = np.ones(self.own_lengths.shape, self.dtype)
         workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
         size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = [aligned((size,), self.dtype) for _ in range(workers)]
+        self.scratch = [aligned((size * VECTOR // np.dtype(self.dtype).itemsize,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.enough = ENOUGH[bdf2, rod.precision == "double"]
         self.rounding = 4 * float(np.finfo(self.dtype).eps)

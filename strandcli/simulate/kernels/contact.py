@@ -31,7 +31,7 @@ of them as rows and its place; all of them in the order spheres, capsules, plane
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from .simd import root, some, spread, where
 
 TINY = 1e-20
@@ -43,7 +43,7 @@ SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
 ROUNDS = 3
 
 
-@inner
+@inlined
 def on_axis(capsules, m, x, y, z):
     """Point of a capsule's axis that is nearest to (x, y, z)."""
     ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
@@ -52,7 +52,7 @@ def on_axis(capsules, m, x, y, z):
     return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
 
 
-@inner
+@inlined
 def in_ball(dx, dy, dz, r):
     """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
     return r - root(dx * dx + dy * dy + dz * dz)
@@ -154,7 +154,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     return where(inside, depth, 0.0), nx, ny, nz
 
 
-@inner
+@inlined
 def foot(x, y, z, edge, next, half):
     """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
     far on along the next one; no further than ``half``."""
@@ -163,7 +163,7 @@ def foot(x, y, z, edge, next, half):
     return back, on
 
 
-@inner
+@inlined
 def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
     """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
     the first edge all: up to its end it goes on for what is left of it from the tangent point."""
@@ -180,21 +180,18 @@ def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
 
 
 @inner
-def toward_axis(capsules, m, x, y, z, edge, next, length, whole, first):
-    """Point of a capsule's axis that is nearest to a particle, or to the halves of its edges: by alternating
-    projections."""
-    ox, oy, oz = on_axis(capsules, m, x, y, z)
-    if whole:
-        half = length * (1.0 if first else 0.5)
-        for _ in range(2):
-            back, on = foot(x - ox, y - oy, z - oz, edge, next, half)
-            behind = back > on
-            back = where(behind, back, 0.0)
-            on = where(behind, 0.0, on)
-            ox, oy, oz = on_axis(
-                capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
-                z - back * edge[2] + on * next[2],
-            )  # fmt: skip
+def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
+    """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
+    that is nearest to the particle: by alternating projections."""
+    for _ in range(2):
+        back, on = foot(x - ox, y - oy, z - oz, edge, next, lever)
+        behind = back > on
+        back = where(behind, back, 0.0)
+        on = where(behind, 0.0, on)
+        ox, oy, oz = on_axis(
+            capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
+            z - back * edge[2] + on * next[2],
+        )  # fmt: skip
     return ox, oy, oz
 
 
@@ -208,21 +205,15 @@ def deeper(one, other):
 
 
 @inner
-def under_face(boxes, m, x, y, z, edge, next, length, whole, first):
-    """Depth of a particle in a box below its nearest face, and that face's normal; or of the halves of its edges."""
-    found = face(boxes, m, x, y, z)
-    if whole:
-        reach = length * (1.0 if first else 0.5)
-        back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], reach)
-        on = cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length)
-        way = deeper(back, on)
-        out = found[0] <= 0.0
-        if some(out & (way[0] > 0.0)):
-            found = deeper((where(out, way[0], -1.0 / TINY), way[1], way[2], way[3]), found)
-    return found
+def past_edge(boxes, m, x, y, z, under, edge, next, lever, length):
+    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are."""
+    out = under[0] <= 0.0
+    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
+    depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
+    return deeper((where(out & (depth > 0.0), depth, -1.0 / TINY), nx, ny, nz), under)
 
 
-@inner
+@inlined
 def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
     """The solid that a particle at (x, y, z) is deepest in, or nearest to and no further than ``reach``: the depth; 1
     where it is round there and 0 where flat; the centre and radius, or of a flat face the normal and how far along that
@@ -231,21 +222,28 @@ def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
     most = -reach
     round = spread(x, 0.0)
     found = (round, round, round, round, round, round, round)
+    lever = round  # how far the nearest place of an edge may be from the particle
+    if whole:
+        lever = length if first else 0.5 * length
     for m in range(0, last_sphere, SPHERE):
         dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
-        r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
-        far = r - most
+        far = spheres[m + 3] + lever - most
         if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
             d = in_ball(dx, dy, dz, r)
             ox, oy, oz = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
             found = choose(d > most, (ox, oy, oz, r, *motion(spheres, m + 5, old)), found)
             round = where(d > most, 1.0, round)
             most = max(most, d)
     for m in range(0, last_capsule, CAPSULE):
-        ox, oy, oz = toward_axis(capsules, m, x, y, z, edge, next, length, whole, first)
-        r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
-        d = in_ball(x - ox, y - oy, z - oz, r)
-        if some(d > most):
+        ox, oy, oz = on_axis(capsules, m, x, y, z)
+        dx, dy, dz = x - ox, y - oy, z - oz
+        far = capsules[m + 6] + lever - most
+        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            if whole:
+                ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
+            r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
+            d = in_ball(x - ox, y - oy, z - oz, r)
             found = choose(d > most, (ox, oy, oz, r, *motion(capsules, m + 9, old)), found)
             round = where(d > most, 1.0, round)
             most = max(most, d)
@@ -257,8 +255,10 @@ def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
             round = where(d > most, 0.0, round)
             most = max(most, d)
     for m in range(0, last_box, BOX):
-        d, ox, oy, oz = under_face(boxes, m, x, y, z, edge, next, length, whole, first)
-        if some(d > most):
+        d, ox, oy, oz = face(boxes, m, x, y, z)
+        if some(d + lever > most):
+            if whole:
+                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length)
             level = d + x * ox + y * oy + z * oz
             found = choose(d > most, (ox, oy, oz, level, *motion(boxes, m + 16, old)), found)
             round = where(d > most, 0.0, round)
@@ -266,7 +266,7 @@ def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
     return most, round > 0.0, found
 
 
-@inner
+@inlined
 def motion(solids, o, point):
     """Where a solid, whose motion is in columns from o on, has carried a point in this step."""
     x, y, z = point
@@ -277,7 +277,7 @@ def motion(solids, o, point):
     )
 
 
-@inner
+@inlined
 def choose(nearer, one, other):
     """Seven vectors: of ``one`` where a mask holds."""
     a, b, c, d, e, f, g = one
@@ -288,7 +288,7 @@ def choose(nearer, one, other):
     )  # fmt: skip
 
 
-@inner
+@inlined
 def aim(q, over, length, round, found):
     """The axis that an edge from q makes the same angle with wherever its end is on a ball or on a flat face, the
     cosine of that angle and its sine; ``over``: 1 over the edge's length."""
@@ -304,14 +304,14 @@ def aim(q, over, length, round, found):
     return (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0))
 
 
-@inner
+@inlined
 def beside(d, axis):
     """What of a vector is across an axis."""
     c = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
     return d[0] - c * axis[0], d[1] - c * axis[1], d[2] - c * axis[2]
 
 
-@inner
+@inlined
 def swing(turn, d, axis, cosine, sine):
     """Turn a vector toward an axis or away from it, and scale it to length 1, where ``turn``."""
     dx, dy, dz = d

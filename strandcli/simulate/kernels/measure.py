@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from ...constants import V, W
+from ...constants import W
 from ...jit import function, parallel, prange
 from . import contact
-from .simd import get3, greatest, lay, spread
+from .simd import get3, greatest, lay, spread, width
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
@@ -60,7 +60,7 @@ def deepest(positions, b, spheres, capsules, planes, boxes):
     where, balls, pills, flats, cubes = lay(positions), lay(spheres), lay(capsules), lay(planes), lay(boxes)
     most = spread(where, 0.0)
     for i in range(2, rows):
-        for k in range(0, W, V):
+        for k in range(0, W, width(where)):
             x, y, z = get3(where, (b * rows + i) * 3 * W + k, W)
             for m in range(0, spheres.size, spheres.shape[1]):
                 most = max(most, contact.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))

@@ -1,4 +1,4 @@
-"""One implicit step of inextensible rods: force-density Newton on V strands at once, each a lane of a vector.
+"""One implicit step of inextensible rods: force-density Newton on a vector of strands, a lane each.
 
 Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
 move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_j − e_{j−1}, e_{−1} = d at the clamp, and
@@ -18,13 +18,12 @@ keeps the true τ; edges go back to unit length before each iteration, and r is 
 of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly and without any search, for compression cannot run away.
 
-Scratch is flat, in rows of V lanes, a segment's rows together, and small enough for the nearest cache. Two segments of
-zeros before the first and after the last spare the recurrences their special cases.
+Scratch is a heap of vectors, a segment's together, and small enough for the nearest cache. Two segments of zeros before
+the first and after the last spare the recurrences their special cases.
 """
 
 from __future__ import annotations
 
-from ...constants import V
 from ...jit import inner
 from .simd import get, get3, put, put3, root, some, spread, where
 
@@ -37,19 +36,18 @@ FAR = 0.3
 TINY = 1e-30
 MOST = 1e18
 
-# rows of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; inverse pivot of H and bands of −L; r and then
-# δ; the τ that H takes
-FIELDS = 23
-"""An odd number: rows at distances of a power of two would share the lines of the first-level cache."""
-E, U, Y, A, C, T, M, K, DI, N1, N2, R, TH = (i * V for i in (0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21, 22))
-SEGMENT = FIELDS * V
-# rows that belong to the strand, before all segments: where H lost definiteness, by how much the root moved
-HARD, SHIFT = (i * V for i in (0, 1))
-FIRST = 4 * V + 2 * SEGMENT
+# vectors of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; inverse pivot of H and bands of −L; r and
+# then δ; the τ that H takes
+SEGMENT = 23
+"""An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
+E, U, Y, A, C, T, M, K, DI, N1, N2, R, TH = 0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21, 22
+# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved
+HARD, SHIFT = 0, 1
+FIRST = 4 + 2 * SEGMENT
 
 
 def rows_for(n: int) -> int:
-    """Numbers of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
+    """Vectors of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
     return FIRST + (n + 2) * SEGMENT
 
 
@@ -77,7 +75,7 @@ def residual(s, n):
     """y := ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + b_j − b_{j+1}, b_j = κ_j (c_j − c̄_j); the
     edge before the first is the clamped direction."""
     for c in range(3):
-        o = FIRST + c * V
+        o = FIRST + c
         edge = get(s, o + E)
         next = get(s, o + SEGMENT + E)
         b1 = get(s, FIRST + SEGMENT + K) * (next - edge - get(s, o + SEGMENT + C))
@@ -85,7 +83,7 @@ def residual(s, n):
         edge = next
         for j in range(n):
             row = FIRST + j * SEGMENT
-            o = row + c * V
+            o = row + c
             next = get(s, o + 2 * SEGMENT + E)
             b2 = get(s, row + 2 * SEGMENT + K) * (next - edge - get(s, o + 2 * SEGMENT + C))
             g1 = get(s, row + SEGMENT + T) * edge + b1 - b2
@@ -116,7 +114,7 @@ def eliminate(s, n, t):
         p = t1 + k1 + k2
         d = mass + t0 + k0 + 3.0 * k1 + p + m2 * k0 - n1 * w1
         for c in range(3):
-            y = o + Y + c * V
+            y = o + Y + c
             put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
         good = d > MARGIN * mass
         lost = where(good, lost, 1.0)
@@ -142,7 +140,7 @@ def forward(s, n):
         m2 = get(s, o - 2 * SEGMENT + N2)
         n1 = get(s, o - SEGMENT + N1)
         for c in range(3):
-            y = o + Y + c * V
+            y = o + Y + c
             put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
 
 
@@ -155,7 +153,7 @@ def backward(s, n):
         n1 = get(s, o + N1)
         n2 = get(s, o + N2)
         for c in range(3):
-            y = o + Y + c * V
+            y = o + Y + c
             put(s, y, i * get(s, y) + n2 * get(s, y + 2 * SEGMENT) + n1 * get(s, y + SEGMENT))
 
 
@@ -168,14 +166,14 @@ def move(s, n):
     z0 = worst
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + Y, V)
-        ux, uy, uz = get3(s, o + U, V)
-        put3(s, o + U, V, ux + x, uy + y, uz + z)
-        ex, ey, ez = get3(s, o + E, V)
+        x, y, z = get3(s, o + Y, 1)
+        ux, uy, uz = get3(s, o + U, 1)
+        put3(s, o + U, 1, ux + x, uy + y, uz + z)
+        ex, ey, ez = get3(s, o + E, 1)
         ex += x - x0
         ey += y - y0
         ez += z - z0
-        put3(s, o + E, V, ex, ey, ez)
+        put3(s, o + E, 1, ex, ey, ez)
         w = abs(ex * ex + ey * ey + ez * ez - 1.0)
         worst = max(worst, where(w < MOST, w, MOST))  # never NaN
         x0 = x
@@ -194,17 +192,17 @@ def retract(s, n, worst):
     z0 = x0
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         f = where(mine, 1.0 / root(max(x * x + y * y + z * z, TINY)) - 1.0, 0.0)
         dx = x * f
         dy = y * f
         dz = z * f
-        put3(s, o + E, V, x + dx, y + dy, z + dz)
+        put3(s, o + E, 1, x + dx, y + dy, z + dz)
         x0 += dx
         y0 += dy
         z0 += dz
-        ux, uy, uz = get3(s, o + U, V)
-        put3(s, o + U, V, ux + x0, uy + y0, uz + z0)
+        ux, uy, uz = get3(s, o + U, 1)
+        put3(s, o + U, 1, ux + x0, uy + y0, uz + z0)
 
 
 @inner
@@ -215,7 +213,7 @@ def shorten(s, n, most):
     y0 = x0
     z0 = x0
     for j in range(n):
-        x, y, z = get3(s, FIRST + j * SEGMENT + Y, V)
+        x, y, z = get3(s, FIRST + j * SEGMENT + Y, 1)
         dx = x - x0
         dy = y - y0
         dz = z - z0
@@ -226,7 +224,7 @@ def shorten(s, n, most):
     f = min(1.0, most / root(worst))
     for j in range(n):
         for c in range(3):
-            o = FIRST + j * SEGMENT + Y + c * V
+            o = FIRST + j * SEGMENT + Y + c
             put(s, o, get(s, o) * f)
 
 
@@ -235,13 +233,13 @@ def demand(s, n, ahead):
     """r, where ``ahead`` with what the change y in the scratch would add to it."""
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         q = x * x + y * y + z * z
         r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
         if ahead:
             r += x * (get(s, o + Y) - get(s, o - SEGMENT + Y))
-            r += y * (get(s, o + Y + V) - get(s, o - SEGMENT + Y + V))
-            r += z * (get(s, o + Y + 2 * V) - get(s, o - SEGMENT + Y + 2 * V))
+            r += y * (get(s, o + Y + 1) - get(s, o - SEGMENT + Y + 1))
+            r += z * (get(s, o + Y + 2) - get(s, o - SEGMENT + Y + 2))
         put(s, o + R, r)
 
 

@@ -6,7 +6,6 @@ more, of which the lower triangle is used.
 
 from __future__ import annotations
 
-from ...constants import V
 from ...jit import inner
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, T, rows_for
 from .simd import get, get3, put, spread
@@ -17,8 +16,8 @@ PIVOT = 1e-6
 
 
 def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments."""
-    return rows_for(n) + V * n * (n + 3)
+    """Vectors of scratch for ``n`` segments."""
+    return rows_for(n) + n * (n + 3)
 
 
 @inner
@@ -36,8 +35,8 @@ def couple(s, n):
     P_ij = G_ij − G_{i−1,j} off the diagonal, of which S takes one more. Two columns of P are kept, and of G what is
     next to the diagonal: G_jj in p, G_{j+1,j} in q, G_{j+1,j+1} in r."""
     one = FIRST + (n + 2) * SEGMENT
-    two = one + n * V
-    square = one + 2 * n * V
+    two = one + n
+    square = one + 2 * n
     p = get(s, FIRST + (n - 1) * SEGMENT + DI)
     q = spread(s, 0.0)
     r = q
@@ -45,25 +44,25 @@ def couple(s, n):
         o = FIRST + j * SEGMENT
         n1 = get(s, o - SEGMENT + N1)
         n2 = get(s, o - SEGMENT + N2)
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         # the column before: G_{j+1,j−1}, G_{j,j−1}, G_{j−1,j−1}; zero before the first
         f = n1 * q + n2 * r
         g = n1 * p + n2 * q
         h = get(s, o - SEGMENT + DI) + n1 * g + n2 * f
-        put(s, square + (j * n + j) * V, ((p - g) - (g - h)) * max(x * x + y * y + z * z, SHORT))
+        put(s, square + j * n + j, ((p - g) - (g - h)) * max(x * x + y * y + z * z, SHORT))
         if j + 1 < n:
             a = q - p
             b = f - g
-            put(s, one + (j + 1) * V, a)
-            put(s, two + (j + 1) * V, b)
-            ex, ey, ez = get3(s, o + SEGMENT + E, V)
-            put(s, square + ((j + 1) * n + j) * V, (a - b) * (x * ex + y * ey + z * ez))
+            put(s, one + j + 1, a)
+            put(s, two + j + 1, b)
+            ex, ey, ez = get3(s, o + SEGMENT + E, 1)
+            put(s, square + (j + 1) * n + j, (a - b) * (x * ex + y * ey + z * ez))
         for i in range(j + 2, n):
-            a = get(s, one + i * V)
-            b = n1 * a + n2 * get(s, two + i * V)
-            put(s, two + i * V, b)
-            ex, ey, ez = get3(s, FIRST + i * SEGMENT + E, V)
-            put(s, square + (i * n + j) * V, (a - b) * (x * ex + y * ey + z * ez))
+            a = get(s, one + i)
+            b = n1 * a + n2 * get(s, two + i)
+            put(s, two + i, b)
+            ex, ey, ez = get3(s, FIRST + i * SEGMENT + E, 1)
+            put(s, square + i * n + j, (a - b) * (x * ex + y * ey + z * ez))
         one, two = two, one
         r = p
         q = g
@@ -76,37 +75,37 @@ def solve(s, n):
     theorem; a pivot that rounding has taken below a millionth of its entry is raised to that. Below the diagonal
     columns hold L times their pivots."""
     pivots = FIRST + (n + 2) * SEGMENT
-    line = pivots + n * V
-    square = pivots + 2 * n * V
+    line = pivots + n
+    square = pivots + 2 * n
     for j in range(n):
-        row = square + j * n * V
-        d = get(s, row + j * V)
+        row = square + j * n
+        d = get(s, row + j)
         least = max(PIVOT * d, TINY)
         z = get(s, FIRST + j * SEGMENT + R)
         for k in range(j):
-            c = get(s, row + k * V)
-            lower = c * get(s, pivots + k * V)
-            put(s, line + k * V, lower)
+            c = get(s, row + k)
+            lower = c * get(s, pivots + k)
+            put(s, line + k, lower)
             d -= c * lower
             z -= lower * get(s, FIRST + k * SEGMENT + R)
         put(s, FIRST + j * SEGMENT + R, z)
-        put(s, pivots + j * V, 1.0 / max(d, least))
+        put(s, pivots + j, 1.0 / max(d, least))
         # rows two by two, for they share what they read; there is one more than needed
         for i in range(j + 1, n, 2):
-            other = square + i * n * V
-            a = get(s, other + j * V)
-            b = get(s, other + (n + j) * V)
+            other = square + i * n
+            a = get(s, other + j)
+            b = get(s, other + n + j)
             for k in range(j):
-                lower = get(s, line + k * V)
-                a -= get(s, other + k * V) * lower
-                b -= get(s, other + (n + k) * V) * lower
-            put(s, other + j * V, a)
-            put(s, other + (n + j) * V, b)
+                lower = get(s, line + k)
+                a -= get(s, other + k) * lower
+                b -= get(s, other + n + k) * lower
+            put(s, other + j, a)
+            put(s, other + n + j, b)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         x = get(s, o + R)
         for i in range(n - 1, j, -1):
-            x -= get(s, square + (i * n + j) * V) * get(s, FIRST + i * SEGMENT + R)
-        x *= get(s, pivots + j * V)
+            x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)
+        x *= get(s, pivots + j)
         put(s, o + R, x)
         put(s, o + T, get(s, o + T) + x)

@@ -14,18 +14,17 @@ want float64.
 
 from __future__ import annotations
 
-from ...constants import V
 from ...jit import inner
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, M, R, T, rows_for
 from .rod_dense import SHORT
 from .simd import get, get3, put, put3, spread
 
-GAIN = 7 * V
-"""Rows of scratch a segment: the gain, three rows a particle, and what was observed beyond, over its variance."""
+GAIN = 7
+"""Vectors of scratch a segment: the gain, three a particle, and what was observed beyond, over its variance."""
 
 
 def size_for(n: int) -> int:
-    """Numbers of scratch for ``n`` segments."""
+    """Vectors of scratch for ``n`` segments."""
     return rows_for(n) + n * GAIN
 
 
@@ -68,7 +67,7 @@ def observe(s, n):
         ux, uy, uz = p * mx + q * wx, p * my + q * wy, p * mz + q * wz
         wx, wy, wz = mx, my, mz
         # what is observed: the covariance of z with both particles, its variance, and the gain
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         hx = (gxx - axx) * x + (gxy - axy) * y + (gxz - axz) * z
         hy = (gyx - axy) * x + (gyy - ayy) * y + (gyz - ayz) * z
         hz = (gzx - axz) * x + (gzy - ayz) * y + (gzz - azz) * z
@@ -83,9 +82,9 @@ def observe(s, n):
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
         here = FIRST + (n + 2) * SEGMENT + j * GAIN
-        put3(s, here, V, dx, dy, dz)
-        put3(s, here + 3 * V, V, ex, ey, ez)
-        put(s, here + 6 * V, seen * over)
+        put3(s, here, 1, dx, dy, dz)
+        put3(s, here + 3, 1, ex, ey, ez)
+        put(s, here + 6, seen * over)
         mx, my, mz = ux + dx * seen, uy + dy * seen, uz + dz * seen
         wx, wy, wz = wx + ex * seen, wy + ey * seen, wz + ez * seen
         axx -= dx * hx
@@ -113,11 +112,11 @@ def recall(s, n):
     for j in range(n):
         o = FIRST + j * SEGMENT
         here = FIRST + (n + 2) * SEGMENT + j * GAIN
-        dx, dy, dz = get3(s, here, V)
-        ex, ey, ez = get3(s, here + 3 * V, V)
-        change = get(s, here + 6 * V) + (dx * mx + dy * my + dz * mz) + (ex * wx + ey * wy + ez * wz)
+        dx, dy, dz = get3(s, here, 1)
+        ex, ey, ez = get3(s, here + 3, 1)
+        change = get(s, here + 6) + (dx * mx + dy * my + dz * mz) + (ex * wx + ey * wy + ez * wz)
         put(s, o + T, get(s, o + T) + change)
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         x *= change
         y *= change
         z *= change

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ...constants import V
 from ...jit import inner
 from . import rod, rod_dense, rod_long
 from .rod import FIRST, SEGMENT, A, M, T
@@ -62,8 +61,8 @@ def pull(s, n):
         o = FIRST + j * SEGMENT
         mass = get(s, o + M)
         x += mass * get(s, o + A)
-        y += mass * get(s, o + A + V)
-        z += mass * get(s, o + A + 2 * V)
+        y += mass * get(s, o + A + 1)
+        z += mass * get(s, o + A + 2)
         sum += mass
         load = root(x * x + y * y + z * z) - PULLED * sum
         t = get(s, o + T)

@@ -2,16 +2,16 @@
 
 The driver calls `step` from as many threads as it likes, each with scratch of its own; lanes
 are independent, so that the number of threads changes no bit. A loop over `prange` would compile everything three
-times over. V strands move at once, from the first to the last of a step.
+times over. A vector of strands moves at once, from the first to the last of a step.
 """
 
 from __future__ import annotations
 
-from ...constants import V, W
+from ...constants import W
 from ...jit import function, inner
 from . import contact, rod, rod_newton
 from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
-from .simd import get, get3, lay, put, put3, root, some, spread, where
+from .simd import get, get3, heap, lay, put, put3, root, some, spread, where, width
 from .tickets import take
 
 HUGE = 1e18
@@ -60,7 +60,7 @@ def step(
         run(
             lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
             lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
-            lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, lay(scratch),
+            lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, heap(scratch),
             lay(residuals), ticket * SHARE, long, edges.shape[1],
         )  # fmt: skip
         ticket = take(tickets)
@@ -72,9 +72,9 @@ def run(
     directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
     first, long, n,
 ):  # fmt: skip
-    """As `step`, of rows and of the strands from number ``first`` on; V strands at a time."""
+    """As `step`, of rows, and of a ticket's strands from number ``first`` on; a vector of them at a time."""
     b = first // W
-    for strand in range(first, first + SHARE, V):
+    for strand in range(first, first + SHARE, width(scratch)):
         lane = strand - b * W
         tip = b * n * W + lane
         edge = b * n * AXES + lane
@@ -116,10 +116,10 @@ def place_root(s, local, place, roots, directions, pose, delta, positions):
     px, py, pz = rotated(pose, x, y, z)
     put3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
     px, py, pz = rotated(delta, x, y, z)
-    put3(s, SHIFT, V, px + delta[9], py + delta[10], pz + delta[11])
+    put3(s, SHIFT, 1, px + delta[9], py + delta[10], pz + delta[11])
     x, y, z = get3(directions, local, W)
     x, y, z = rotated(pose, x, y, z)
-    put3(s, FIRST - SEGMENT + E, V, x, y, z)
+    put3(s, FIRST - SEGMENT + E, 1, x, y, z)
 
 
 @inner
@@ -131,7 +131,7 @@ def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joi
     heavier = 1 + numbers[7] * h
     stiff = get(stiffness, strand) * (h * h * (1 + damping))
     share = damping / (1 + damping)
-    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, V)
+    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
     put(s, FIRST - SEGMENT + M, mass[0] * heavier)
     for j in range(n):
         o = FIRST + j * SEGMENT
@@ -139,14 +139,14 @@ def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joi
         put(s, o + M, mass[j] * heavier)
         put(s, o + K, stiff * joint[j])
         x, y, z = get3(edges, edge + j * AXES, W)
-        put3(s, o + E, V, x, y, z)
-        put3(s, o + U, V, 0.0, 0.0, 0.0)
-        put3(s, o + C, V, share * (x - x0), share * (y - y0), share * (z - z0))
+        put3(s, o + E, 1, x, y, z)
+        put3(s, o + U, 1, 0.0, 0.0, 0.0)
+        put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
         x0 = x
         y0 = y
         z0 = z
     over = 1.0 / get(lengths, strand)
-    for c in range(0, 3 * V, V):
+    for c in range(3):
         put(s, FIRST + E + c, get(s, FIRST + E + c) - get(s, SHIFT + c) * over)
 
 
@@ -171,7 +171,7 @@ def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers,
                 u = get(moved, row) * third * over + rest * (v + fall)
             else:
                 u = rest * (v + fall)
-            put(s, FIRST + j * SEGMENT + A + c * V, min(max(u, -FARTHEST), FARTHEST))
+            put(s, FIRST + j * SEGMENT + A + c, min(max(u, -FARTHEST), FARTHEST))
 
 
 @inner
@@ -179,17 +179,17 @@ def recall(s, n, edge, bend, edges, bends, pose, damping):
     """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
     the edges as they were before the step."""
     share = 1 / (1 + damping)
-    tx, ty, tz = get3(s, FIRST - SEGMENT + E, V)
+    tx, ty, tz = get3(s, FIRST - SEGMENT + E, 1)
     ax, ay, az = get3(bends, bend, W)
     ax, ay, az = rotated(pose, ax, ay, az)
     for j in range(n):
         u, v, w = get3(bends, bend + (j + 1) * AXES, W)
         o = FIRST + j * SEGMENT + C
-        x, y, z = get3(s, o, V)
+        x, y, z = get3(s, o, 1)
         x += share * (u * tx + v * ax + w * (ty * az - tz * ay))
         y += share * (u * ty + v * ay + w * (tz * ax - tx * az))
         z += share * (u * tz + v * az + w * (tx * ay - ty * ax))
-        put3(s, o, V, x, y, z)
+        put3(s, o, 1, x, y, z)
         ex, ey, ez = get3(edges, edge + j * AXES, W)
         # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
         f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
@@ -228,8 +228,8 @@ def press(s, n, edge, strand, push, lengths, numbers):
     for j in range(n):
         o = FIRST + j * SEGMENT + A
         x, y, z = get3(push, edge + j * AXES, W)
-        ax, ay, az = get3(s, o, V)
-        put3(s, o, V, ax + f * x, ay + f * y, az + f * z)
+        ax, ay, az = get3(s, o, 1)
+        put3(s, o, 1, ax + f * x, ay + f * y, az + f * z)
 
 
 @inner
@@ -257,10 +257,9 @@ def sweep(
     clamp = FIRST - SEGMENT + E
     put3(
         positions, place, W,
-        px - length * get(s, clamp), py - length * get(s, clamp + V), pz - length * get(s, clamp + 2 * V),
+        px - length * get(s, clamp), py - length * get(s, clamp + 1), pz - length * get(s, clamp + 2),
     )  # fmt: skip
-    root_moved = get3(s, SHIFT, V)
-    sum = root_moved
+    sum = get3(s, SHIFT, 1)
     # how far the particle before was put off from where the iterations put it
     dx = spread(s, 0.0)
     dy = dx
@@ -278,7 +277,7 @@ def sweep(
         here = place + (j + 2) * AXES
         o = FIRST + j * SEGMENT
         old = get3(edges, row, W)
-        x, y, z = get3(s, o + E, V)
+        x, y, z = get3(s, o + E, 1)
         x -= dx
         y -= dy
         z -= dz
@@ -315,7 +314,7 @@ def sweep(
                 light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
             vx, vy, vz = get3(velocity, row, W)
             d, force, new = contact.touch(
-                (x, y, z), get3(s, o + SEGMENT + E, V), (px, py, pz), get3(positions, here, W),
+                (x, y, z), get3(s, o + SEGMENT + E, 1), (px, py, pz), get3(positions, here, W),
                 (beat * vx, beat * vy, beat * vz), held, light, length, over, solids, whole, j == 0, numbers[10],
             )  # fmt: skip
             dx += d[0] - x
@@ -334,10 +333,8 @@ def sweep(
         put3(positions, here, W, px, py, pz)
         put3(edges, row, W, x, y, z)
         before_it = sum
-        ux, uy, uz = get3(s, o + U, V)
-        sum = (
-            root_moved[0] + length * (ux + dx), root_moved[1] + length * (uy + dy), root_moved[2] + length * (uz + dz),
-        )  # fmt: skip
+        ux, uy, uz = get3(s, o + U, 1)
+        sum = (length * (ux + dx), length * (uy + dy), length * (uz + dz))
         if some(lost > 0.0):
             sum = (
                 where(lost > 0.0, before_it[0] + length * (x - old[0]), sum[0]),

@@ -1,12 +1,14 @@
-"""Numbers of V strands at once as a type of Numba's own: one LLVM vector, which lives in registers.
+"""Numbers of several strands at once as a type of Numba's own: one LLVM vector, which lives in registers.
 
 Kernels that work a row of lanes at a time through memory depend on what LLVM's loop vectoriser happens to see, and on a
-cache that holds all rows. With this type a kernel is written for one strand, moves V of them, and vectorises always; a
-vector that is wider than the machine's registers takes several.
+cache that holds all rows. With this type a kernel is written for one strand, moves `VECTOR` bytes' worth of them, and
+vectorises always; a vector that is wider than the machine's registers takes several.
 
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
-    rows[o]                     one of them
-    x = get(rows, o)            V of them from place o on
+    pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
+    rows[o]                     a number
+    width(rows)                 how many of them are a vector
+    x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x)
@@ -14,10 +16,10 @@ vector that is wider than the machine's registers takes several.
     some(x < y)                 whether it holds in any lane
     greatest(x), spread(x, 2.0)
 
-Numbers that are not vectors stand for V that are equal. max and min return their first argument where one is NaN that
-comes second, as Numba's do. Rows are no more than a
-address: handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places
-are not checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
+Numbers that are not vectors stand for lanes that are all equal. max and min return their first argument where one is
+NaN that comes second, as Numba's do. Rows are no more than an address: handing them on costs nothing, where an array's
+references are counted, and who calls keeps the array. Places are not checked, and arithmetic is IEEE 754's, so that
+bits are those of scalars.
 """
 
 from __future__ import annotations
@@ -33,41 +35,50 @@ from numba.core.datamodel import models
 from numba.core.extending import intrinsic, lower_builtin, register_model
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
-from ...constants import V
+from ...constants import VECTOR
 from ...jit import inner
 
 
 class Lanes(types.Type):
-    """V floating numbers of one kind."""
+    """A vector of floating numbers."""
 
     def __init__(self, dtype: types.Float) -> None:
         self.dtype = dtype
+        self.mask = Mask(VECTOR * 8 // dtype.bitwidth)
         super().__init__(f"Lanes({dtype})")
 
 
 class Mask(types.Type):
-    """V truth values."""
+    """A vector of truth values."""
 
-    def __init__(self) -> None:
-        super().__init__("Mask")
+    def __init__(self, count: int) -> None:
+        self.count = count
+        super().__init__(f"Mask({count})")
 
 
 class Rows(types.Type):
-    """Numbers in memory."""
+    """Numbers in memory, or vectors of them where ``whole``."""
 
-    def __init__(self, dtype: types.Float) -> None:
-        self.dtype = dtype
-        super().__init__(f"Rows({dtype})")
+    def __init__(self, dtype: types.Float, whole: bool) -> None:
+        self.dtype, self.whole = dtype, whole
+        super().__init__(f"{'Heap' if whole else 'Rows'}({dtype})")
 
 
-MASK = Mask()
-_BITS = ir.VectorType(ir.IntType(1), V)
+def _vector(scalar: Any) -> Any:
+    """LLVM's type for a vector of such numbers."""
+    return ir.VectorType(scalar, VECTOR // (4 if scalar == ir.FloatType() else 8))
 
 
 @register_model(Lanes)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Lanes) -> None:
-        super().__init__(manager, kind, ir.VectorType(manager.lookup(kind.dtype).get_value_type(), V))
+        super().__init__(manager, kind, _vector(manager.lookup(kind.dtype).get_value_type()))
+
+
+@register_model(Mask)
+class _MaskModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Mask) -> None:
+        super().__init__(manager, kind, ir.VectorType(ir.IntType(1), kind.count))
 
 
 @register_model(Rows)
@@ -76,39 +87,25 @@ class _RowsModel(models.PrimitiveModel):
         super().__init__(manager, kind, manager.lookup(kind.dtype).get_value_type().as_pointer())
 
 
-@register_model(Mask)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Mask) -> None:
-        super().__init__(manager, kind, _BITS)
-
-
-def _splat(builder: Any, value: Any) -> Any:
-    """All lanes equal."""
-    one = ir.Constant(ir.IntType(32), 0)
-    wide = ir.VectorType(value.type, V)
-    first = builder.insert_element(ir.Constant(wide, ir.Undefined), value, one)
-    return builder.shuffle_vector(first, ir.Constant(wide, ir.Undefined), ir.Constant(_lanes_of_i32(), None))
-
-
-def _lanes_of_i32() -> Any:
-    return ir.VectorType(ir.IntType(32), V)
-
-
 def _wide(context: Any, builder: Any, value: Any, given: Any, dtype: Any) -> Any:
-    """A lowered argument as a vector."""
+    """A lowered argument as a vector; a number goes to all lanes."""
     if isinstance(given, Lanes):
         return value
-    return _splat(builder, context.cast(builder, value, given, dtype))
+    value = context.cast(builder, value, given, dtype)
+    wide = _vector(value.type)
+    none = ir.Constant(wide, ir.Undefined)
+    first = builder.insert_element(none, value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, none, ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None))
 
 
-def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, result: Any = None) -> None:
+def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, compares: bool = False) -> None:
     """Teach Numba what a Python function is of vectors, or of vectors and numbers."""
 
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             wide = [one for one in args if isinstance(one, Lanes)]
             if len(args) == count and wide and all(isinstance(one, (Lanes, types.Number)) for one in args):
-                return signature(result or wide[0], *args)
+                return signature(wide[0].mask if compares else wide[0], *args)
             return None
 
     infer_global(function)(Template)
@@ -130,7 +127,7 @@ def _call(name: str) -> Callable[..., Any]:
     def emit(builder: Any, x: Any) -> Any:
         width = "f32" if x.type.element == ir.FloatType() else "f64"
         kind = ir.FunctionType(x.type, [x.type])
-        return builder.call(get_or_insert_function(builder.module, kind, f"{name}.v{V}{width}"), [x])
+        return builder.call(get_or_insert_function(builder.module, kind, f"{name}.v{x.type.count}{width}"), [x])
 
     return emit
 
@@ -147,8 +144,8 @@ for _functions, _emit in (
         _define(_function, _emit, 2)
 _SIGNS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
 for _function, _sign in _SIGNS.items():
-    _define(_function, lambda b, x, y, _sign=_sign: b.fcmp_ordered(_sign, x, y), 2, MASK)
-_define(operator.ne, lambda b, x, y: b.fcmp_unordered("!=", x, y), 2, MASK)
+    _define(_function, lambda b, x, y, _sign=_sign: b.fcmp_ordered(_sign, x, y), 2, compares=True)
+_define(operator.ne, lambda b, x, y: b.fcmp_unordered("!=", x, y), 2, compares=True)
 _define(operator.neg, lambda b, x: b.fneg(x), 1)
 _define(abs, _call("llvm.fabs"), 1)
 
@@ -156,7 +153,8 @@ _define(abs, _call("llvm.fabs"), 1)
 def _join(function: Callable[..., Any], emit: Callable[..., Any], count: int) -> None:
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
-            return signature(MASK, *args) if args == (MASK,) * count else None
+            same = len(args) == count and isinstance(args[0], Mask) and len(set(args)) == 1
+            return signature(args[0], *args) if same else None
 
     infer_global(function)(Template)
     lower_builtin(function, *(Mask,) * count)(lambda context, builder, sig, args: emit(builder, *args))
@@ -164,25 +162,32 @@ def _join(function: Callable[..., Any], emit: Callable[..., Any], count: int) ->
 
 _join(operator.and_, lambda b, x, y: b.and_(x, y), 2)
 _join(operator.or_, lambda b, x, y: b.or_(x, y), 2)
-_join(operator.invert, lambda b, x: b.xor(x, ir.Constant(_BITS, [1] * V)), 1)
+_join(operator.invert, lambda b, x: b.xor(x, ir.Constant(x.type, [1] * x.type.count)), 1)
 
 
-@intrinsic
-def lay(typingctx: Any, array: Any) -> Any:
-    """The numbers of a contiguous array."""
-    if not (isinstance(array, types.Array) and array.layout == "C"):
-        return None
+def _address(whole: bool) -> Callable[..., Any]:
+    def typed(typingctx: Any, array: Any) -> Any:
+        if not (isinstance(array, types.Array) and array.layout == "C"):
+            return None
 
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return context.make_array(sig.args[0])(context, builder, value=args[0]).data
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return context.make_array(sig.args[0])(context, builder, value=args[0]).data
 
-    return Rows(array.dtype)(array), emit
+        return Rows(array.dtype, whole)(array), emit
+
+    return typed
+
+
+lay: Any = intrinsic(_address(False))
+"""The numbers of a contiguous array."""
+heap: Any = intrinsic(_address(True))
+"""The vectors of a contiguous array."""
 
 
 @infer_global(operator.getitem)
 class _Item(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if isinstance(args[0], Rows) and isinstance(args[1], types.Integer):
+        if isinstance(args[0], Rows) and not args[0].whole and isinstance(args[1], types.Integer):
             return signature(args[0].dtype, *args)
         return None
 
@@ -192,34 +197,36 @@ def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.load(builder.gep(args[0], [args[1]]))
 
 
-def _here(builder: Any, rows: Any, o: Any) -> Any:
+def _here(builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
     """Pointer to a vector."""
-    wide = ir.VectorType(rows.type.pointee, V)
-    return builder.bitcast(builder.gep(rows, [o]), wide.as_pointer())
+    wide = _vector(rows.type.pointee).as_pointer()
+    if kind.whole:
+        return builder.gep(builder.bitcast(rows, wide), [o])
+    return builder.bitcast(builder.gep(rows, [o]), wide)
 
 
 @intrinsic
 def get(typingctx: Any, rows: Any, o: Any) -> Any:
-    """V numbers from place o on."""
+    """A vector from place o on."""
     if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_here(builder, *args), align=sig.args[0].dtype.bitwidth // 8)
+        return builder.load(_here(builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
 
     return Lanes(rows.dtype)(rows, o), emit
 
 
 @intrinsic
 def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
-    """Keep V numbers from place o on; a plain number is kept V times."""
+    """Keep a vector from place o on; a plain number in all of its lanes."""
     if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = sig.args[0].dtype
-        value = _wide(context, builder, args[2], sig.args[2], kind)
-        builder.store(value, _here(builder, *args[:2]), align=kind.bitwidth // 8)
+        kind = sig.args[0]
+        value = _wide(context, builder, args[2], sig.args[2], kind.dtype)
+        builder.store(value, _here(builder, kind, *args[:2]), align=kind.dtype.bitwidth // 8)
         return context.get_dummy_value()
 
     return types.void(rows, o, x), emit
@@ -237,6 +244,15 @@ def put3(rows, o, stride, x, y, z):
     put(rows, o, x)
     put(rows, o + stride, y)
     put(rows, o + 2 * stride, z)
+
+
+@intrinsic
+def width(typingctx: Any, rows: Any) -> Any:
+    """How many lanes a vector of these rows has."""
+    if not isinstance(rows, Rows):
+        return None
+    count = VECTOR * 8 // rows.dtype.bitwidth
+    return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
 
 
 @intrinsic
@@ -261,8 +277,8 @@ def some(typingctx: Any, mask: Any) -> Any:
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits = builder.bitcast(args[0], ir.IntType(V))
-        return builder.icmp_unsigned("!=", bits, ir.Constant(ir.IntType(V), 0))
+        kind = ir.IntType(sig.args[0].count)
+        return builder.icmp_unsigned("!=", builder.bitcast(args[0], kind), ir.Constant(kind, 0))
 
     return types.boolean(mask), emit
 
@@ -285,7 +301,7 @@ def greatest(typingctx: Any, x: Any) -> Any:
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         lane = ir.IntType(32)
         most = builder.extract_element(args[0], ir.Constant(lane, 0))
-        for i in range(1, V):
+        for i in range(1, args[0].type.count):
             one = builder.extract_element(args[0], ir.Constant(lane, i))
             most = builder.select(builder.fcmp_ordered(">", one, most), one, most)
         return most
@@ -295,7 +311,7 @@ def greatest(typingctx: Any, x: Any) -> Any:
 
 @intrinsic
 def spread(typingctx: Any, like: Any, x: Any) -> Any:
-    """V times the number x, of the kind of numbers that rows or a vector ``like`` hold."""
+    """The number x in all lanes of a vector, of the kind of numbers that rows or a vector ``like`` hold."""
     if not (isinstance(like, (Rows, Lanes)) and isinstance(x, types.Number)):
         return None
 
