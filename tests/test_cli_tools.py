@@ -19,6 +19,7 @@ from strandcli import pipeline, runtime, study
 from strandcli.output import png
 from strandcli.output.compare import write_image
 from strandcli.scene import Scene, list_presets
+from strandcli.study import bench
 
 
 @pytest.fixture
@@ -215,6 +216,17 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert "penetration_max" not in table
     assert run("bench", "--strands", "0").code == 2
     assert run("bench", "--frames", "0").code == 2
+
+
+def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench, "GROWTH", ((20, 4), (10, 8)))
+    data = json.loads(run("bench", "--growth", "--json").out)
+    assert [(row["strands"], row["particles"]) for row in data["growth"]] == [(20, 4), (10, 8)]
+    for row in data["growth"]:
+        assert row["particle_step_ns"] == pytest.approx(row["ms"] * 1e6 / 80)
+    table = run("bench", "--growth").out.splitlines()
+    assert table[0].startswith("thesis, ")
+    assert table[3].split()[:2] == ["20", "4"]
 
 
 def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from test_simulate_rod_motion import first, solver_of
 
 from strandcli.constants import VECTOR
 from strandcli.simulate.kernels import contact
-from strandcli.simulate.kernels.simd import get3, lay, put3, spread
+from strandcli.simulate.kernels.simd import get3, lay, put, spread
 from strandcli.simulate.rod import RodSolver
 
 LANES = VECTOR // 8
@@ -108,21 +108,44 @@ def test_a_ball_that_moves_pushes() -> None:
 
 
 @njit(error_model="numpy")
-def off_ball(given, length, r, out):
-    """The kernel, which has no way in from Python: ``given`` (9, LANES) are the edge's beginning and direction and the
-    ball's centre, ``out`` (3, LANES) the edge turned off it."""
+def radius_for_first_edges(given, length, r, out):
+    """The kernel, which has no way in from Python: ``given`` (6, LANES) are roots as seen from a ball's centre and unit
+    edges, ``out`` (LANES,) how far from the centre their ends are kept."""
     rows = lay(given)
     x, y, z = get3(rows, 0, LANES)
-    dx, dy, dz = get3(rows, 3 * LANES, LANES)
-    ox, oy, oz = get3(rows, 6 * LANES, LANES)
-    d = contact.tangent((x, y, z), (dx, dy, dz), spread(rows, length), ox - x, oy - y, oz - z, r)
-    put3(lay(out), 0, LANES, d[0], d[1], d[2])
+    d = get3(rows, 3 * LANES, LANES)
+    x, y, z = x + length * d[0], y + length * d[1], z + length * d[2]
+    put(lay(out), 0, contact.kept_from(x, y, z, r, d, d, spread(rows, length), True, True))
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:
-    given = np.zeros((9, LANES))
+    given = np.zeros((6, LANES))
     given[1] = np.resize([1 - 1e-6, 1.0, 1 + 1e-6], LANES)
     given[3:5] = [[0.8], [-0.6]]
-    out = np.empty((3, LANES))
-    off_ball(given, 0.3, 1.0, out)
-    np.testing.assert_allclose(out.T, np.tile([1.0, 0.0, 0.0], (LANES, 1)), atol=3e-3)
+    out = np.empty(LANES)
+    radius_for_first_edges(given, 0.3, 1.0, out)
+    np.testing.assert_allclose(out, np.hypot(1.0, 0.3), atol=1e-3)
+
+
+@pytest.mark.parametrize("particles", [11, 31])
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+def test_a_particle_that_is_newly_touched_is_pushed_by_no_more_than_its_own_depth(
+    particles: int, integrator: str
+) -> None:
+    """A limp strand lies on one ball, and another comes by slowly: alone no push moves a particle by as much as a fifth
+    of a segment in a step. (The first ball's push says nothing of what a push at the second one does.)"""
+    keys = [{"time": 2, "position": [0.62, -0.9, 0.2], "ease": "linear"}, {"time": 4, "position": [0.62, -0.9, -0.2]}]
+    solver = against(
+        [ball(0.2, 0.35, -0.25, 0), ball(0.1, 0.62, -0.9, 0.2, keys=keys)],
+        1e4,
+        **{"emitter.strands": 4, "emitter.jitter": 0, "emitter.particles": particles},
+        **{"rod.integrator": integrator, "rod.drag": 2.0},
+    )
+    dt, worst, both = 1 / 240, 0.0, 0
+    for i in range(960):
+        solver.step((i + 1) * dt, dt)
+        push = np.linalg.norm(solver.push[0].reshape(particles - 1, 3, -1)[:, :, 0].astype(float), axis=1)
+        worst = max(worst, push.max() * dt**2 * (particles - 1))
+        both += bool(push.any() and np.ptp(np.flatnonzero(push)) > 3)
+    assert both > 100  # pushed at places that are far from each other
+    assert worst < 0.2

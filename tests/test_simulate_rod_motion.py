@@ -120,6 +120,20 @@ def moving(gamma: float, keys: list[dict[str, Any]], **changes: Any) -> RodSolve
     return solver_of(scene(gamma, rules=rules, **changes))
 
 
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+def test_a_strand_falls_in_a_moving_frame_as_in_one_at_rest(integrator: str) -> None:
+    """Roots at a steady speed change nothing but where everything is: Galileo's principle."""
+    keys = [{"time": 0, "position": [0, 0, 0], "ease": "linear"}, {"time": 4, "position": [2.4, 0, 1.6]}]
+    settings = {**FREE, "rod.integrator": integrator, "rod.precision": "double", "emitter.strands": 1}
+    still = moving(10.0, [{"time": 0}], **settings)
+    carried = moving(10.0, keys, **settings)
+    carried.velocity[...] = np.repeat([0.6, 0.0, 0.4], carried.velocity.shape[-1] // 3)
+    for i in range(60):
+        for solver in (still, carried):
+            solver.step((i + 1) / 60, 1 / 60)
+    np.testing.assert_allclose(first(carried) - first(carried)[0], first(still), atol=1e-6)
+
+
 def test_a_teleport_carries_the_shape_along() -> None:
     keys = [{"time": 0}, {"time": 1.0}, {"time": 1.0001, "position": [100, 0, 0]}, {"time": 9, "position": [100, 0, 0]}]
     solver = moving(10.0, keys)

@@ -29,6 +29,7 @@ from .progress import Progress
     help="How finely the scene is drawn; preset: as it is written.",
 )
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
+@click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(
@@ -39,6 +40,7 @@ def command(
     solver: str,
     quality: str,
     level: int | None,
+    growth: bool,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -56,21 +58,25 @@ def command(
         runtime.start(threads, progress.note)
         from ..study import bench
 
-        data = bench.run(
-            strands=strands,
-            particles=particles,
-            frames=frames,
-            size=size,
-            threads=threads,
-            solver=solver,
-            quality=quality,
-            level=level,
-            notify=progress.note,
-        )
+        if growth:
+            rows = bench.time_growth(solver, progress.note)
+            data = {"solver": solver, "growth": rows, "machine": runtime.machine()}
+        else:
+            data = bench.run(
+                strands=strands,
+                particles=particles,
+                frames=frames,
+                size=size,
+                threads=threads,
+                solver=solver,
+                quality=quality,
+                level=level,
+                notify=progress.note,
+            )
     if as_json:
         options.print_json(data)
     elif not quiet:
-        click.echo(table(data))
+        click.echo(growth_table(data) if growth else table(data))
 
 
 def table(data: Mapping[str, Any]) -> str:
@@ -101,6 +107,17 @@ def table(data: Mapping[str, Any]) -> str:
         if value is not None:
             lines.append(f"{name:<20}{value:>14.3g}")
     lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
+    return "\n".join(lines)
+
+
+def growth_table(data: Mapping[str, Any]) -> str:
+    """A row a size: what a step takes, and a particle of it."""
+    lines = [f"{data['solver']}, {data['machine']['threads']} threads", ""]
+    lines.append(f"{'strands':>10}{'particles':>12}{'ms a step':>12}{'ns a particle':>16}")
+    for row in data["growth"]:
+        lines.append(
+            f"{row['strands']:>10,}{row['particles']:>12,}{row['ms']:>12.2f}{row['particle_step_ns']:>16.1f}"
+        )
     return "\n".join(lines)
 
 

@@ -28,6 +28,12 @@ Notify = Callable[[str], None]
 QUALITY = ("preset", *QUALITIES)
 """The headline scene as it is written, and by the table of `scene.quality`."""
 
+GROWTH = (
+    *((strands, 10) for strands in (1_000, 10_000, 100_000, 1_000_000)),
+    *((max(100_000 // particles, 512), particles) for particles in (5, 10, 20, 21, 50, 100, 200, 500, 1_000)),
+)
+"""Strands and particles a strand that `time_growth` measures."""
+
 
 def run(
     strands: int = 10_000,
@@ -121,6 +127,28 @@ def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, flo
     solver = ThesisSolver(scene, emit(scene.emitter, scene.seed))
     took = median_seconds(lambda j: solver.step(j / 60, 1 / 60), repeats)
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
+
+
+def time_growth(solver: str, notify: Notify | None = None, repeats: int = 5) -> list[dict[str, float]]:
+    """How the cost of a particle and step grows with strands, of 10 particles each, and with the particles of a strand,
+    at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place."""
+    from ..groom.emit import emit
+    from ..simulate import solver_of
+
+    rows = []
+    for strands, particles in GROWTH:
+        if notify is not None:
+            notify(f"{strands:,} strands x {particles:,} particles")
+        settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
+        scene = load("headline", settings=settings)
+        one = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
+        one.advance(1)
+        took = median_seconds(lambda j, one=one: one.advance(j + 2), repeats)  # type: ignore[misc]
+        rows.append(
+            {"strands": strands, "particles": particles, "ms": 1e3 * took,
+             "particle_step_ns": 1e9 * took / (strands * particles)}
+        )  # fmt: skip
+    return rows
 
 
 def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:

@@ -205,15 +205,12 @@ def deeper(one, other):
 
 
 @inner
-def cut_off(boxes, m, x, y, z, found, edge, next, length, first):
-    """What has been found for a particle in a box, or where that is outside, its edges' way out."""
-    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], length * (1.0 if first else 0.5))
-    on = cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length)
-    way = deeper(back, on)
-    out = found[0] <= 0.0
-    if some(out & (way[0] > 0.0)):
-        found = deeper((where(out, way[0], -1.0 / TINY), way[1], way[2], way[3]), found)
-    return found
+def past_edge(boxes, m, x, y, z, under, edge, next, lever, length):
+    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are."""
+    out = under[0] <= 0.0
+    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
+    depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
+    return deeper((where(out & (depth > 0.0), depth, -1.0 / TINY), nx, ny, nz), under)
 
 
 @inlined
@@ -258,11 +255,10 @@ def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
             round = where(d > most, 0.0, round)
             most = max(most, d)
     for m in range(0, last_box, BOX):
-        faced = face(boxes, m, x, y, z)
-        if some(faced[0] + lever > most):
+        d, ox, oy, oz = face(boxes, m, x, y, z)
+        if some(d + lever > most):
             if whole:
-                faced = cut_off(boxes, m, x, y, z, faced, edge, next, length, first)
-            d, ox, oy, oz = faced
+                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length)
             level = d + x * ox + y * oy + z * oz
             found = choose(d > most, (ox, oy, oz, level, *motion(boxes, m + 16, old)), found)
             round = where(d > most, 0.0, round)

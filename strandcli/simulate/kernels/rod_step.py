@@ -259,8 +259,7 @@ def sweep(
         positions, place, W,
         px - length * get(s, clamp), py - length * get(s, clamp + 1), pz - length * get(s, clamp + 2),
     )  # fmt: skip
-    root_moved = get3(s, SHIFT, 1)
-    sum = root_moved
+    sum = get3(s, SHIFT, 1)
     # how far the particle before was put off from where the iterations put it
     dx = spread(s, 0.0)
     dy = dx
@@ -335,9 +334,7 @@ def sweep(
         put3(edges, row, W, x, y, z)
         before_it = sum
         ux, uy, uz = get3(s, o + U, 1)
-        sum = (
-            root_moved[0] + length * (ux + dx), root_moved[1] + length * (uy + dy), root_moved[2] + length * (uz + dz),
-        )  # fmt: skip
+        sum = (length * (ux + dx), length * (uy + dy), length * (uz + dz))
         if some(lost > 0.0):
             sum = (
                 where(lost > 0.0, before_it[0] + length * (x - old[0]), sum[0]),

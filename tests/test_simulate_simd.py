@@ -1,0 +1,102 @@
+"""Vectors of lanes against NumPy, number by number, in both precisions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from strandcli.constants import VECTOR
+from strandcli.simulate.kernels.simd import (
+    get,
+    get3,
+    greatest,
+    heap,
+    lay,
+    put,
+    put3,
+    root,
+    some,
+    spread,
+    where,
+    width,
+)  # fmt: skip
+from strandcli.simulate.kernels.tickets import take
+
+
+@njit(error_model="numpy")
+def kernel(given, out):
+    """out: a row for each of the things that vectors can do."""
+    rows, to = lay(given), heap(out)
+    count = width(rows)
+    x, y, z = get3(rows, 0, count)
+    x += 1
+    put(to, 0, x * y - z / 2.0)
+    put3(to, 1, 1, -x, abs(z), root(abs(y)))
+    put(to, 4, max(x, y))
+    put(to, 5, min(y, x))
+    put(to, 6, where((x < y) & ~(y <= 0.5) | (x != x), y, 7.0))
+    put(to, 7, 1)
+    put(to, 8, spread(x, rows[2]))
+    put(to, 9, max(min(x, 0.25), -0.25))
+    return some(x > 1e9), some(z > 0.0), greatest(where(x > y, x, y)), get(rows, 3)
+
+
+@njit
+def sums(given):
+    """A vector from a place that is not a multiple of its length."""
+    rows = lay(given)
+    return greatest(get(rows, 3)), width(rows)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_lanes_are_numbers(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize
+    given = np.random.default_rng(3).normal(size=(3, count)).astype(dtype)
+    out = np.zeros((10, count), dtype)
+    high, some_positive, most = without_vector(given, out)
+    x, y, z = given[0] + dtype(1), given[1], given[2]
+    expected = [
+        x * y - z / dtype(2), -x, abs(z), np.sqrt(abs(y)), np.maximum(x, y), np.minimum(x, y),
+        np.where((x < y) & (y > 0.5), y, dtype(7)), np.ones_like(x), np.full_like(x, given.flat[2]),
+        np.clip(x, dtype(-0.25), dtype(0.25)),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(out, np.array(expected))
+    assert not high
+    assert some_positive == (z > 0).any()
+    assert most == np.maximum(x, y).max()
+    assert sums(given) == (given.ravel()[3 : 3 + count].max(), count)
+
+
+@njit(error_model="numpy")
+def without_vector(given, out):
+    """`kernel`, without the vector, which has no way out to Python."""
+    a, b, c, _ = kernel(given, out)
+    return a, b, c
+
+
+def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:
+    count = VECTOR // 8
+    given = np.full((3, count), 2.0)
+    out = np.zeros((10, count))
+    given[1, 0] = np.nan
+    without_vector(given, out)
+    assert out[4, 0] == 3.0  # max(x, NaN)
+    assert np.isnan(out[5, 0])  # min(NaN, x)
+
+
+@njit
+def draw(tickets, times):
+    """The last of so many tickets."""
+    last = -1
+    for _ in range(times):
+        last = take(tickets)
+    return last
+
+
+def test_tickets_are_taken_one_by_one() -> None:
+    tickets = np.array([5, 100])
+    assert draw(tickets, 3) == 7
+    assert tickets.tolist() == [8, 100]
