@@ -7,13 +7,14 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures claims study bench stress golden golden-update check-against-mitsuba clean help
+.PHONY: demo test lint types check figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
+	@echo "make gallery    the presets large and fine: out/gallery, some minutes"
 	@echo "make claims     what the thesis claims, measured on this machine"
 	@echo "make study      every solver against exact solutions: out/study"
 	@echo "make bench      time every stage of a frame"
@@ -43,6 +44,14 @@ figures: $(READY)
 	  $(RUN) render $$name -o out/$$name --overwrite --quiet || exit $$?; echo "$$name"; \
 	done
 	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 2 --width 900 --overwrite
+
+GALLERY = hair-6 portrait-1 ponytail-20 fur-12 grass-12
+
+gallery: $(READY)
+	@for shot in $(GALLERY); do \
+	  $(RUN) render $${shot%-*} -f $${shot#*-} --size 1600x1200 -o out/gallery/$${shot%-*} \
+	    --overwrite --quiet || exit $$?; echo "out/gallery/$${shot%-*}"; \
+	done
 
 claims: $(READY)
 	$(RUN) claims

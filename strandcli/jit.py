@@ -12,7 +12,7 @@ runtime.start_once()
 
 from numba import njit, prange  # noqa: E402
 
-__all__ = ["function", "parallel", "prange"]
+__all__ = ["function", "inlined", "inner", "parallel", "prange"]
 
 parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 """A kernel that a driver calls: its loops run on all threads."""

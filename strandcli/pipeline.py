@@ -61,6 +61,9 @@ def render(
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
         raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
     runtime.start(threads, notify)
+    trouble = runtime.cache_trouble()
+    if warn is not None and trouble is not None:
+        warn(trouble)
     if scene.panels:
         from .panels import side_by_side
 
@@ -233,16 +236,20 @@ class _Film:
 
     def _sound(self, frame: Frame, before: NDArray[np.float32] | None) -> _Begun:
         """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
-        from .draw.detail import drawn_fraction
+        from .draw.detail import needed
         from .simulate.health import drawable
 
         solver, strands = self.solver, self.groom.strands
-        share = drawn_fraction(self.scene, (frame.number - 1) / self.scene.time.fps)[0]
-        first = min(max(round(self.scene.emitter.strands * share), 1), strands)
+        guiding = self.scene.children is not None
+        first = strands if guiding else min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
         kept = np.flatnonzero(drawable(solver)[:first])
         if not len(kept):
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
         frame.report["counts"]["left_out"] = first - len(kept)
+        if guiding:  # children leave out the strands that follow one that is no number
+            marked = np.full((strands, solver.positions.shape[1], 3), np.nan, np.float32)
+            marked[kept] = unpack(solver.positions, strands)[kept]
+            return _Begun(frame, pack(marked), solver.lengths, self.groom.tones, None)
         positions = pack(unpack(solver.positions, strands)[kept])
         lengths = lanes(solver.lengths.reshape(-1)[kept, None])
         if before is not None:

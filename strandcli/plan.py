@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .constants import FRAGMENT_BYTES, FRAGMENTS, PORTION, W
-from .draw.detail import drawn_fraction
+from .draw.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
 from .simulate.rules import idle, registry
@@ -71,9 +71,12 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
 
 
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
-    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made."""
-    most = max((drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
-    return max(round(scene.emitter.strands * most), 1)
+    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made,
+    unless it guides others."""
+    if scene.children is not None:
+        return scene.emitter.strands
+    counts = (needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
+    return max(counts, default=scene.emitter.strands)
 
 
 def require_memory(plan: Plan) -> None:
@@ -134,10 +137,13 @@ def _motion(plan: Plan, scene: Scene, frames: Sequence[int], draw: bool) -> None
 
 def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     use, skip = plan.used.append, plan.left_out.append
-    n = scene.emitter.particles
     curves = scene.curves
     pieces = 1 if curves.mode == "off" else 2**curves.level
-    plan.segments_max = plan.strands * (n - 1) * pieces
+    if scene.children is None:
+        skip(Stage("children", "the strands that are simulated are drawn"))
+    else:
+        use(Stage("children", f"{scene.drawn_strands} strands are drawn about {plan.strands}"))
+    plan.segments_max = _drawn(plan, scene) * (drawn_particles(scene) - 1) * pieces
     width, height = scene.image.drawn
     plan.pixels = width * height
     plan.samples = plan.pixels * scene.image.supersample**2
@@ -146,7 +152,7 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     elif curves.mode == "fixed":
         use(Stage("curves", f"each segment becomes {pieces} pieces"))
     else:
-        use(Stage("curves", f"up to {pieces} pieces a segment, within {curves.tolerance:g} px"))
+        use(Stage("curves", f"within {curves.tolerance:g} px where {pieces} pieces a segment are enough, else so many"))
         if not needs_shadow_maps(scene):
             skip(Stage("curves off the screen", "no shadow map needs them"))
     lit = [light for light in scene.lights if light.intensity > 0 and any(light.colour)]
@@ -178,13 +184,14 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         use(Stage("solids", f"{len(visible)} to draw, to hide strands and to cast shadows"))
     else:
         skip(Stage("solids", "there are none to see"))
-    fractions = [drawn_fraction(scene, (frame - 1) / scene.time.fps)[0] for frame in frames]
+    fractions = [shares(scene, (frame - 1) / scene.time.fps)[0] for frame in frames]
     if scene.detail is None:
         skip(Stage("level of detail", "the preset has none"))
     elif min(fractions, default=1.0) < 1:
-        use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands"))
+        use(Stage("level of detail", f"down to {min(fractions):.3g} of the strands where they are farthest"))
     else:
-        skip(Stage("level of detail", "every frame is near"))
+        blind = scene.detail.near is None and scene.material.width == 0
+        skip(Stage("level of detail", "lines have no width, and no near is given" if blind else "every frame is near"))
     resolver = scene.image.resolver
     held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
     if resolver == "zbuffer":
@@ -218,6 +225,17 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         skip(Stage("layers", "image.aovs is empty"))
 
 
+def drawn_particles(scene: Scene) -> int:
+    """Particles of a strand as it is drawn."""
+    n = scene.emitter.particles
+    return n if scene.children is None else (n - 1) * scene.children.steps(scene.emitter.segment) + 1
+
+
+def _drawn(plan: Plan, scene: Scene) -> int:
+    """Strands that are drawn at the most."""
+    return plan.strands if scene.children is None else scene.drawn_strands
+
+
 def needs_shadow_maps(scene: Scene) -> bool:
     """Whether any light has a shadow map."""
     return any(light.shadow.model != "off" and light.intensity > 0 and any(light.colour) for light in scene.lights)
@@ -242,13 +260,17 @@ def _memory(plan: Plan, scene: Scene, draw: bool) -> int:
 
 
 def _picture_bytes(plan: Plan, scene: Scene) -> int:
-    per_strand = plan.segments_max // max(plan.strands, 1) + 1
-    vertices = plan.strands * per_strand
+    strands, n = _drawn(plan, scene), drawn_particles(scene)
+    per_strand = plan.segments_max // max(strands, 1) + 1
+    vertices = strands * per_strand
     if scene.image.resolver == "zbuffer":
         vertices = min(vertices, PORTION + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
     total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
-    total += plan.strands * (8 + 8 + 2 * (scene.emitter.particles - 1) + 4 + 8 + 32)
+    total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+    if scene.children is not None:  # the guides as finely, the strands, and what they follow
+        levels, waves = len(scene.children.clumps), len(scene.children.waves)
+        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             deep = 4 * (one.shadow.layers + 3) if one.shadow.model == "opacity" else 0

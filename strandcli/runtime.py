@@ -22,9 +22,14 @@ from typing import Any
 from . import __version__
 from .errors import UsageError
 
+SPINS = "30000"
+"""How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which
+another process could have run: beside a busy one, small frames took 3 to 40 times as long. Less than this and
+every step of a small simulation waits for a thread to wake up."""
+
 _state: dict[str, Any] = {
     "folder": None,
-    "temporary": False,
+    "trouble": None,
     "compile_seconds": 0.0,
     "depth": 0,
     "began": 0.0,
@@ -42,6 +47,8 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
     if _state["folder"] is None:
         _state["folder"] = _writable_folder()
         os.environ["NUMBA_CACHE_DIR"] = str(_state["folder"])
+        if "OMP_WAIT_POLICY" not in os.environ:  # read once, when OpenMP's library is loaded
+            os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
         if "numba" in sys.modules:
             sys.modules["numba"].config.CACHE_DIR = str(_state["folder"])
         _watch()
@@ -70,7 +77,14 @@ def cache_folder() -> Path:
 def shared_folder() -> Path | None:
     """That folder where other processes find it again, None where it is a temporary one of this process."""
     folder = cache_folder()
-    return None if _state["temporary"] else folder
+    return None if _state["trouble"] else folder
+
+
+def cache_trouble() -> str | None:
+    """What keeps compiled kernels from being kept for the next run, and what to do about it; None where they are."""
+    start_once()
+    trouble: str | None = _state["trouble"]
+    return trouble
 
 
 @contextmanager
@@ -135,9 +149,12 @@ def _writable_folder() -> Path:
             pass
         os.utime(folder)
         _forget_old(base, keep=folder)
-    except OSError:
+    except OSError as error:
+        _state["trouble"] = (
+            f"{folder}: compiled kernels cannot be kept there ({error.strerror or error}): every run will compile "
+            "anew; point STRANDCLI_CACHE_DIR at a folder that can be written"
+        )
         folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
-        _state["temporary"] = True
         import atexit
 
         atexit.register(shutil.rmtree, folder, ignore_errors=True)

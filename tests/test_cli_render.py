@@ -139,12 +139,16 @@ def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> N
     assert run("render", "tiny.yaml", "-o", "b", "-f", "2-4", "--from-cache", "p").code == 0
     assert hashes("a") == hashes("b")
     assert report("b")["frames"][0]["seconds"]["simulate"] is None
+    assert run("render", "tiny.yaml", "-o", "all", "--from-cache", "p").code == 0  # what there is, without -f
+    assert [frame["frame"] for frame in report("all")["frames"]] == [1, 2, 3, 4]
+    assert run("render", "tiny.yaml", "-o", "m", "--from-cache", "p", "--set", "time.frames=3").code == 0
+    assert [frame["frame"] for frame in report("m")["frames"]] == [1, 2, 3]
     lost = run("render", "tiny.yaml", "-o", "c", "-f", "3-6", "--from-cache", "p")
     assert lost.code == 2
     assert "no positions for frames 5, 6" in lost.error()
     assert not Path("c").exists()
     other = run("render", "tiny.yaml", "-o", "c", "-f", "3", "--from-cache", "p", "--strands", "99")
-    assert "shape (150, 5, 3), but the scene needs (99, 5, 3)" in other.error()
+    assert "shape (150, 5, 3), but the scene has 99 strands of 5 particles; give the preset" in other.error()
     assert run("simulate", "tiny.yaml", "-o", "p", "-f", "1-4").code == 2
     result = run("simulate", "tiny.yaml", "-o", "p", "-f", "1-5", "--resume", "--json")
     assert [entry["frame"] for entry in json.loads(result.out)["frames"]] == [1, 2, 3, 4, 5]

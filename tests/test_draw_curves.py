@@ -210,6 +210,24 @@ def test_a_strand_that_is_seen_in_part_is_kept_whole() -> None:
                 assert np.abs(line - particle).sum(1).min() == 0
 
 
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_a_crop_window_aside_keeps_as_few_strands_as_one_in_the_middle(kind: str) -> None:
+    """What it shows, and hardly more: strands on the other side of the axis are left out."""
+    strands = Strands(4000, 3, seed=7, scale=0.1)
+    strands.p[:, :, :2] *= 12  # a wide sheet of short strands
+    strands.p[:, 1:] = strands.p[:, :1] + (strands.p[:, 1:] - strands.p[:, :1]) / 12
+    view = camera_view(Camera(kind=kind, position=(0.0, 0.0, 4.0), fov=40.0, height=2.5), 0.0, 400, 300, BOX)
+    middle = np.array([project(view, points)[0].mean(0) for points in strands.p])
+    for corner in ([0, 0], [300, 0], [0, 230], [300, 230], [150, 115]):
+        window = view.cropped(*corner, 100, 70)
+        kept = np.diff(strands.flat(Curves(mode="adaptive", level=1), window, keep_unseen=False).first) > 0
+        inside = ((middle > corner) & (middle < np.add(corner, [100, 70]))).all(1)
+        near = ((middle > np.subtract(corner, 25)) & (middle < np.add(corner, [125, 95]))).all(1)
+        assert inside.sum() > 50
+        assert kept[inside].all()
+        assert not kept[~near].any()
+
+
 def test_coincident_particles_and_single_segments_give_numbers() -> None:
     strands = Strands(10, 4)
     strands.p[:5] = strands.p[:5, :1]

@@ -46,7 +46,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "place": (project.place, (TABLE, 1, ONE, ONE, ONE)),
     "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
-    "ribbon": (raster.ribbon, (*[ONE] * 7, 0, 8, 8, np.uint64(1), KEYS)),
+    "ribbon": (raster.ribbon, (*[ONE] * 8, 0, 8, 8, np.uint64(1), KEYS)),
     "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow line": (shadow.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
     "through": (shadow.through, (ONE, ONE, ONE)),

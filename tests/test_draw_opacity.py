@@ -11,11 +11,12 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.draw.curves import Polylines
 from strandcli.draw.kernels import opacity
+from strandcli.draw.kernels import shadow as minmax
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import ShadowMaps, Thickness, plan_maps, strand_spacing
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
-from strandcli.study.shadow import error, probe
+from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
 DEEP = Shadow(model="opacity", size=64, layers=13, texel=1e-6)
@@ -48,6 +49,20 @@ def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     packed = pack_lights((light,), maps, BOX)
     x, y, z = np.asarray(point, np.float32)
     return float(opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed))
+
+
+def off_by(
+    lines: Polylines, light: Light, points: np.ndarray, truth: np.ndarray, thickness: Thickness, spacing: float
+) -> np.ndarray:
+    """What a light's map says of the points, less the truth."""
+    bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
+    maps = plan_maps((light,), bounds, Scratch(), thickness, spacing)
+    assert maps is not None
+    maps.build(lines, 1, Scratch())
+    packed = pack_lights((light,), maps, bounds)
+    asked, array = (opacity.transmittance, maps.stacks) if maps.deep else (minmax.transmittance, maps.texels)
+    found = [asked(x, y, z, packed, 0, array, maps.starts, maps.sizes, maps.packed) for x, y, z in np.float32(points)]
+    return np.array(found) - truth
 
 
 def test_a_map_counts_projected_area() -> None:
@@ -150,15 +165,18 @@ def test_spacing_is_the_side_of_a_strands_own_square() -> None:
 def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> None:
     """Mean error under .03 on a groom of three thousand strands; a min/max map is off by more than ten times that."""
     lines = straight(3000, 7)
-    thickness = Thickness(0.008, 0.3)
-    spacing = 0.04
-    probes = probe(lines, light, thickness, spacing, 200, 256)
-    assert 0.1 < probes.truth.mean() < 0.9
-    deep = replace(light, shadow=Shadow(model="opacity"))
-    found = error(lines, deep, probes, thickness, spacing)
-    assert found.mean < 0.03
-    assert abs(found.bias) < 0.015
-    assert error(lines, replace(light, shadow=Shadow(size=128)), probes, thickness, spacing).mean > 0.1
+    thickness, spacing = Thickness(0.008, 0.3), 0.04
+    rng = np.random.default_rng(0)
+    own = rng.integers(0, 3000, 600)
+    vertex, part = 9 * own + rng.integers(0, 8, 600), rng.random((600, 1))
+    points = (1 - part) * lines.world[vertex] + part * lines.world[vertex + 1]
+    truth = transmittance(lines, thickness, light, points, own, bundle(1024, BUNDLE * spacing, rng)).mean(1)
+    assert 0.1 < truth.mean() < 0.9
+    deep = off_by(lines, replace(light, shadow=Shadow(model="opacity")), points, truth, thickness, spacing)
+    assert np.abs(deep).mean() < 0.03
+    assert abs(deep.mean()) < 0.015
+    flat = off_by(lines, replace(light, shadow=Shadow(size=128)), points, truth, thickness, spacing)
+    assert np.abs(flat).mean() > 0.1
 
 
 def test_the_rays_own_answers_are_right() -> None:
@@ -166,13 +184,12 @@ def test_the_rays_own_answers_are_right() -> None:
     world = np.array([[-5, 1, 0], [5, 1, 0], [-1, 0, 0], [1, 0, 0]], np.float32)
     lines = Polylines(np.array([0, 2, 4]), world)
     sun = DirectionalLight(direction=(0, -1, 0))
-    probes = probe(lines, sun, Thickness(0.4), 1.0, 50, 4096)
-    radius = 1.5
-    half = 0.2
+    radius, half = 1.5, 0.2
     covered = 2 * (half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius)) / (math.pi * radius**2)
-    below = probes.own == 1
-    np.testing.assert_allclose(probes.truth[below], 1 - covered, atol=0.01)
-    assert (probes.truth[~below] == 1).all()
+    points, own = np.array([[0.3, 0, 0], [-2.0, 1, 0]]), np.array([1, 0])
+    found = transmittance(lines, Thickness(0.4), sun, points, own, bundle(4096, radius, np.random.default_rng(0)))
+    assert found[0] == pytest.approx(1 - covered, abs=0.01)
+    assert (found[1] == 1).all()
 
 
 PICTURE = """

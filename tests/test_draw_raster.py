@@ -169,6 +169,20 @@ def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: 
     assert np.mean(areas) == pytest.approx(90 * wide, rel=0.02)
 
 
+@pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 90.0, 215.0])
+def test_a_ribbon_narrows_without_steps(angle: float) -> None:
+    """From 14 to 2 pixels: each cut across is as wide as the line is there."""
+    way = 90 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    start = np.array([128.3, 128.6])
+    seen = drawn([np.array([[*start, 0.5], [*(start + way), 0.5]])], 256, 256, [np.array([14.0, 2.0])]) != EMPTY
+    assert seen.sum() == pytest.approx(90 * 8, rel=0.03)
+    y, x = np.nonzero(seen)
+    along = ((np.stack([x, y], 1) + 0.5 - start) @ way) / 90
+    for middle in (20, 45, 70):
+        here = (along > middle - 5) & (along < middle + 5)
+        assert here.sum() / 10 == pytest.approx(14 - 12 * middle / 90, abs=0.9)
+
+
 def test_a_ribbon_holds_the_line_of_one_pixel() -> None:
     rng = np.random.default_rng(6)
     for _ in range(30):

@@ -57,8 +57,8 @@ def test_missing_frames_are_named_before_anything_is_drawn(cache: Path) -> None:
 @pytest.mark.parametrize(
     ("array", "words"),
     [
-        (np.zeros((5, 3, 3), np.float32), r"shape \(5, 3, 3\), but the scene needs \(5, 4, 3\)"),
-        (np.zeros(SHAPE, np.float64), "float64, not float32"),
+        (np.zeros((5, 3, 3), np.float32), r"shape \(5, 3, 3\), but the scene has 5 strands of 4 particles"),
+        (np.zeros(SHAPE, np.float64), "float64, not float32; run 'strandcli simulate' again"),
         (np.zeros(SHAPE, object), "object, not float32"),
     ],
 )

@@ -52,6 +52,24 @@ def test_counts() -> None:
     assert make_plan(scene_of(UNLIT.replace("[elasticity]", "[]")), [9]).steps == 0
 
 
+def test_children_are_counted_with_their_steps() -> None:
+    text = EVERYTHING + "curves: {level: 1}\n"
+    waves = "children: {count: 5, waves: [{length: 0.1}]}\n"
+    plain, few, many = (make_plan(scene_of(text + more), [1]) for more in ("", waves, waves.replace("5", "5000")))
+    assert few.strands == plain.strands == 80
+    scene = scene_of(text + waves)
+    from strandcli.groom.children import Children
+    from strandcli.groom.emit import emit
+
+    steps = Children(scene, emit(scene.emitter, scene.seed)).steps
+    assert steps > 1
+    assert few.segments_max == 5 * 80 * 4 * steps * 2
+    assert "children" in stages(few)[0]
+    assert "children" in stages(plain)[1]
+    # positions of the finer strands alone take 12 bytes a particle
+    assert many.memory_bytes - few.memory_bytes > 4995 * 80 * 12 * (4 * steps + 1)
+
+
 @pytest.mark.parametrize("preroll", [0.0, 0.24, 0.25, 0.26, 1.0])
 def test_steps_are_those_that_the_solver_takes(preroll: float) -> None:
     scene = scene_of(UNLIT + f"time: {{fps: 10, substeps: 2, preroll: {preroll}}}\n")
@@ -126,7 +144,7 @@ def test_reasons_are_told() -> None:
     assert left["level of detail"] == "the preset has none"
     assert left["pre-roll"] == "its time is zero"
     assert left["supersampling"] == "one sample a pixel"
-    assert used["curves"] == "up to 4 pieces a segment, within 0.25 px"
+    assert used["curves"] == "within 0.25 px where 4 pieces a segment are enough, else so many"
     text = UNLIT.replace("size: [20, 16]", "size: [20, 16], supersample: 3") + "time: {preroll: 2}\nlights: []\n"
     used, left = stages(make_plan(scene_of(text + "curves: {mode: 'off'}\n"), [1]))
     assert left["curves"] == "the preset draws straight segments"

@@ -27,16 +27,19 @@ emitter: {strands: 9, particles: 3}
 rules: [gravity, elasticity]
 ''')
 lines = []
-frames = frames_of(scene, 1, 3, draw=False, notify=lines.append)
+warnings = []
+frames = frames_of(scene, 1, 3, draw=False, notify=lines.append, warn=warnings.append)
 print(frames[1].positions.tobytes().hex())
 print(len([line for line in lines if line.startswith("compiling ")]))
 print(runtime.cache_folder())
 print([line for line in lines if "cannot be loaded" in line][:1])
+print(warnings)
 """
 
 
 def run(cache: Path) -> list[str]:
-    """What a small simulation in a process of its own prints: positions, kernels compiled, cache folder, complaint."""
+    """What a small simulation in a process of its own prints: positions, kernels compiled, cache folder, complaint and
+    warnings."""
     env = {**os.environ, "STRANDCLI_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(__file__).parent)}
     done = subprocess.run([sys.executable, "-c", RUN], capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr
@@ -52,7 +55,8 @@ def warm(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
 
 
 def test_kernels_are_compiled_once_and_then_loaded(warm: tuple[Path, list[str]]) -> None:
-    cache, (positions, compiled, folder, complaint, _) = warm
+    cache, (positions, compiled, folder, complaint, warnings, _) = warm
+    assert warnings == "[]"
     assert complaint == "[]"
     assert int(compiled) > 0
     assert Path(folder) == cache / f"{__version__}-{runtime.source_hash()}"
@@ -81,11 +85,13 @@ def test_truncated_cache_files_are_compiled_anew(warm: tuple[Path, list[str]], p
 def test_a_folder_that_cannot_be_written_stops_nothing(warm: tuple[Path, list[str]], tmp_path: Path) -> None:
     """Here because a file stands in its place; the kernels then live in a temporary folder as long as the process."""
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
-    positions, compiled, folder, _, _ = run(tmp_path / "file" / "cache")
+    positions, compiled, folder, _, warnings, _ = run(tmp_path / "file" / "cache")
     assert positions == warm[1][0]
     assert int(compiled) > 0
     assert tmp_path not in Path(folder).parents
     assert not Path(folder).exists()
+    assert f"{tmp_path / 'file' / 'cache'}" in warnings
+    assert "every run will compile anew; point STRANDCLI_CACHE_DIR at" in warnings
     assert (tmp_path / "file").read_text(encoding="utf-8") == "not a folder"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from scene_kit import RULES
+from scene_kit import RULES, complaint, scene
 
 from strandcli.errors import UsageError
 from strandcli.scene import Scene, library, load
@@ -417,3 +417,13 @@ def test_the_hash_tells_scenes_apart() -> None:
     write("p.yaml", "extends: base.yaml\n\n")
     found.add(sha())
     assert len(found) == 8
+
+
+def test_locks_are_listed_from_wide_to_narrow() -> None:
+    line = complaint("children:\n  clumps:\n    - {size: 0.01}\n    - {size: 0.02}\n")
+    assert line.startswith("p.yaml:4:")
+    assert "children.clumps.1.size" in line
+    assert "from wide to narrow" in line
+    assert [clump.size for clump in scene("children: {clumps: [{size: 0.02}, {size: 0.01}]}").children.clumps] == [
+        0.02, 0.01
+    ]  # fmt: skip

@@ -19,7 +19,9 @@ def test_a_quality_sets_its_settings(name: str) -> None:
     scene = strandcli.load("hair", overrides=[f"quality={name}"])
     assert scene.quality == name
     wanted = settings_for(name, scene)
-    assert set(wanted) >= {"curves.level", "curves.tolerance", "image.supersample"}
+    assert set(wanted) >= {"curves.level", "curves.tolerance", "image.supersample", "image.resolver"}
+    for light, plain in zip(scene.lights, strandcli.load("hair").lights, strict=True):
+        assert light.shadow.model == ("off" if plain.shadow.model == "off" else "opacity")
     for path, value in wanted.items():
         assert value_at(scene, path) == value
 
@@ -41,6 +43,12 @@ def test_what_stands_beside_it_in_a_file_wins_and_what_is_extended_does_not(tmp_
     path.write_text(TEXT.replace("best", "bets"))
     with pytest.raises(StrandError, match="bets"):
         strandcli.load(str(path))
+
+
+def test_a_look_keeps_what_it_fixes() -> None:
+    scene = strandcli.load("headline", overrides=["quality=best", "look=source"])
+    assert (scene.image.resolver, scene.lights[0].shadow.model) == ("zbuffer", "minmax")
+    assert scene.image.supersample == QUALITIES["best"]["image.supersample"]
 
 
 def test_no_quality_changes_nothing() -> None:

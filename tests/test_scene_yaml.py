@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+from unittest.mock import patch
+
 import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 from scene_kit import RULES, complaint, complaints, error_of, scene
 
 from strandcli.errors import UsageError
-from strandcli.scene import SceneError, load
+from strandcli.scene import SceneError, load, yaml_source
+from strandcli.scene.nodes import ListNode, MapNode, Node
 from strandcli.scene.yaml_source import DEEPEST, LARGEST_FILE, read
 
 
@@ -244,3 +251,32 @@ def test_all_of_it_is_a_usage_error(tmp_path) -> None:  # type: ignore[no-untype
     with pytest.raises(UsageError) as caught:
         load(path, rules=RULES)
     assert caught.value.exit_code == 2
+
+
+def leaves(node: Node) -> Any:
+    """A tree as plain values: texts with whether they are plain, and all marks."""
+    if isinstance(node, MapNode):
+        return {key: (entry.mark, leaves(entry.node)) for key, entry in node.entries.items()}
+    if isinstance(node, ListNode):
+        return [node.mark, *(leaves(item) for item in node.items)]
+    return node.text, node.plain, node.mark
+
+
+@given(st.lists(st.dictionaries(st.text("abc:#'\" é-", max_size=5), st.integers() | st.text(max_size=8)), max_size=6))
+def test_the_parser_of_long_texts_finds_the_same_tree(value: list[Any]) -> None:
+    data = yaml.safe_dump({"key": value}, allow_unicode=True).encode()
+    with patch.object(yaml_source, "LONG", 0):
+        tree, faults = read(data, "f.yaml")
+    same, none = read(data, "f.yaml")
+    assert leaves(tree) == leaves(same)
+    assert faults == none
+
+
+def test_a_long_text_with_a_fault_is_told_as_a_short_one_is() -> None:
+    lines = "- [1, 2]\n" * 20_000
+    with pytest.raises(SceneError) as caught:
+        read(f"a:\n{lines}- [1, 2\nb: 3\n".encode(), "f.yaml")
+    with pytest.raises(SceneError) as short:
+        read(b"a:\n- [1, 2\nb: 3\n", "f.yaml")
+    assert str(caught.value).partition(": ")[2] == str(short.value).partition(": ")[2]
+    assert str(caught.value).startswith("f.yaml:20003:")

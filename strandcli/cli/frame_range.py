@@ -10,7 +10,7 @@ import click
 
 from ..errors import UsageError
 
-_PART = re.compile(r"([0-9]{1,7})(?:-([0-9]{1,7})(?:x([0-9]{1,7}))?)?")
+_PART = re.compile(r"([0-9]{1,18})(?:-([0-9]{1,18})(?:x([0-9]{1,18}))?)?")
 MOST_PARTS = 10_000
 
 

@@ -157,11 +157,21 @@ def load_scene(
     return strandcli.load(preset, overrides=overrides, settings=settings)
 
 
-def frame_numbers(frames: FrameRange | None, scene: Scene) -> tuple[int, ...]:
-    """The frames asked for, or all of the film's."""
-    if frames is None:
-        return tuple(range(1, scene.time.frames + 1))
-    return frames.within(scene.time.frames)
+def frame_numbers(frames: FrameRange | None, scene: Scene, from_cache: Path | None = None) -> tuple[int, ...]:
+    """The frames asked for, or all of the film's; of the folder of --from-cache, all that it can show."""
+    if frames is not None:
+        return frames.within(scene.time.frames)
+    numbers = tuple(range(1, scene.time.frames + 1))
+    if from_cache is None:
+        return numbers
+    from ..output.positions import cached_frames
+
+    there = set(cached_frames(from_cache))
+    before = 1 if scene.camera.shutter > 0 else 0  # what moves is drawn between two frames
+    found = tuple(f for f in numbers if f in there and (f == 1 or f - before in there))
+    if not found:
+        raise UsageError(f"{from_cache}: has positions for none of the frames 1 to {scene.time.frames} of the preset")
+    return found
 
 
 def picture_size(scene: Scene) -> tuple[int, int]:

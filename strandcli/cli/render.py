@@ -106,7 +106,7 @@ def command(
         scene_settings["overrides"] += chosen
         scene = options.load_scene(preset, **scene_settings)
     scene = _with_layers(scene, exr)
-    numbers = options.frame_numbers(frames, scene)
+    numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import make_plan, require_memory
 

@@ -1,11 +1,14 @@
 """Layers beside the picture (arbitrary output variables), exact where reconstruction from photographs estimates them.
 
 Per pixel, by the nearest thing that any of its samples shows; through a pinhole at the frame's own time, whatever lens
-and shutter do to the picture. Each is an array of the picture's height and width:
+and shutter do to the picture. Where strands are sorted, a sample shows the strand that most of its light comes from,
+whatever stands before or behind it, as long as `LEAST` of the light comes from strands at all; else what a solid or the
+background leaves there. Each is an array of the picture's height and width:
 
 ============= ========= =========================================================================================
 `depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
-`mask`        float32   share of the pixel's samples that show a strand, 0 to 1
+`mask`        float32   share of the pixel that strands cover before anything else, 0 to 1: of its samples, or where
+                        strands are sorted of its light, exactly, however little that is
 `tangent`     float32   (…, 3) unit vector in the world along the strand, root to tip; 0 where there is no strand
 `orientation` float32   angle of the tangent as it is seen, radians in [0, π): 0 to the right, π / 2 upright,
                         counted against the clock; a line's, so root and tip are alike; −1 where there is no strand
@@ -23,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import View
+from .coverage import Layer
 from .curves import Polylines
 from .kernels import aovs as kernel
 from .shadow import ShadowMaps
@@ -32,6 +36,8 @@ if TYPE_CHECKING:
 
 NOTHING = -1
 SOLID = -2
+LEAST = 1 / 64
+"""Share of a sample's light: a tenth of a pixel wide strand that passes by a corner."""
 
 
 class Recorder:
@@ -47,6 +53,19 @@ class Recorder:
             "tangent": np.zeros((height, width, 3), np.float32),
             "orientation": np.full((height, width), -1, np.float32),
         }
+        self._shares: NDArray[np.float32] | None = None
+
+    def layer(
+        self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], width: int, keys: NDArray[np.uint64]
+    ) -> None:
+        """Note what a layer of sorted strands shows most into ``keys`` (samples · samples · height · width,), which
+        hold the solids before; call `strands` after the last one. ``width`` of the picture in samples."""
+        if self._shares is None:
+            self._shares = np.zeros(len(keys), np.float32)
+        kernel.front(
+            layer.begin, layer.kept, layer.place, layer.weight, layer.along, layer.stride, len(lines.world), screen,
+            width, layer.top, layer.bottom, np.float32(LEAST), keys, self._shares,
+        )  # fmt: skip
 
     def strands(
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,
@@ -69,7 +88,9 @@ class Recorder:
         depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
         point = np.empty((*shape, 3), np.float32)
         solids = packed or [np.zeros((0, 1), np.float32)] * 4
-        kernel.depths(keys, self._samples, view.pack(), *solids, depth, mask, point, self._found["strand_id"])
+        kernel.depths(
+            keys, self._shares, self._samples, view.pack(), *solids, depth, mask, point, self._found["strand_id"]
+        )
         self._found |= {"depth": depth, "mask": mask}
         if "shadow" in self._names:
             through = np.ones(shape, np.float32)

@@ -36,6 +36,11 @@ class View:
         cx, cy = self.middle
         return replace(self, width=width, height=height, centre=(cx - x, cy - y))
 
+    def shifted(self, x: float, y: float) -> View:
+        """This view with all that it shows moved by x and y pixels."""
+        cx, cy = self.middle
+        return replace(self, centre=(cx + x, cy + y))
+
     def through(self, right: float, up: float, focus: float) -> View:
         """The view from a point of a thin lens, metres from its middle: what lies at the depth ``focus`` stays where
         it is on the screen, and what lies at a depth z moves by focal · (1 / focus − 1 / z) · offset pixels."""
@@ -56,8 +61,7 @@ class View:
         """(26,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for
         perspective; [13] focal; [14] near; [15], [16] the pixel of the axis; [17], [18] how much further out a slanted
         side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how many times longer than in
-        the middle of the screen a short way can be in its corner, at the same depth; [24], [25] how far the picture
-        reaches from the axis, in pixels."""
+        the middle of the screen a short way can be in its corner, at the same depth; [24], [25] width and height."""
         out = np.zeros(SIZE, np.float64)
         for row, axis in enumerate((self.right, self.up, self.forward)):
             out[4 * row : 4 * row + 3] = axis
@@ -69,7 +73,7 @@ class View:
         out[12:24] = [
             self.perspective, self.focal, self.near, *middle, *slant, self.far - self.near, *self.eye, stretch
         ]  # fmt: skip
-        out[24:] = half
+        out[24:] = self.width, self.height
         return out.astype(np.float32)
 
 

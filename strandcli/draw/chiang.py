@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels import chiang as kernel
-from .marschner import PATH_FLOOR, rays_across, seen
+from .kernels import lobes
+from .marschner import PATH_FLOOR, leaving, rays_across, seen
 from .pigment import absorption_of, varies
 
 if TYPE_CHECKING:
@@ -123,25 +124,13 @@ def azimuthal(
     theta: NDArray[np.float64], n_phi: int, eta: float, sigma: NDArray[np.float64], s: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """N, (n_θ, n_φ, 12), and mean paths, (n_θ, n_φ, 4): rays binned and blurred as for the Marschner tables."""
-    cos_v, sin_v = np.cos(theta)[:, None], np.sin(theta)[:, None]
     gamma_i, weight = rays_across(max(256, math.ceil(RAYS / s)))
-    root = np.sqrt(eta**2 - sin_v**2)
-    gamma_t = np.arcsin(np.sin(gamma_i) * cos_v / root)
-    fresnel = _fresnel(cos_v * np.cos(gamma_i), eta)
-    length = 2.0 * np.cos(gamma_t) * eta / root
-    through = np.exp(-length[:, None] * sigma[:, None])
-    f = fresnel[:, None]
-
-    # Channels: R, TT rgb, TRT rgb, then TT and TRT (the mean of rgb) weighted with their paths' lengths.
-    tt = (1.0 - f) ** 2 * through
-    trt = tt * f * through
-    rest = trt * f * through / (1.0 - f * through)
-    chords = length[:, None]
+    rays, length, out = passages(theta, gamma_i, eta, sigma)
+    rest = rays[:, 7:]
+    # then TT and TRT (the mean of rgb) weighted with their paths' lengths
+    tt, trt, chords = rays[:, 1:4], rays[:, 4:7], length[:, None]
     rays = np.concatenate(
-        [f, tt, trt, tt.mean(1, keepdims=True) * chords, 2.0 * trt.mean(1, keepdims=True) * chords], 1
-    )
-    out = np.stack(
-        [-2.0 * gamma_i + 0.0 * gamma_t, 2.0 * (gamma_t - gamma_i) + np.pi, 4.0 * gamma_t - 2.0 * gamma_i], 1
+        [rays[:, :7], tt.mean(1, keepdims=True) * chords, 2.0 * trt.mean(1, keepdims=True) * chords], 1
     )
     response = detector(s)
     bins = 2 ** math.ceil(math.log2(8 * len(response)))
@@ -152,19 +141,36 @@ def azimuthal(
     n *= ((rays @ weight) / np.maximum(found, 1e-300))[:, None]
 
     nodes = np.zeros((len(theta), n_phi, kernel.NODE_SIZE), np.float32)
-    nodes[..., : kernel.REST] = n[..., :7]
-    nodes[..., kernel.REST : kernel.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
+    nodes[..., : lobes.REST] = n[..., :7]
+    nodes[..., lobes.REST : lobes.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
 
     mean = np.stack([n[..., 1:4].mean(-1), n[..., 4:7].mean(-1)], -1)
-    plain = np.array([1.0, 2.0]) * (2.0 * eta / root)[..., None]
+    plain = np.array([1.0, 2.0]) * (2.0 * eta / np.sqrt(eta**2 - np.sin(theta) ** 2))[:, None, None]
     known = mean > PATH_FLOOR * mean.max((0, 1))
     paths = np.zeros((len(theta), n_phi, 4), np.float32)
     paths[..., :2] = np.clip(np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain), 0.0, plain)
     # of p = 3, 4, … passes with weights falling as (F T)^p, 3 + F T / (1 − F T) is the mean number
-    inner = (f * through).mean(1)
+    inner = (rays[:, :1] * np.exp(-length[:, None] * sigma[:, None])).mean(1)
     passes = rest.mean(1) * (3.0 + inner / (1.0 - inner)) * length
     paths[..., 2] = ((passes @ weight) / np.maximum(rest.mean(1) @ weight, 1e-300))[:, None]
     return nodes, paths / np.float32(math.log(2.0))
+
+
+def passages(
+    theta: NDArray[np.float64], gamma_i: NDArray[np.float64], eta: float, sigma: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rays that enter a strand at the angles γ_i (n,), seen at θ_v (n_θ,): what is left of R, TT rgb, TRT rgb and the
+    rest rgb, (n_θ, 10, n); chords inside in radii, (n_θ, n); the angles Φ of the first three, (n_θ, 3, n)."""
+    cos_v, sin_v = np.cos(theta)[:, None], np.sin(theta)[:, None]
+    root = np.sqrt(eta**2 - sin_v**2)
+    gamma_t = np.arcsin(np.sin(gamma_i) * cos_v / root)
+    f = _fresnel(cos_v * np.cos(gamma_i), eta)[:, None]
+    length = 2.0 * np.cos(gamma_t) * eta / root
+    through = np.exp(-length[:, None] * sigma[:, None])
+    tt = (1.0 - f) ** 2 * through
+    trt = tt * f * through
+    rest = trt * f * through / (1.0 - f * through)
+    return np.concatenate([f, tt, trt, rest], 1), length, leaving(gamma_i, gamma_t)
 
 
 def _fresnel(cos_i: NDArray[np.float64], eta: float) -> NDArray[np.float64]:

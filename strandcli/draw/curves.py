@@ -31,6 +31,8 @@ class Polylines:
     """Pieces a segment there."""
     stride: int = 1
     """Light is computed at every so-manieth vertex: fine curves are lit at `LIT_PIECES` places a segment."""
+    scale: NDArray[np.float32] | None = None
+    """(strands,) factor of each strand's width; None: 1."""
 
     @property
     def segments(self) -> int:
@@ -54,11 +56,13 @@ def flatten(
     view: View,
     keep_unseen: bool,
     scratch: Scratch,
+    kept: NDArray[np.float32] | None = None,
 ) -> Polylines:
     """Polylines of the first ``strands`` strands.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W); ``keep_unseen``: strands off the screen are kept, coarsely,
-    because a light's shadow map needs them; otherwise adaptive curves leave them out.
+    because a light's shadow map needs them; otherwise adaptive curves leave them out. ``kept`` (strands,): strands with
+    0 are left out in any case.
     """
     n = positions.shape[1] - 1
     first = scratch.take("first", strands + 1, np.int64)
@@ -73,17 +77,19 @@ def flatten(
         bound = scratch.take("curve_error", strands, np.float32)
         sizes = scratch.take("sizes", strands, np.int64)
         kernel.count(
-            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen), printed,
-            pieces, sizes, bound,
+            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen), kept,
+            printed, pieces, sizes, bound,
         )  # fmt: skip
         np.cumsum(sizes, out=first[1:])
         error = float(bound.max())
+    elif kept is not None:
+        np.cumsum(np.where(kept > 0, (n - 1) * most + 1, 0), out=first[1:])
     else:
         first[:] = np.arange(strands + 1, dtype=np.int64) * ((n - 1) * most + 1)
     world = scratch.take("world", (int(first[-1]), 3), np.float32)
     kernel.flatten(
         positions, lengths, strands, pieces, most, printed, switch if curves.mode == "off" else None, first, world
     )
-    if pieces is not None:
+    if pieces is not None or kept is not None:
         return Polylines(first, world, error)
     return Polylines(first, world, None, (n - 1) * most + 1, float(lengths.max()), most, max(most // LIT_PIECES, 1))

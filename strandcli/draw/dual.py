@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from . import chiang
 from .kernels import dual as kernel
-from .kernels.chiang import REST, TRT, TT, R
+from .kernels.lobes import REST, TRT, TT, R
 from .pigment import absorption_of, mass_colour, tint, varies
 
 if TYPE_CHECKING:

@@ -2,8 +2,9 @@
 
 A picture is the mean of whole pictures, each through one point of a thin lens at one moment (the accumulation buffer of
 Haeberli and Akeley 1990): exact in visibility, shading and shadow, and any resolver's. Points and moments follow an
-additive recurrence of three dimensions that begins at random: each is spread evenly by itself and against the others
-(Roberts 2018, as for roots), the mean has no bias, and the seed alone decides it.
+additive recurrence that begins at random: each is spread evenly by itself and against the others (Roberts 2018, as for
+roots), the mean has no bias, and the seed alone decides it. What goes into a z-buffer is moved by a part of a sample
+besides, another one each time, so that what is sharp is antialiased too.
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ class Exposure(NamedTuple):
     right: float = 0.0
     up: float = 0.0
     """Point of the lens, metres from its middle."""
+    x: float = 0.0
+    y: float = 0.0
+    """Part of a sample that the picture is moved by, from −1/2 to 1/2."""
 
 
 def is_sampled(camera: Camera) -> bool:
@@ -48,14 +52,16 @@ def exposures(camera: Camera, seed: int, at: float, fps: float) -> list[Exposure
     if not is_sampled(camera):
         return [Exposure(at, 1.0)]
     count = camera.samples
-    start = stream(seed, 6, 3)
+    start = stream(seed, 6, 5)
     index = np.arange(count)
     across = concentric((start[0] + index / PLASTIC) % 1.0, (start[1] + index / PLASTIC**2) % 1.0)
     offsets = camera.aperture / 2 * across
     ago = camera.shutter * (1.0 - (index + start[2]) / count)
+    # irrational steps whose sums with places of the lens, too, are spread evenly: many others, √2 and √5 say, are not
+    aside = (start[3:, None] + index * np.sqrt([[13.0], [22.0]])) % 1.0 - 0.5
     return [
-        Exposure(max(at - float(late) / fps, 0.0), 1.0 - float(late), float(right), float(up))
-        for late, (right, up) in zip(ago, offsets, strict=True)
+        Exposure(max(at - float(late) / fps, 0.0), 1.0 - float(late), float(right), float(up), float(x), float(y))
+        for late, (right, up), (x, y) in zip(ago, offsets, aside.T, strict=True)
     ]
 
 

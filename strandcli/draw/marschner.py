@@ -97,17 +97,17 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     sigma = absorption_of(material, roughness)
     # The last node lies on the horizon, where η' is infinite: it is taken a hair's breadth inside.
     theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, n_theta), 0.5 * np.pi - 1e-4)
-    lobes, peaks = _longitudinal(material, n_theta, n_phi)
+    lobes = _longitudinal(material, n_theta, n_phi)
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
-    nodes[..., :7] = n * np.repeat(peaks, (1, 3, 3))
+    nodes[..., :7] = n * np.repeat(peaks(material), (1, 3, 3))
     return MarschnerTables(lobes, nodes, paths if varies(material) else None, sigma, roughness)
 
 
-def _longitudinal(material: Material, n_theta: int, n_phi: int) -> tuple[NDArray[np.float32], list[float]]:
-    """The array `lobes`, in terms of 2θ_h, and the three peaks of M_p times material.specular."""
+def _longitudinal(material: Material, n_theta: int, n_phi: int) -> NDArray[np.float32]:
+    """The array `lobes`, in terms of 2θ_h."""
     alpha, beta = math.radians(material.alpha), math.radians(material.beta)
-    widths = (beta, 0.5 * beta, 2.0 * beta)
+    widths = _widths(material)
     lobes = np.zeros(kernel.LOBES_SIZE, np.float32)
     lobes[kernel.SHIFT_R : kernel.SHIFT_R + 3] = [2.0 * alpha, -alpha, -3.0 * alpha]
     lobes[kernel.FALL_R : kernel.FALL_R + 3] = [-0.125 / (w * w * math.log(2.0)) for w in widths]
@@ -115,7 +115,17 @@ def _longitudinal(material: Material, n_theta: int, n_phi: int) -> tuple[NDArray
     lobes[kernel.PHI_SCALE], lobes[kernel.PHI_LAST] = (n_phi - 1) / math.pi, (n_phi - 1) * (1.0 - 1e-6)
     # 1/cos² θ_d of a perfectly sharp lobe has no bound; a lobe β wide cannot tell 90° from 90° − β.
     lobes[kernel.COS2_FLOOR] = 2.0 * max(COS2_FLOOR, math.sin(beta) ** 2)
-    return lobes, [0.5 * material.specular / (math.sqrt(2.0 * math.pi) * w) for w in widths]
+    return lobes
+
+
+def _widths(material: Material) -> tuple[float, float, float]:
+    beta = math.radians(material.beta)
+    return beta, 0.5 * beta, 2.0 * beta
+
+
+def peaks(material: Material) -> list[float]:
+    """M at the middle of R, TT and TRT, times material.specular."""
+    return [0.5 * material.specular / (math.sqrt(2.0 * math.pi) * width) for width in _widths(material)]
 
 
 def _azimuthal(
@@ -127,10 +137,31 @@ def _azimuthal(
     Fourier coefficients, cleared of that sharing and damped by the detector's, give N at the nodes. Only cosines are
     needed, for which both signs of h count alike: half of the rays is enough.
     """
+    gamma_i, weight = rays_across(max(128, math.ceil(RAYS / deviation)))
+    rays, length, out = passages(theta, gamma_i, eta, sigma)
+    # then TT and TRT (the mean of rgb) weighted with their paths' lengths
+    paths_rgb = np.stack([rays[:, 1:4].mean(axis=1) * length, rays[:, 4:7].mean(axis=1) * length * 2.0], 1)
+    rays = np.concatenate([rays, paths_rgb], 1)
+    bins = 2 ** math.ceil(math.log2(BINS / deviation))
+    k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
+    detector = np.exp(-0.5 * (k * deviation) ** 2)
+    n = seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, bins, detector)
+
+    mean = np.stack([n[..., 1:4].mean(axis=-1), n[..., 4:7].mean(axis=-1)], axis=-1)
+    plain = np.array([1.0, 2.0]) * (2.0 * eta / np.sqrt(eta**2 - np.sin(theta) ** 2))[:, None, None]
+    known = mean > PATH_FLOOR * mean.max(axis=(0, 1))
+    paths = np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain)
+    return n[..., :7], (np.clip(paths, 0.0, plain) / math.log(2.0)).astype(np.float32)
+
+
+def passages(
+    theta: NDArray[np.float64], gamma_i: NDArray[np.float64], eta: float, sigma: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rays that enter a strand at the angles γ_i (n,), light coming at θ_d (n_θ,): what is left of R, TT rgb and TRT
+    rgb, (n_θ, 7, n); chords inside in radii, (n_θ, n); the angles Φ at which they leave, (n_θ, 3, n)."""
     cos_d, sin_d = np.cos(theta)[:, None], np.sin(theta)[:, None]
     root = np.sqrt(eta**2 - sin_d**2)
     index_s, index_p = root / cos_d, eta**2 * cos_d / root
-    gamma_i, weight = rays_across(max(128, math.ceil(RAYS / deviation)))
     gamma_t = np.arcsin(np.sin(gamma_i) / index_s)
     cos_i, cos_t = np.cos(gamma_i), np.cos(gamma_t)
     s = (cos_i - index_s * cos_t) / (cos_i + index_s * cos_t)
@@ -138,27 +169,18 @@ def _azimuthal(
     fresnel = 0.5 * (s * s + p * p)
     length = 2.0 * cos_t * eta / root
     through = np.exp(-length[:, None, :] * sigma[:, None])
-
-    # Channels: R, TT rgb, TRT rgb, then TT and TRT (the mean of rgb) weighted with their paths' lengths.
-    rays = np.empty((len(theta), 9, len(gamma_i)))
+    rays = np.empty((len(theta), 7, len(gamma_i)))
     rays[:, 0] = fresnel
     rays[:, 1:4] = ((1.0 - fresnel) ** 2)[:, None] * through
     rays[:, 4:7] = ((1.0 - fresnel) ** 2 * fresnel)[:, None] * through**2
-    rays[:, 7] = rays[:, 1:4].mean(axis=1) * length
-    rays[:, 8] = rays[:, 4:7].mean(axis=1) * length * 2.0
-    out = np.stack(
+    return rays, length, leaving(gamma_i, gamma_t)
+
+
+def leaving(gamma_i: NDArray[np.float64], gamma_t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n_θ, 3, n): Φ of R, TT and TRT."""
+    return np.stack(
         [-2.0 * gamma_i + 0.0 * gamma_t, 2.0 * (gamma_t - gamma_i) + np.pi, 4.0 * gamma_t - 2.0 * gamma_i], 1
     )
-    bins = 2 ** math.ceil(math.log2(BINS / deviation))
-    k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
-    detector = np.exp(-0.5 * (k * deviation) ** 2)
-    n = seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, bins, detector)
-
-    mean = np.stack([n[..., 1:4].mean(axis=-1), n[..., 4:7].mean(axis=-1)], axis=-1)
-    plain = np.array([1.0, 2.0]) * (2.0 * eta / root)[..., None]
-    known = mean > PATH_FLOOR * mean.max(axis=(0, 1))
-    paths = np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain)
-    return n[..., :7], (np.clip(paths, 0.0, plain) / math.log(2.0)).astype(np.float32)
 
 
 def rays_across(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,20 +19,27 @@ from numpy.typing import NDArray
 
 from .. import solids as shapes
 from ..constants import PORTION, W
+from ..groom.children import Children
 from ..groom.emit import Groom
 from . import lens, raster
 from .aovs import Recorder
+from .body import Body, body_of
 from .camera import View, camera_view
 from .coverage import Coverage
 from .curves import Polylines, flatten, greatest_pieces
-from .detail import drawn_fraction
+from .detail import Level, level_of, needed
+from .edges import find_edges
 from .environment import sky_of
+from .extent import bounds_of, thickness_of, widths_of
 from .film import curve_of, gradient
-from .kernels import film, project, shade_strands, shade_surfaces, solids
+from .kernels import detail, film, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
+
+NO_SPOTS = np.zeros((0, 2), np.float32)
+"""The pixels of a picture lie where they belong."""
 
 
 @dataclass
@@ -57,7 +65,8 @@ class Renderer:
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
-        self._spacing = strand_spacing(groom.roots) if deep else 0.0
+        self.children = Children(scene, groom) if scene.children is not None else None
+        self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
         self.ids: NDArray[np.int32] | None = None
@@ -67,6 +76,11 @@ class Renderer:
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
+        )
+        self._rounds = scene.material.rounded
+        # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
+        self._thins = self.coverage is not None and not any(
+            light.shadow.model == "minmax" and wants_map(light) for light in scene.lights
         )
         self._clock = 0.0
         self._seen = 0
@@ -88,6 +102,8 @@ class Renderer:
         self._drawing = Drawing(self._blank())
         self._clock = time.perf_counter()
         scene, camera = self.scene, self.scene.camera
+        if self.children is not None:
+            self.tones, self.ids = self.children.select(positions)
         recorder = Recorder(self) if scene.image.aovs else None
         if not lens.is_sampled(camera):
             image, _ = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder)
@@ -134,14 +150,17 @@ class Renderer:
     ) -> tuple[NDArray[np.float32], ShadowMaps | None]:  # fmt: skip
         """One exposure, linear, and the shadow maps that it used: those ``made`` before, or its own."""
         scene, scratch, at = self.scene, self.scratch, shot.at
-        fraction, spread = drawn_fraction(scene, at)
-        strands = min(max(round(scene.emitter.strands * fraction), 1), len(self.tones))
-        bounds = self._bounds(positions, strands)
+        strands = min(needed(scene, at), len(self.tones))
+        if self.children is not None:
+            positions, lengths = self.children.grow(positions, lengths, at, strands, scratch)
+            self._lap("children")
+        level = level_of(scene, at, positions, strands, self.ids, self._thins)
+        bounds = bounds_of(positions, strands, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
         portions = self._portions(strands, positions.shape[1] - 1)
 
-        spacing = self._spacing / math.sqrt(fraction)
-        thickness = self._thickness(view, bounds, spread)
+        spacing = self._spacing if level is None else self._spacing / math.sqrt(level.share)
+        thickness = thickness_of(scene.material, view, bounds)
         maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
         fresh = maps is not None and made is None
         self._lap("shadow")
@@ -149,7 +168,7 @@ class Renderer:
             # every strand has to be in the maps before the first is shaded
             for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
                 for begin, end in portions:
-                    lines = self._flatten(positions, lengths, begin, end, view, True)
+                    lines = self._flatten(positions, lengths, begin, end, view, True, level)
                     draw(lines, workers, scratch)
                     self._lap("shadow")
                 (maps.divide if draw == maps.add else maps.finish)()
@@ -167,29 +186,37 @@ class Renderer:
         front: NDArray[np.uint64] | None = None
         lights = pack_lights(scene.lights, maps, bounds)
         for begin, end in portions:
-            lines = self._flatten(positions, lengths, begin, end, view, maps is not None)
+            lines = self._flatten(positions, lengths, begin, end, view, maps is not None, level)
             if maps is not None and fresh and len(portions) == 1:
                 maps.build(lines, workers, scratch)
                 self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
-            widths = self._widths(lines, screen, view, spread)
+            least = 1.0 if self.coverage is None else 0.0
+            widths = widths_of(lines, screen, view, scene.material, least, self._thins, scratch)
+            body = body_of(lines, screen, widths, scene.image.supersample, scratch) if self._rounds else None
             self._lap("curves")
             segments += lines.segments
             if self.coverage is not None:
-                if recorder is not None:  # layers tell what is in front
+                if recorder is not None:
                     front = keys.copy()
-                    raster.draw(lines, screen, widths, base, self.size, workers, scratch, front)
-                    recorder.strands(lines, screen, front, base, begin, view)
-                limit = None if packed is None else keys
-                for layer in self.coverage.layers(lines, screen, widths, limit, workers, scratch):
+                edges = None if packed is None else find_edges(keys, packed, view, self.size, scratch)
+                for layer in self.coverage.layers(lines, screen, widths, edges, workers, scratch):
                     self._lap("raster")
                     self._before_light()
-                    if packed is not None and layer.top == 0:  # strands are laid over the solids
-                        self._surfaces(keys, view, lights, maps, packed, at, image)
-                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed)
+                    if edges is not None and packed is not None and layer.top == 0:  # strands are laid over the solids
+                        shade = partial(self._surfaces, view, lights, maps, packed, at)
+                        shade(keys, *self.size, NO_SPOTS, image)
+                        edges.lay(shade, image, self._backdrop)
+                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed, body)
                     self._lap("shade")
                     layer.compose(colours, image)
+                    if body is not None:
+                        layer.round_off(body, image)
+                    if recorder is not None and front is not None:
+                        recorder.layer(layer, lines, screen, self.size[0], front)
                     self._lap("film")
+                if recorder is not None and front is not None:
+                    recorder.strands(lines, screen, front, 0, begin, view)
                 continue
             raster.draw(lines, screen, widths, base, self.size, workers, scratch, keys)
             if recorder is not None:
@@ -197,18 +224,20 @@ class Renderer:
             self._lap("raster")
             self._before_light()
             marks = self._mark(lines, keys, base)
-            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed)
+            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed, body)
             self._lap("shade")
             film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
+            if body is not None:
+                body.over_seen(keys, base, lines, image)
             self._lap("film")
             base += len(lines.world)
         if packed is not None and self.coverage is None:
-            self._surfaces(keys, view, lights, maps, packed, at, image)
+            self._surfaces(view, lights, maps, packed, at, keys, *self.size, NO_SPOTS, image)
             self._lap("shade")
         if recorder is not None:
             recorder.rest(keys if front is None else front, view, packed, lights, maps, self._skin())
         self._drawing.counts |= {
-            "strands": strands,
+            "strands": strands if level is None else int(np.count_nonzero(level.fade)),
             "particles": strands * (positions.shape[1] - 1),
             "segments": segments,
             "fragments": self._fragments(keys, len(portions)),
@@ -225,7 +254,11 @@ class Renderer:
         view = camera_view(scene.camera, shot.at, width * samples, height * samples, bounds)
         if scene.image.crop is not None:
             view = view.cropped(*(samples * number for number in scene.image.crop))
-        return view if pinhole else lens.through_lens(view, scene.camera, shot)
+        if pinhole:
+            return view
+        if self.coverage is None:  # sorted strands have what they cover of a pixel, wherever they lie in it
+            view = view.shifted(shot.x, shot.y)
+        return lens.through_lens(view, scene.camera, shot)
 
     def rehearse(self) -> None:
         """Run what comes after the z-buffer with nothing to be seen, so that it is compiled."""
@@ -244,8 +277,12 @@ class Renderer:
         else:
             self.coverage.nothing().compose(colours, image)
         if packed is not None:
-            self._surfaces(keys, view, lights, maps, packed, 0.0, image)
+            self._surfaces(view, lights, maps, packed, 0.0, keys, *self.size, NO_SPOTS, image)
         self._develop(image, self._blank())
+
+    def _most(self, groom: Groom) -> int:
+        """Strands that are drawn of a groom."""
+        return groom.strands if self.children is None else self.children.count
 
     def _fragments(self, keys: NDArray[np.uint64], portions: int) -> int:
         """Samples in which a strand is seen; with several portions a later one may hide what an earlier one counted.
@@ -269,21 +306,19 @@ class Renderer:
         step = max(PORTION // vertices // W, 1) * W
         return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 
-    def _bounds(self, positions: NDArray[np.float32], strands: int) -> NDArray[np.float64]:
-        """Box (2, 3) of the strands that are drawn: of no others, so that a frame is the same whichever strands other
-        frames need."""
-        whole = strands // W
-        rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
-        parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
-        parts = [part for part in parts if part.size]
-        low = np.min([part.min((0, 1, 3)) for part in parts], 0)
-        return np.stack([low, np.max([part.max((0, 1, 3)) for part in parts], 0)]).astype(np.float64)
-
     def _flatten(
-        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View, keep: bool
-    ) -> Polylines:
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], begin: int, end: int, view: View,
+        keep: bool, level: Level | None,
+    ) -> Polylines:  # fmt: skip
         blocks = slice(begin // W, -(-end // W))
-        lines = flatten(positions[blocks], lengths[blocks], end - begin, self.scene.curves, view, keep, self.scratch)
+        fade = None if level is None else level.fade[begin:end]
+        lines = flatten(
+            positions[blocks], lengths[blocks], end - begin, self.scene.curves, view, keep, self.scratch, fade
+        )
+        if level is not None:
+            lines = replace(lines, scale=level.scale[begin:end])
+            if not self._thins:
+                detail.shorten(lines.first, lines.world, fade)
         if lines.error is not None:
             self._drawing.curve_px_max = max(lines.error, self._drawing.curve_px_max or 0.0)
         self._lap("curves")
@@ -300,24 +335,6 @@ class Renderer:
         else:
             solids.draw(*packed, frames_of(packed, view), view.pack(), *self.size, keys)
 
-    def _widths(
-        self, lines: Polylines, screen: NDArray[np.float32], view: View, spread: float
-    ) -> NDArray[np.float32] | None:
-        """Widths in pixels, or None where every line is one pixel wide; for the z-buffer at least a pixel."""
-        material = self.scene.material
-        thickness = material.width * spread
-        if thickness == 0 or not len(screen):
-            return None
-        nearest = float(screen[:, 2].max()) if view.perspective else 1.0
-        least = np.float32(1 if self.coverage is None else 0)
-        if thickness * view.focal * nearest <= least:
-            return None
-        widths = self.scratch.take("widths", len(screen), np.float32)
-        project.widths(
-            lines.first, screen, view.pack(), np.float32(thickness), np.float32(material.taper), least, widths
-        )
-        return widths
-
     def _mark(self, lines: Polylines, keys: NDArray[np.uint64], base: int) -> NDArray[np.uint8]:
         """(V,) not zero at the lit vertices of what is seen in the z-buffer."""
         count = len(lines.world)
@@ -329,6 +346,7 @@ class Renderer:
     def _shade(
         self, lines: Polylines, marks: NDArray[np.uint8], begin: int, end: int, view: View,
         lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
+        body: Body | None = None,
     ) -> NDArray[np.float32]:  # fmt: skip
         """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others."""
         colours = self.scratch.take("colours", (len(lines.world), 3), np.float32)
@@ -336,17 +354,19 @@ class Renderer:
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
             np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
-            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(), colours,
+            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
+            *((None,) * 3 if body is None else (body.slots, p.columns, body.profile)), colours,
         )  # fmt: skip
         return colours
 
     def _surfaces(
-        self, keys: NDArray[np.uint64], view: View, lights: NDArray[np.float32], maps: ShadowMaps | None,
-        packed: list[NDArray[np.float32]], at: float, image: NDArray[np.float32],
+        self, view: View, lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]],
+        at: float, keys: NDArray[np.uint64], width: int, height: int, spots: NDArray[np.float32],
+        image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, *self.size, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
-            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), image,
+            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), spots, image,
         )  # fmt: skip
 
     def _develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:
@@ -357,16 +377,6 @@ class Renderer:
     def _blank(self) -> NDArray[np.uint8]:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
-
-    def _thickness(self, view: View, bounds: NDArray[np.float64], spread: float) -> Thickness:
-        """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle
-        of the groom."""
-        material = self.scene.material
-        if material.width > 0:
-            return Thickness(material.width * spread, material.taper)
-        centre = bounds.mean(0)
-        depth = max(float((centre - view.eye) @ view.forward), view.near) if view.perspective else 1.0
-        return Thickness(depth / view.focal)
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
         return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DirectionalLight, Light, Material
+from .body import columns_of
 from .chiang import ChiangTables
 from .chiang import build_tables as build_chiang
 from .dual import build_tables as build_dual
@@ -26,13 +28,9 @@ class Palette:
 
     def __init__(self, material: Material, deep: bool = False) -> None:
         """``deep``: whether any light has an opacity map, without which dual scattering has nothing to count."""
-        marschner = build_marschner(material) if material.model == "marschner" else None
-        chiang = build_chiang(material) if material.model == "chiang" else None
-        tables: MarschnerTables | ChiangTables | None = marschner or chiang
-        self.lobes = None if marschner is None else marschner.lobes
-        self.fibre = None if chiang is None else chiang.fibre
-        self.nodes = None if tables is None else tables.nodes
-        self.paths = None if tables is None else tables.paths
+        tables = build_marschner(material) if material.model == "marschner" else build_chiang(material)
+        self.take(tables)
+        self._material = material
         self.diffuse = np.float32(material.diffuse)
         roughness = material.beta_n if material.model == "chiang" else azimuthal_beta(material.azimuthal)
         self.colour = colour_of(material, roughness).astype(np.float32)
@@ -42,6 +40,18 @@ class Palette:
         self.tint = (
             tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
         )
+
+    @cached_property
+    def columns(self) -> NDArray[np.float32] | None:
+        """Tables over a strand's width, made when the first strand is wide."""
+        return columns_of(self._material)
+
+    def take(self, tables: MarschnerTables | ChiangTables | None) -> None:
+        """Tables to shade with; None: no highlights."""
+        self.lobes = tables.lobes if isinstance(tables, MarschnerTables) else None
+        self.fibre = tables.fibre if isinstance(tables, ChiangTables) else None
+        self.nodes = None if tables is None else tables.nodes
+        self.paths = None if tables is None else tables.paths
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:

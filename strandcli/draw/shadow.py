@@ -2,13 +2,14 @@
 
 The resolution of an opacity map follows from the groom. A texel much finer than the distance between strands holds one
 strand or none, and shades what is behind it fully or not at all, where it should shade everything near it by a part;
-one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best (`study/shadow.py`).
+one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli study PRESET
+--axis shadow`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -117,7 +118,8 @@ class ShadowMaps:
             return
         opacity.draw(
             first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
-            np.float32(self.thickness.width), np.float32(self.thickness.taper), self.extents[number], layers, stack,
+            np.float32(self.thickness.width), np.float32(self.thickness.taper), lines.scale, self.extents[number],
+            layers, stack,
         )  # fmt: skip
 
 
@@ -190,7 +192,10 @@ def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[V
     texel = max(_texel(view, bounds) for view in views)
     if texel >= wanted:
         return views
-    return _views(light, max(math.ceil(size * texel / wanted), 8), bounds)
+    # as many texels as it takes and not a part of one more, so that maps do not jump with their number of texels
+    views = _views(light, max(math.ceil(size * texel / wanted), 8), bounds)
+    wider = max(wanted / max(_texel(view, bounds) for view in views), 1.0)
+    return [replace(view, focal=view.focal / wider) for view in views]
 
 
 def _texel(view: View, bounds: NDArray[np.float64] | None = None) -> float:

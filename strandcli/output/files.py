@@ -83,7 +83,7 @@ def refusal(error: OSError, path: Path) -> RefusedError:
         errno.ENOTDIR: "a part of this path is a file, not a folder; choose another place with -o",
         errno.EISDIR: "it is a folder",
     }
-    reason = reasons.get(error.errno or 0, error.strerror or str(error))
+    reason = reasons.get(error.errno or 0, f"{error.strerror or error}; choose another place with -o")
     return RefusedError(f"{path}: cannot be written: {reason}")
 
 

@@ -20,6 +20,7 @@ Positions = npt.NDArray[np.float32]
 
 MANIFEST = "manifest.json"
 SCHEMA_VERSION = 1
+AGAIN = "run 'strandcli simulate' again with --overwrite"
 
 
 def positions_file(frame: int) -> str:
@@ -81,6 +82,12 @@ class PositionsWriter:
         return data
 
 
+def cached_frames(directory: Path) -> tuple[int, ...]:
+    """The frames whose positions a folder has, ascending; ``UsageError`` where it is none of `simulate`."""
+    entries = _read_manifest(directory)["frames"]
+    return tuple(sorted({entry["frame"] for entry in entries if (directory / entry["file"]).is_file()}))
+
+
 class PositionCache:
     """Positions to draw instead of simulating. Calling it with a frame number gives that frame's array."""
 
@@ -119,7 +126,7 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
         with np.load(path, allow_pickle=False) as data:
             positions: Positions = data["positions"]
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise UsageError(f"{path}: cannot be read: {error}") from None
+        raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
         raise UsageError(
@@ -137,15 +144,19 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
             header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
             found, _, dtype = header(member)
     except KeyError:
-        raise UsageError(f"{path}: holds no array named 'positions'") from None
+        raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise UsageError(f"{path}: not a file of positions: {error}") from None
+        raise UsageError(f"{path}: not a file of positions: {error}; {AGAIN}") from None
     if tuple(found) != shape:
-        raise UsageError(f"{path}: positions have shape {tuple(found)}, but the scene needs {shape}")
+        strands, particles, _ = shape
+        raise UsageError(
+            f"{path}: positions have shape {tuple(found)}, but the scene has {strands} strands of {particles} "
+            "particles; give the preset and the options that they were simulated with"
+        )
     if dtype != np.dtype(np.float32):
-        raise UsageError(f"{path}: positions are {dtype}, not float32")
+        raise UsageError(f"{path}: positions are {dtype}, not float32; {AGAIN}")
 
 
 def _read_manifest(directory: Path) -> dict[str, Any]:
@@ -157,10 +168,12 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
     except (OSError, ValueError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}") from None
+        raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     entries = data.get("frames") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not all(_is_entry(entry) for entry in entries):
-        raise UsageError(f"{path}: 'frames' must list mappings of a frame number and the name of a file beside it")
+        raise UsageError(
+            f"{path}: 'frames' must list mappings of a frame number and the name of a file beside it; {AGAIN}"
+        )
     return dict(data)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .faults import hint, shown
 from .fields import Vector
-from .model import AOVS, Camera, CameraKey, Emitter, Image, PoseKey, Scene, Solid
+from .model import AOVS, Camera, CameraKey, Children, Emitter, Image, PoseKey, Scene, Solid
 from .motion import camera_key
 
 CLOSEST_PARTICLES = 1e-6
@@ -33,6 +33,7 @@ class Finding(NamedTuple):
 def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
     yield from _spacing(scene.emitter)
+    yield from _locks(scene.children)
     yield from _times(scene.emitter.keys, "emitter.keys")
     yield from _solid_names(scene.solids)
     for index, solid in enumerate(scene.solids):
@@ -52,6 +53,19 @@ def _spacing(emitter: Emitter) -> Iterator[Finding]:
             f"precision (at least {CLOSEST_PARTICLES:g} m); take fewer particles or longer strands",
             ("emitter.length", "emitter.particles"),
         )
+
+
+def _locks(children: Children | None) -> Iterator[Finding]:
+    clumps = () if children is None else children.clumps
+    for index in range(1, len(clumps)):
+        if clumps[index].size >= clumps[index - 1].size:
+            path = f"children.clumps.{index}.size"
+            yield Finding(
+                (path, "children.clumps"),
+                f"locks must be listed from wide to narrow: {clumps[index].size:g} m comes after "
+                f"{clumps[index - 1].size:g} m",
+                (path, f"children.clumps.{index - 1}.size"),
+            )
 
 
 def _times(keys: Sequence[PoseKey | CameraKey], path: str) -> Iterator[Finding]:

@@ -186,7 +186,7 @@ def _override(
             changes.append((path, node_of(value, Mark(""))))
         except TypeError as error:
             faults.append(Fault("", 0, 0, path, str(error)))
-    changes.sort(key=lambda change: change[0] != "quality")  # single settings win over it, wherever they stand
+    changes.sort(key=lambda change: _turn(change[0]))
     for path, node in changes:
         try:
             root = place(root, path, node, rules)
@@ -235,7 +235,7 @@ def _panel(
         root = root.with_entry("label", label)
     changes = node.get("set")
     if isinstance(changes, MapNode):
-        for key, entry in sorted(changes.entries.items(), key=lambda item: item[0] != "quality"):
+        for key, entry in sorted(changes.entries.items(), key=lambda item: _turn(item[0])):
             where = f"{path}.set.{key}"
             if key.split(".")[0] in ("panels", "extends"):
                 faults.append(fault_at(entry.mark, where, "a panel cannot hold this; panels do not nest"))
@@ -256,6 +256,11 @@ def _panel(
             mark = fault.mark if fault.mark in inside else node.mark
             faults.append(fault_at(mark, f"{path}.set.{fault.path}", fault.message))
     return scene, faults
+
+
+def _turn(path: str) -> int:
+    """When a setting is placed: a quality asks for the look, and single settings win over both, wherever they stand."""
+    return {"look": 0, "quality": 1}.get(path, 2)
 
 
 def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:

@@ -20,13 +20,14 @@ class Fixed(NamedTuple):
 
     path: str
     """Dotted; `*` stands for every entry of a list."""
-    values: tuple[str, ...]
+    values: tuple[str | bool, ...]
 
 
 LOOKS: Mapping[str, tuple[Fixed, ...]] = {
     "source": (
         Fixed("image.resolver", ("zbuffer",)),
         Fixed("material.model", ("marschner",)),
+        Fixed("material.rounded", (False,)),
         Fixed("lights.*.shadow.model", ("minmax", "off")),
     ),
 }
@@ -46,13 +47,17 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
                 clashes.append(
                     (
                         name,
-                        f"{shown(found)} clashes with look: {scene.look}, which draws with {' or '.join(values)}; "
-                        "take one of the two out",
+                        f"{shown(_written(found))} clashes with look: {scene.look}, which draws with "
+                        f"{' or '.join(map(_written, values))}; take one of the two out",
                     )
                 )
             else:
                 scene = _with(scene, place, values[0])
     return scene, clashes
+
+
+def _written(value: str | bool) -> str:
+    return str(value).lower() if isinstance(value, bool) else value
 
 
 def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:

@@ -26,6 +26,7 @@ from .fields import (
     WindowSpec,
     settings_of,
 )
+from .look import LOOKS
 from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
 from .quality import expanded
@@ -97,7 +98,8 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
 
 def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode | None = None) -> MapNode:
     """``root``, a whole preset, with the settings that its `quality` stands for; what is written ``beside`` it in the
-    same file is kept. A quality that there is not changes nothing here: it is refused where values are read."""
+    same file is kept, and what a look fixes stays its own. A quality that there is not changes nothing here: it is
+    refused where values are read."""
     name = root.get("quality") if beside is None else beside.get("quality")
     if not isinstance(name, Scalar):
         return root
@@ -106,7 +108,11 @@ def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode |
         lights = node_of(plain(settings_of(Scene)["lights"].spec.default), name.mark)
     items = lights.items if isinstance(lights, ListNode) else ()
     shadowed = [i for i, light in enumerate(items) if not _is_off(_at(light, ["shadow", "model"]))]
+    look = root.get("look")
+    fixed = {one.path for one in LOOKS.get(look.text, ())} if isinstance(look, Scalar) else set()
     for path, value in expanded(name.text, shadowed):
+        if ".".join("*" if part.isdecimal() else part for part in path.split(".")) in fixed:
+            continue
         if beside is None or _at(beside, path.split(".")) is None:
             root = place(root, path, node_of(value, name.mark), rules)
     return root

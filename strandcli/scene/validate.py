@@ -1,4 +1,4 @@
-"""A tree (`nodes.py`) to the typed data of `model.py`, with every fault on the way.
+"""A tree (`nodes.py`) to the typed data of `model`, with every fault on the way.
 
 A faulty value is noted and its default put in its place, so that one pass finds all faults. What a mapping gives as
 ``null`` counts as not given.

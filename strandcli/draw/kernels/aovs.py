@@ -10,7 +10,9 @@ from ...jit import function, parallel, prange
 from . import opacity, solids
 from .light import toward
 from .raster import EMPTY, LOW, SHIFT
+from .resolve import OPAQUE
 from .shadow import transmittance
+from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -35,6 +37,49 @@ def nearest(keys, samples, width, y, x):
                 row = j
                 column = i
     return best, row, column
+
+
+@parallel
+def front(begin, kept, place, weight, along, stride, vertices, screen, width, top, bottom, least, keys, mask):
+    """Put the strand that shows most in each pixel into a z-buffer of solids, where strands together show enough.
+
+    begin, kept, place, weight, along, stride: as `resolve.resolve` leaves them for the rows top <= y < bottom of a
+    picture of this width; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
+    strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
+    """
+    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
+    for one in prange(begin.shape[0] - 1):
+        tile = np.int64(one)
+        o = begin[tile]
+        left = tile % across * TILE_WIDTH
+        above = top + tile // across * TILE_HEIGHT
+        for p in range(PIXELS):
+            x = left + p % TILE_WIDTH
+            y = above + p // TILE_WIDTH
+            if x >= width or y >= bottom or kept[tile * PIXELS + p] == 0:
+                continue
+            total = ZERO
+            strands_ = ZERO
+            most = ZERO
+            best = o
+            end = o + np.int64(kept[tile * PIXELS + p])
+            for i in range(o, end):
+                total += weight[i]
+                if place[i] < vertices:
+                    strands_ += weight[i]
+                    if weight[i] > most:
+                        most = weight[i]
+                        best = i
+            o = end
+            share = strands_ / total if ONE - total < OPAQUE else strands_
+            mask[y * width + x] = share
+            if share >= least:
+                past = min(np.int64(along[best] * np.float32(stride)), stride - 1)
+                v = np.int64(place[best]) + past
+                t = along[best] * np.float32(stride) - np.float32(past)
+                q = max(screen[v, 2] + t * (screen[v + 1, 2] - screen[v, 2]), ZERO)
+                depth = np.uint64(np.float32(q).view(np.uint32))
+                keys[y * width + x] = ((LOW - depth) << SHIFT) | np.uint64(v)
 
 
 @parallel
@@ -101,19 +146,24 @@ def unit(x, y, z):
 
 
 @parallel
-def depths(keys, samples, view, spheres, capsules, planes, boxes, depth, mask, point, ids):
-    """Depth of the nearest sample in metres along the view, and the point itself; the share of samples with a strand;
-    ids −2 where a solid is nearest. Solids packed as in `solids.draw`; point (height, width, 3), 0 where nothing is."""
+def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth, mask, point, ids):
+    """Depth of the nearest sample in metres along the view, and the point itself; the share of strands in its samples:
+    the mean of shares (samples² · height · width,), or of samples with a strand where that is None; ids −2 where a
+    solid is nearest. Solids packed as in `solids.draw`; point (height, width, 3), 0 where nothing is."""
     height, width = depth.shape
     share = ONE / np.float32(samples * samples)
     for y in prange(height):
         for x in range(width):
             key, row, column = nearest(keys, samples, width, y, x)
-            count = 0
+            count = ZERO
             for j in range(y * samples, (y + 1) * samples):
                 for i in range(x * samples, (x + 1) * samples):
-                    count += (keys[j * width * samples + i] & LOW) < solids.FIRST
-            mask[y, x] = np.float32(count) * share
+                    p = j * width * samples + i
+                    if shares is not None:
+                        count += shares[p]
+                    else:
+                        count += ONE if (keys[p] & LOW) < solids.FIRST else ZERO
+            mask[y, x] = count * share
             depth[y, x] = np.inf
             point[y, x] = ZERO
             if key == EMPTY:

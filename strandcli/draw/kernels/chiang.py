@@ -18,21 +18,19 @@ import numpy as np
 
 from ...jit import function
 from .approximations import acos, asin, clamp, exp2
-from .marschner import mix
+from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
-GROWTH_LIMIT = np.float32(40.0)
 HALF_LOG2_E = np.float32(0.5 / math.log(2.0))
 
 # Places in the array `fibre`, a number for each of the four lobes: 1 / v, normalisation, the tilt's cosine and sine.
 SHARP, NORM, COS, SIN = 0, 4, 8, 12
 THETA_SCALE, THETA_LAST, PHI_SCALE, PHI_LAST = 16, 17, 18, 19
 FIBRE_SIZE = 20
-# Channels of a node of the array `nodes`; the last two are padding.
-R, TT, TRT, REST = 0, 1, 4, 7
 NODE_SIZE = 12
+"""Channels of a node of the array `nodes`, of which the last two are padding."""
 
 # e^-x I₀(x) = √(P(x) / Q(x)), exact at 0 and ∞, 2.8e-5 off at most, without a seam anywhere: a fit made for this file
 P1, P2, P3, P4 = (np.float32(c) for c in (0.35561753, 0.30034769, 0.07188076, 0.05166444))
@@ -94,52 +92,6 @@ def tilted(sin_l, cos_l, sin_v, cos_v, fibre, p):
     s = sin_v * fibre[COS + p] + cos_v * fibre[SIN + p]
     c = abs(cos_v * fibre[COS + p] - sin_v * fibre[SIN + p])
     return lobe(sin_l, cos_l, s, c, fibre[SHARP + p], fibre[NORM + p])
-
-
-@function
-def azimuthal(
-    x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32, m_rest: np.float32,
-    nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
-) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
-    """S cos θ_l in red, green and blue, 1/sr: the tables at (x, y), weighted with what `longitudinal` gave.
-
-    nodes (n_θ, n_φ, 12) and paths (n_θ, n_φ, 4), or None where every strand has the tables' absorption; extra_*: this
-    strand's absorption less that of the tables, in 1/radius.
-    """
-    i = int(x)
-    j = int(y)
-    x -= np.float32(i)
-    y -= np.float32(j)
-    w11 = x * y
-    w10 = x - w11
-    w01 = y - w11
-    w00 = ONE - x - w01
-    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
-    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
-    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
-    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
-    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
-    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
-    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
-    # what is left has no azimuth
-    near = ONE - x
-    rest_r = m_rest * (near * nodes[i, j, REST] + x * nodes[i + 1, j, REST])
-    rest_g = m_rest * (near * nodes[i, j, REST + 1] + x * nodes[i + 1, j, REST + 1])
-    rest_b = m_rest * (near * nodes[i, j, REST + 2] + x * nodes[i + 1, j, REST + 2])
-    if paths is not None:
-        l_tt = mix(paths, i, j, 0, w00, w01, w10, w11)
-        l_trt = mix(paths, i, j, 1, w00, w01, w10, w11)
-        l_rest = near * paths[i, j, 2] + x * paths[i + 1, j, 2]
-        tt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_tt))
-        tt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_tt))
-        tt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_tt))
-        trt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_trt))
-        trt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_trt))
-        trt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_trt))
-        rest_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_rest))
-        rest_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_rest))
-        rest_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_rest))
-    return r + tt_r + trt_r + rest_r, r + tt_g + trt_g + rest_g, r + tt_b + trt_b + rest_b
 
 
 @function

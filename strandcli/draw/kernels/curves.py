@@ -66,7 +66,7 @@ def printed(block, lane, i, n):
 
 @parallel
 def count(
-    positions, lengths, strands, view, most, tolerance, fade, as_printed, out, sizes, error
+    positions, lengths, strands, view, most, tolerance, unseen, kept, as_printed, out, sizes, error
 ):  # fmt: skip
     """How many pieces each segment needs on the screen.
 
@@ -74,14 +74,19 @@ def count(
     difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W); view (26,) as in `project.points`; most: greatest number of
-    pieces; tolerance in pixels; fade: pieces of segments that are off the screen (0 leaves their strands out);
-    as_printed: array or None, a switch for the source's tangents; out (strands, n − 1) uint16; sizes (strands,) int64:
-    vertices of each strand, 0 where it is left out; error (strands,) float32: bound in pixels that is left.
+    pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves their strands out); kept
+    (strands,): 0 for strands that are left out, or None; as_printed: array or None, a switch for the source's tangents;
+    out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left out; error
+    (strands,) float32: bound in pixels that is left.
     """
     n = positions.shape[1] - 1
     per = ONE / tolerance
     limit = np.float32(most)
     for s in prange(strands):
+        if kept is not None and kept[s] == ZERO:
+            sizes[s] = 0
+            error[s] = ZERO
+            continue
         block = positions[s // W]
         lane = s % W
         third = lengths[s // W, lane] * THIRD
@@ -102,7 +107,7 @@ def count(
             by = block[i + 1, W + lane]
             bz = block[i + 1, 2 * W + lane]
             u1, v1, z1 = into(bx, by, bz, view)
-            pieces = np.int64(fade)
+            pieces = np.int64(unseen)
             scale = reach(u0, v0, z0, u1, v1, z1, third, view)
             if scale > ZERO:
                 seen = True
@@ -132,12 +137,12 @@ def count(
             u0 = u1
             v0 = v1
             z0 = z1
-        if fade == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
+        if unseen == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
             for i in range(n - 1):
                 if out[s, i] == 0:
                     out[s, i] = 1
                     total += 1
-        sizes[s] = total if seen or fade > 0 else 0
+        sizes[s] = total if seen or unseen > 0 else 0
         error[s] = bound
 
 
@@ -148,9 +153,11 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
     near = view[14]
     if max(z0, z1) + margin < near:
         return ZERO
-    # the half widths of the view at the depth of each end
-    wx = view[24] / view[13]
-    wy = view[25] / view[13]
+    # where the picture ends on each side, at a depth of one: a crop window may lie aside of the axis
+    left = view[15] / view[13]
+    right = (view[24] - view[15]) / view[13]
+    above = view[16] / view[13]
+    below = (view[25] - view[16]) / view[13]
     f0 = ONE
     f1 = ONE
     scale = view[13]
@@ -164,9 +171,9 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
         scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[23]) / least
     wide = margin * view[17]
     tall = margin * view[18]
-    if min(u0 - wx * f0, u1 - wx * f1) > wide or min(-u0 - wx * f0, -u1 - wx * f1) > wide:
+    if min(u0 - right * f0, u1 - right * f1) > wide or min(-u0 - left * f0, -u1 - left * f1) > wide:
         return ZERO
-    if min(v0 - wy * f0, v1 - wy * f1) > tall or min(-v0 - wy * f0, -v1 - wy * f1) > tall:
+    if min(v0 - above * f0, v1 - above * f1) > tall or min(-v0 - below * f0, -v1 - below * f1) > tall:
         return ZERO
     return scale
 

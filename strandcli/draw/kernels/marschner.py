@@ -22,13 +22,13 @@ import numpy as np
 
 from ...jit import function
 from .approximations import acos, asin, clamp, exp2
+from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 INV_PI = np.float32(1.0 / math.pi)
 TINY = np.float32(1e-20)
-GROWTH_LIMIT = np.float32(40.0)
 
 # Places in the array `lobes`.
 SHIFT_R, SHIFT_TT, SHIFT_TRT = 0, 1, 2
@@ -36,9 +36,8 @@ FALL_R, FALL_TT, FALL_TRT = 3, 4, 5
 THETA_SCALE, THETA_LAST, PHI_SCALE, PHI_LAST = 6, 7, 8, 9
 COS2_FLOOR = 10
 LOBES_SIZE = 11
-# Channels of a node of the array `nodes`; the eighth is padding, so that a node is half a cache line.
-R, TT, TRT = 0, 1, 4
 NODE_SIZE = 8
+"""Channels of a node of the array `nodes`, of which the eighth is padding, so that a node is half a cache line."""
 
 
 @function
@@ -57,7 +56,7 @@ def marschner(
     length: sines are clamped, and where t is parallel to l or v the undefined φ takes some value in [0, π].
     """
     x, y, m_r, m_tt, m_trt = longitudinal(tx, ty, tz, lx, ly, lz, vx, vy, vz, lobes)
-    return azimuthal(x, y, m_r, m_tt, m_trt, nodes, paths, extra_r, extra_g, extra_b)
+    return azimuthal(x, y, m_r, m_tt, m_trt, None, nodes, paths, extra_r, extra_g, extra_b)
 
 
 @function
@@ -92,46 +91,6 @@ def longitudinal(
     m_tt = scale * exp2(d_tt * d_tt * lobes[FALL_TT])
     m_trt = scale * exp2(d_trt * d_trt * lobes[FALL_TRT])
     return x, y, m_r, m_tt, m_trt
-
-
-@function
-def azimuthal(
-    x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32,
-    nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
-) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
-    """The rest of `marschner`: the tables at (x, y), weighted with what `longitudinal` gave."""
-    i = int(x)
-    j = int(y)
-    x -= np.float32(i)
-    y -= np.float32(j)
-    w11 = x * y
-    w10 = x - w11
-    w01 = y - w11
-    w00 = ONE - x - w01
-    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
-    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
-    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
-    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
-    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
-    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
-    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
-    if paths is not None:
-        l_tt = mix(paths, i, j, 0, w00, w01, w10, w11)
-        l_trt = mix(paths, i, j, 1, w00, w01, w10, w11)
-        tt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_tt))
-        tt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_tt))
-        tt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_tt))
-        trt_r *= exp2(min(GROWTH_LIMIT, -extra_r * l_trt))
-        trt_g *= exp2(min(GROWTH_LIMIT, -extra_g * l_trt))
-        trt_b *= exp2(min(GROWTH_LIMIT, -extra_b * l_trt))
-    return r + tt_r + trt_r, r + tt_g + trt_g, r + tt_b + trt_b
-
-
-@function
-def mix(table, i, j, c, w00, w01, w10, w11):
-    """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
-    views are counted by an atomic instruction."""
-    return w00 * table[i, j, c] + w01 * table[i, j + 1, c] + w10 * table[i + 1, j, c] + w11 * table[i + 1, j + 1, c]
 
 
 @function

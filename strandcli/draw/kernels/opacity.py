@@ -25,12 +25,15 @@ HEAD = 2
 
 
 @parallel
-def draw(first, screen, members, begin, size, rows, workers, far, near, focal, width, taper, extents, layers, stacks):
+def draw(
+    first, screen, members, begin, size, rows, workers, far, near, focal, width, taper, scale, extents, layers, stacks
+):  # fmt: skip
     """Draw strands into one map: into its extents where `stacks` is None, else into the layers between them.
 
     first, screen, members, begin, rows, workers, far, near, size: as in `shadow.fill`; focal: texels a metre, where far
-    is 0 at a depth of one; width: of strands at the root, metres, of which `taper` is lost to the tip; extents
-    (size * size, 2) float32 nearest and farthest depth; stacks (size * size * (layers + 3),) float32.
+    is 0 at a depth of one; width: of strands at the root, metres, of which `taper` is lost to the tip; scale (S,):
+    factor of each strand's, or None; extents (size * size, 2) float32 nearest and farthest depth; stacks
+    (size * size * (layers + 3),) float32.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -39,8 +42,8 @@ def draw(first, screen, members, begin, size, rows, workers, far, near, focal, w
             for m in range(begin[b], begin[b + 1]):
                 s = members[m]
                 strand(
-                    first[s], first[s + 1], screen, top, bottom, size, far, near, focal, width, taper, extents, layers,
-                    stacks,
+                    first[s], first[s + 1], screen, top, bottom, size, far, near, focal,
+                    width if scale is None else width * scale[s], taper, extents, layers, stacks,
                 )  # fmt: skip
 
 

@@ -13,15 +13,18 @@ MOST = np.float32(1e8)
 
 
 @parallel
-def widths(first, screen, view, thickness, taper, least, out):
+def widths(first, screen, view, thickness, taper, scale, least, out):
     """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
-    never under `least`. first, screen, view as in `points`; out (V,) float32."""
+    scale (S,): factor of each strand, or None; never under `least`. first, screen, view as in `points`; out (V,)
+    float32."""
     for s in prange(first.shape[0] - 1):
         begin = first[s]
         end = first[s + 1]
         per = taper / np.float32(max(end - begin - 1, 1))
         for v in range(begin, end):
             wide = thickness * (ONE - per * np.float32(v - begin)) * view[13]
+            if scale is not None:
+                wide *= scale[s]
             if view[12] > ZERO:
                 wide *= screen[v, 2]
             out[v] = max(wide, least)

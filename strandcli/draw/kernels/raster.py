@@ -113,10 +113,12 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
                     continue
                 line(x0, y0, q0, x1, y1, q1, top, bottom, width, np.uint64(base + v - 1), keys)
             else:
-                w = max(HALF * (widths[v - 1] + widths[v]), ONE)
+                w0 = max(widths[v - 1], ONE)
+                w1 = max(widths[v], ONE)
+                w = max(w0, w1)
                 if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
-                ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, np.uint64(base + v - 1), keys)
+                ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, np.uint64(base + v - 1), keys)
 
 
 @function
@@ -164,15 +166,15 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
 
 
 @function
-def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
-    """As `line`, `w` >= 1 pixels wide: across the longer axis a sample for each centre that the band of that width
-    covers."""
+def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, identity, keys):
+    """As `line`, from w0 to w1 >= 1 pixels wide: across the longer axis a sample for each centre that the band of that
+    width covers."""
     dx = x1 - x0
     dy = y1 - y0
-    half = HALF * w * np.sqrt(dx * dx + dy * dy)
+    half = HALF * np.sqrt(dx * dx + dy * dy)
     if abs(dx) >= abs(dy):
         if x1 < x0:
-            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+            x0, y0, q0, w0, x1, y1, q1, w1 = x1, y1, q1, w1, x0, y0, q0, w0
         first = max(np.ceil(x0 - HALF), ZERO)
         low = np.int64(first)
         high = np.int64(min(np.ceil(x1 - HALF), np.float32(width)))
@@ -181,8 +183,10 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
         per = ONE / (x1 - x0)
         slope = (y1 - y0) * per
         rise = (q1 - q0) * per
-        half *= per
+        grows = half * per * per * (w1 - w0)
+        half *= per * w0
         at = first + HALF - x0
+        half += grows * at
         y = y0 + slope * at
         q = q0 + rise * at
         for x in range(low, high):
@@ -192,9 +196,10 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
                 deposit(q, identity, np.uint64(row * width + x), keys)
             y += slope
             q += rise
+            half += grows
     else:
         if y1 < y0:
-            x0, y0, q0, x1, y1, q1 = x1, y1, q1, x0, y0, q0
+            x0, y0, q0, w0, x1, y1, q1, w1 = x1, y1, q1, w1, x0, y0, q0, w0
         first = max(np.ceil(y0 - HALF), ZERO)
         high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
         low = max(np.int64(first), top)
@@ -203,14 +208,16 @@ def ribbon(x0, y0, q0, x1, y1, q1, w, top, bottom, width, identity, keys):
         per = ONE / (y1 - y0)
         slope = (x1 - x0) * per
         rise = (q1 - q0) * per
-        half *= per
+        grows = half * per * per * (w1 - w0)
+        half *= per * w0
         at = first + HALF - y0
         x = x0 + slope * at
         q = q0 + rise * at
         for y in range(low, high):
             past = np.float32(y) - first
-            begin = np.int64(max(np.ceil(x + slope * past - half - HALF), ZERO))
-            end = np.int64(min(np.ceil(x + slope * past + half - HALF), np.float32(width)))
+            h = half + grows * (at + past)
+            begin = np.int64(max(np.ceil(x + slope * past - h - HALF), ZERO))
+            end = np.int64(min(np.ceil(x + slope * past + h - HALF), np.float32(width)))
             for column in range(begin, end):
                 deposit(q + rise * past, identity, np.uint64(y * width + column), keys)
 

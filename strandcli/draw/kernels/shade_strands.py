@@ -12,40 +12,51 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import chiang, dual, opacity, solids
+from . import body, solids
 from .approximations import exp
+from .batch import (
+    ARRIVES,
+    COLOUR,
+    EX,
+    EXTRA,
+    EY,
+    EZ,
+    INSIDE,
+    LX,
+    LY,
+    LZ,
+    PASSED,
+    RADIANCE,
+    REACH,
+    ROWS,
+    TX,
+    TY,
+    TZ,
+    WHOLE,
+    X,
+    Y,
+    Z,
+)
+from .glow import glow
+from .highlights import highlights
 from .light import around, toward
-from .marschner import azimuthal, kajiya_diffuse, longitudinal, mix
-from .shadow import between, held, texel_of, through
+from .lobes import mix
+from .marschner import kajiya_diffuse
+from .strand_shadows import shade, sink
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
-NEXT = np.uint64(1)
 STRANDS = 128
 """Strands a task."""
-
-# Rows of a batch, W numbers each, in one array: a compiler that knows how far apart they are need not fear that they
-# overlap. Position, tangent, direction to the eye, colour, absorption beyond the tables', radiance; then of one light
-# the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights,
-# strands that it passed.
-X, Y, Z, TX, TY, TZ, EX, EY, EZ = (i * W for i in range(9))
-COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
-LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
-U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
-TEXELS = 27 * W
-R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
-PASSED, WHOLE = 35 * W, 36 * W
-SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = (i * W for i in range(37, 43))
-TABLE = 43 * W
-ROWS = 43 + dual.CHANNELS
 
 
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
-    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out,
+    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots, columns, profile,
+    out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
@@ -57,7 +68,8 @@ def strands(
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
     each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres;
-    spheres None where no solid casts shadows; out (V, 3).
+    spheres None where no solid casts shadows; slots, columns, profile: of `strandcli.draw.body`, None where no strand
+    is wide; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -73,18 +85,22 @@ def strands(
                 if marks is not None and marks[v] == 0:
                     continue
                 gather(world, v, begin, end, tones[s], per, colour, tint, ambient, work, n)
+                if slots is not None and slots[v] >= 0:
+                    body.begin(profile, slots[v])
                 which[n] = v
                 n += 1
                 if n == W:
                     batch(
                         work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
                         maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+                        which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
             work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+            which, slots, columns, profile,
         )  # fmt: skip
         scatter(work, which, n, out)
 
@@ -120,9 +136,9 @@ def scatter(work, which, n, out):
 @function
 def batch(
     work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
-    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
 ):  # fmt: skip
-    """Radiance of the first n vertices of a batch."""
+    """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
     frames(work, n, view)
     if sky is not None:
         for c in range(3):
@@ -144,6 +160,8 @@ def batch(
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
                 work[ARRIVES + k] *= exp(-work[PASSED + k])
+        if slots is not None:
+            body.remember(work)
         if twice is not None and lights[i, 10] > ZERO:
             glow(work, n, lights, i, twice, scale)
         elif diffuse > ZERO:
@@ -155,10 +173,16 @@ def batch(
                 work[RADIANCE + k] += lights[i, 4] * (d * work[COLOUR + k])
                 work[RADIANCE + W + k] += lights[i, 5] * (d * work[COLOUR + W + k])
                 work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
-        if lobes is not None:
-            shine(work, n, lights, i, lobes, nodes, paths)
-        if fibre is not None:
-            gleam(work, n, lights, i, fibre, nodes, paths)
+        if slots is not None:
+            body.round_off(work, n, which, slots, profile)
+        if nodes is not None:
+            highlights(work, n, lights, i, lobes, fibre, nodes, paths)
+            if slots is not None:
+                body.highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile)
+    if slots is not None:
+        for k in range(n):
+            if slots[which[k]] >= 0:
+                body.add_up(profile, slots[which[k]])
 
 
 @function
@@ -212,171 +236,6 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
                     capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k],
                     work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
                 )  # fmt: skip
-
-
-@function
-def shade(work, n, views, one, maps, start, size, bias):
-    """What strands leave of a light, by one map: only where no map before held the vertex."""
-    if size < 2:
-        return
-    locate(work, n, views, one, size, bias)
-    for k in range(n):
-        texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
-        below = texel + np.uint64(size)
-        work[TEXELS + k] = maps[texel, 0]
-        work[TEXELS + W + k] = maps[texel, 1]
-        work[TEXELS + 2 * W + k] = maps[texel + NEXT, 0]
-        work[TEXELS + 3 * W + k] = maps[texel + NEXT, 1]
-        work[TEXELS + 4 * W + k] = maps[below, 0]
-        work[TEXELS + 5 * W + k] = maps[below, 1]
-        work[TEXELS + 6 * W + k] = maps[below + NEXT, 0]
-        work[TEXELS + 7 * W + k] = maps[below + NEXT, 1]
-    for k in range(n):
-        d = work[DEPTH + k]
-        left = between(
-            work[U + k] - np.floor(work[U + k]),
-            work[V + k] - np.floor(work[V + k]),
-            through(d, work[TEXELS + k], work[TEXELS + W + k]),
-            through(d, work[TEXELS + 2 * W + k], work[TEXELS + 3 * W + k]),
-            through(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
-            through(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
-        )
-        work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
-
-
-@function
-def locate(work, n, views, one, size, bias):
-    """Where a map shows the vertices that no map before held."""
-    edge = np.float32(size - 1)
-    for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
-        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
-        work[U + k] = u if fresh else ZERO
-        work[V + k] = v if fresh else ZERO
-        work[DEPTH + k] = d - bias if fresh else -ONE
-        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
-
-
-@function
-def sink(work, n, views, one, stacks, layers, start, size, bias):
-    """Strands between the light and each vertex, by one opacity map: as `shade`."""
-    if size < 2:
-        return
-    locate(work, n, views, one, size, bias)
-    stride = np.uint64(layers + opacity.HEAD + 1)
-    down = np.uint64(size) * stride
-    for k in range(n):
-        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
-        texel = np.uint64(start) + np.uint64(place) * stride
-        d = work[DEPTH + k]
-        work[TEXELS + k] = opacity.depth_at(d, texel, layers, stacks)
-        work[TEXELS + W + k] = opacity.depth_at(d, texel + stride, layers, stacks)
-        work[TEXELS + 2 * W + k] = opacity.depth_at(d, texel + down, layers, stacks)
-        work[TEXELS + 3 * W + k] = opacity.depth_at(d, texel + down + stride, layers, stacks)
-    for k in range(n):
-        passed = between(
-            work[U + k] - np.floor(work[U + k]),
-            work[V + k] - np.floor(work[V + k]),
-            work[TEXELS + k],
-            work[TEXELS + W + k],
-            work[TEXELS + 2 * W + k],
-            work[TEXELS + 3 * W + k],
-        )
-        work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
-
-
-@function
-def shine(work, n, lights, i, lobes, nodes, paths):
-    """Highlights by Marschner's model."""
-    for k in range(n):
-        x, y, r, tt, trt = longitudinal(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], lobes,
-        )  # fmt: skip
-        work[U + k] = x
-        work[V + k] = y
-        work[R + k] = r
-        work[TT + k] = tt
-        work[TRT + k] = trt
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = azimuthal(
-                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], nodes, paths,
-                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, 4] * r
-            work[RADIANCE + W + k] += arrives * lights[i, 5] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
-
-
-@function
-def gleam(work, n, lights, i, fibre, nodes, paths):
-    """Highlights by Chiang's model."""
-    for k in range(n):
-        x, y, r, tt, trt, rest = chiang.longitudinal(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], fibre,
-        )  # fmt: skip
-        work[U + k] = x
-        work[V + k] = y
-        work[R + k] = r
-        work[TT + k] = tt
-        work[TRT + k] = trt
-        work[REST + k] = rest
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = chiang.azimuthal(
-                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k], work[REST + k], nodes, paths,
-                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, 4] * r
-            work[RADIANCE + W + k] += arrives * lights[i, 5] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
-
-
-@function
-def glow(work, n, lights, one, twice, scale):
-    """Light that comes by way of other strands. What reaches a vertex with no strand in the way is in the row `WHOLE`,
-    what does with them in `ARRIVES`."""
-    nodes = twice.shape[0]
-    for k in range(n):
-        sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], nodes,
-        )  # fmt: skip
-        work[SIN_L + k] = sin_l
-        work[COS_L + k] = cos_l
-        work[SIN_V + k] = sin_v
-        work[COS_V + k] = cos_v
-        work[COS_PHI + k] = cos_phi
-        work[PLACE + k] = place
-    for k in range(n):
-        i = min(np.int64(work[PLACE + k]), nodes - 2)
-        part = work[PLACE + k] - np.float32(i)
-        for c in range(dual.CHANNELS):
-            low = twice[i, c]
-            work[TABLE + c * W + k] = low + part * (twice[i + 1, c] - low)
-    for k in range(n):
-        back, through = dual.lobes(
-            work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
-            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.SHIFT * W + k],
-            work[TABLE + dual.OWN * W + k],
-        )  # fmt: skip
-        work[U + k] = back
-        work[V + k] = through
-    for c in range(3):
-        power = lights[one, 4 + c]
-        per = scale[c]
-        for k in range(n):
-            s = dual.scattered(
-                work[PASSED + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
-                work[TABLE + (dual.STOPPED + c) * W + k], work[TABLE + (dual.BACKWARD + c) * W + k],
-                work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
-                work[COLOUR + c * W + k] * per,
-            )  # fmt: skip
-            work[RADIANCE + c * W + k] += work[WHOLE + k] * power * s
 
 
 @function

@@ -21,23 +21,29 @@ INV_PI = np.float32(1 / math.pi)
 @parallel
 def surfaces(
     keys, width, height, view, ambient, sky, lights, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, paint, skin, image,
+    spheres, capsules, planes, boxes, paint, skin, spots, image,
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
 
     keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
+    spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
     image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
     `shade_strands.strands`.
     """
     focal = view[13]
     for row in prange(height):
-        up = (view[16] - np.float32(row) - HALF) / focal
         for column in range(width):
             key = keys[row * width + column]
             if key == EMPTY or (key & LOW) < solids.FIRST:
                 continue
             which = np.int64((key & LOW) - solids.FIRST)
-            right = (np.float32(column) + HALF - view[15]) / focal
+            sx = np.float32(column) + HALF
+            sy = np.float32(row) + HALF
+            if spots.shape[0] > 0:
+                sx = spots[row * width + column, 0]
+                sy = spots[row * width + column, 1]
+            right = (sx - view[15]) / focal
+            up = (view[16] - sy) / focal
             ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
             if view[12] > ZERO:  # the key tells: one over the depth
                 t = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)

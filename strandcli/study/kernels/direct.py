@@ -1,4 +1,4 @@
-"""Marschner's model without tables: the integral over the offset h for every direction anew."""
+"""Light of a strand without tables: the integral over the offset h for every direction anew."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ...draw.kernels.chiang import scaled_bessel
 from ...jit import function, parallel, prange
 
 TURN = 2.0 * math.pi
@@ -23,8 +24,8 @@ def bell(angle, deviation):
 
 
 @parallel
-def scattering(theta_l, theta_v, phi, eta, alpha, beta, deviation, sigma, nodes, out):
-    """S cos θ_l by the midpoint rule over ``nodes`` offsets h, even in their angle.
+def marschner(theta_l, theta_v, phi, eta, alpha, beta, deviation, sigma, nodes, out):
+    """S cos θ_l of Marschner's model by the midpoint rule over ``nodes`` offsets h, even in their angle.
 
     theta_l, theta_v, phi (D,); alpha, beta, deviation in radians; sigma (3,) in 1/radius; out (D, 3). All float64.
     """
@@ -57,3 +58,49 @@ def scattering(theta_l, theta_v, phi, eta, alpha, beta, deviation, sigma, nodes,
                 left = f if lobe == 0 else (1.0 - f) ** 2 * (f if lobe == 2 else 1.0)
                 for c in range(3):
                     out[i, c] += seen * left * math.exp(-lobe * sigma[c] * chord)
+
+
+@function
+def logistic(angle, scale):
+    """The logistic distribution wound round the circle by its nearest turn, and trimmed to it."""
+    a = abs(angle - TURN * np.floor(angle / TURN + 0.5))
+    fall = math.exp(-a / scale)
+    return fall / (scale * (1.0 + fall) ** 2) / math.tanh(0.25 * TURN / scale)
+
+
+@parallel
+def chiang(theta_l, theta_v, phi, eta, variances, tilts, scale, sigma, nodes, out):
+    """S cos θ_l of Chiang's model by the same rule.
+
+    variances, tilts (4,): of the lobes along the strand, R, TT, TRT and the rest; scale: of the logistic round it;
+    sigma (3,) in 1/radius; the others as in `marschner`.
+    """
+    for i in prange(theta_l.shape[0]):
+        cos_v = math.cos(theta_v[i])
+        root = math.sqrt(eta * eta - math.sin(theta_v[i]) ** 2)
+        m = np.empty(4)
+        for p in range(4):
+            turned = theta_v[i] + tilts[p]
+            x = math.cos(theta_l[i]) * abs(math.cos(turned)) / variances[p]
+            fall = x - (math.sin(theta_l[i]) * math.sin(turned) + 1.0) / variances[p]
+            m[p] = scaled_bessel(x) * math.exp(fall) / (variances[p] * -math.expm1(-2.0 / variances[p]))
+        for c in range(3):
+            out[i, c] = 0.0
+        for k in range(nodes):
+            gamma = ((k + 0.5) / nodes - 0.5) * math.pi
+            weight = 0.5 * math.cos(gamma) * math.pi / nodes
+            inner = math.asin(math.sin(gamma) * cos_v / root)
+            cos_i = cos_v * math.cos(gamma)
+            cos_t = math.sqrt(1.0 - (1.0 - cos_i * cos_i) / (eta * eta))
+            s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
+            p_ = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
+            f = 0.5 * (s * s + p_ * p_)
+            r = m[0] * logistic(phi[i] + 2.0 * gamma, scale)
+            tt = m[1] * logistic(phi[i] - (2.0 * inner - 2.0 * gamma + 0.5 * TURN), scale)
+            trt = m[2] * logistic(phi[i] - (4.0 * inner - 2.0 * gamma + TURN), scale)
+            chord = 2.0 * math.cos(inner) * eta / root
+            for c in range(3):
+                t = math.exp(-sigma[c] * chord)
+                twice = (1.0 - f) ** 2 * t
+                rest = twice * f * f * t * t / (1.0 - f * t)
+                out[i, c] += weight * (f * r + twice * (tt + f * t * trt) + rest * m[3] / TURN)

@@ -1,12 +1,13 @@
-"""Coverage: samples a pixel, and what decides who is seen, against 16×16 samples."""
+"""Coverage: samples a pixel, and what decides who is seen, against 16×16 samples; occupancy maps as a foil."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ..axes import Axis
-from ..points import Knobs
+from ..points import Knobs, Point
 from .experiment import Pictures
+from .occupancy import SLABS, SLICES, OccupancyRenderer
 from .subject import Picture, changed, knows, silhouette
 
 SAMPLES = 16
@@ -20,16 +21,37 @@ class CoverageStudy(Pictures):
 
     def choices(self) -> list[Knobs]:
         """Every resolver with its own useful range of samples."""
-        if not knows(self.scene, "image.resolver"):
-            return [{"image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
         out: list[Knobs] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
         out += [{"image.resolver": "sorted", "image.supersample": n} for n in (1, 2, 3, 4)]
         out += [{"image.resolver": "kbuffer", "image.nearest": k, "image.supersample": 1} for k in (2, 4, 8, 16)]
         return out
 
+    def settings(self) -> list[Knobs]:
+        """Those, and the foil, where the resolver is not set by hand."""
+        if "image.resolver" in self.request.fixed:
+            return super().settings()
+        return super().settings() + [{"foil": "occupancy", "slices": n, "slabs": SLABS} for n in (32, SLICES, 512)]
+
+    def measure(self, knobs: Knobs) -> Point:
+        """One setting; the foil takes the time of `sorted`, less that of sorting, and its own."""
+        if "foil" not in knobs:
+            return super().measure(knobs)
+        scene = changed(self.scene, {"image.resolver": "sorted"})
+        exact = self.subject.draw(scene)
+        renderer = OccupancyRenderer(scene, self.subject.groom)
+        renderer.take_over(knobs["slices"], knobs["slabs"])
+        picture = self.subject.draw(scene, renderer=renderer)
+        sorting, occupancy = renderer.seconds
+        error = self.against(picture.image, self.fine.image)
+        error["from sorted"] = self.against(picture.image, exact.image)["rmse"]
+        point = self.point(knobs, exact, error)
+        point.seconds += occupancy - sorting
+        point.counts = {**exact.counts, "sorting_us": round(1e6 * sorting), "occupancy_us": round(1e6 * occupancy)}
+        return point
+
     def series(self, knobs: Knobs) -> str:
         """The resolver."""
-        return str(knobs.get("image.resolver", "zbuffer"))
+        return str(knobs.get("foil", knobs.get("image.resolver", "zbuffer")))
 
     def reference(self) -> dict[str, Any]:
         """Opaque strands need no more than who is in front; those that let light through are sorted."""

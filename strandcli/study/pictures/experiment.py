@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from ..points import Knobs, Point
 from .subject import Picture, Subject, changed, differences, knows, total, value_at
 
 
-class Pictures:
+class Pictures(ABC):
     """Pictures of one preset at many settings, each against one reference."""
 
     axis = ""
@@ -34,27 +35,32 @@ class Pictures:
         """The preset at the size that is studied."""
         return self.subject.scene
 
+    @abstractmethod
     def choices(self) -> Sequence[Knobs]:
         """Settings to be tried. Those that the program does not have are left out by `settings`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def series(self, knobs: Knobs) -> str:
         """The line of the chart that a setting belongs to."""
-        raise NotImplementedError
 
     def settings(self) -> list[Knobs]:
         """The choices that there are, and that leave what was set by hand as it is. Raises `UsageError` for none."""
         scene = self.scene
         found = []
         for knobs in self.choices():
-            own = {path: value for path, value in knobs.items() if path in self.request.fixed}
-            if all(knows(scene, path, value) for path, value in knobs.items()) and all(
+            paths = self.paths(knobs)
+            own = {path: value for path, value in paths.items() if path in self.request.fixed}
+            if all(knows(scene, path, value) for path, value in paths.items()) and all(
                 value_at(scene, path) == value for path, value in own.items()
             ):
                 found.append(knobs)
         if not found:
             raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its knobs")
         return found
+
+    def paths(self, knobs: Knobs) -> Knobs:
+        """The settings by dotted path that a choice stands for."""
+        return knobs
 
     def margins(self) -> Mapping[str, float]:
         """Nothing: references are finer by far than what is measured against them."""
@@ -71,18 +77,18 @@ class Pictures:
             "width_given": self.subject.widened, **told,
         }  # fmt: skip
 
+    @abstractmethod
     def reference(self) -> dict[str, Any]:
         """Make the reference; what the report says of it, ``what`` for people."""
-        raise NotImplementedError
 
     def measure(self, knobs: Knobs) -> Point:
         """Draw one setting."""
-        picture = self.subject.draw(changed(self.scene, knobs))
+        picture = self.subject.draw(changed(self.scene, self.paths(knobs)))
         return self.point(knobs, picture, self.errors(knobs, picture))
 
+    @abstractmethod
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
         """How far a picture of these settings is off."""
-        raise NotImplementedError
 
     def point(self, knobs: Knobs, picture: Picture, error: dict[str, float | None]) -> Point:
         """The figures of a setting."""

@@ -1,4 +1,4 @@
-"""Level of detail: fewer and wider strands against all of them, near and far."""
+"""Level of detail: fewer and wider strands against all of them, near and far, by shares and by width on the screen."""
 
 from __future__ import annotations
 
@@ -25,15 +25,20 @@ class DetailStudy(Pictures):
     references = 1
 
     def choices(self) -> list[Knobs]:
-        """Fractions with and without widening."""
+        """Fractions with and without widening; as many as are wide enough on the screen."""
         out: list[Knobs] = [{"detail.near": AT_ONCE, "detail.fraction": 1.0, "detail.widen": True}]
         for part in (2, 4, 8, 16, 32):
             for widen in (True, False):
                 out.append({"detail.near": AT_ONCE, "detail.fraction": 1 / part, "detail.widen": widen})
+        for pixels in (0.25, 0.5, 1.0, 2.0):
+            by_width = {"detail.near": None, "detail.pixels": pixels, "detail.fraction": 0.01, "detail.widen": True}
+            out.append(by_width)
         return out
 
     def series(self, knobs: Knobs) -> str:
-        """Whether strands are widened."""
+        """What decides on the share, and whether strands are widened."""
+        if knobs["detail.near"] is None:
+            return "by width"
         return "widened" if knobs["detail.widen"] else "not widened"
 
     def reference(self) -> dict[str, Any]:
@@ -69,7 +74,7 @@ class DetailStudy(Pictures):
 AXIS = Axis(
     name="lod",
     doc="fewer and wider strands against all of them, at three distances",
-    knobs=("detail.near", "detail.fraction", "detail.widen"),
+    knobs=("detail.near", "detail.pixels", "detail.fraction", "detail.widen"),
     metric="rmse",
     of_preset=True,
     open=DetailStudy,

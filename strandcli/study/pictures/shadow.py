@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...draw.camera import axes
-from ...draw.curves import flatten
+from ...draw.curves import Polylines, flatten
 from ...draw.scratch import Scratch
+from ...draw.shadow import Thickness, strand_spacing
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
-from ...scene.model import DirectionalLight, Scene
+from ...scene.model import DirectionalLight, Light, Scene
 from ..axes import Axis, Request
 from ..kernels import cylinders
 from ..points import Knobs
@@ -29,6 +30,8 @@ BUNDLE = 1.5
 """Radius of a probe's bundle of rays, in distances between strands: a map has no finer answer than that to give."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
+FINEST = 4096
+"""Texels along a side that a map may have where the side of a texel is given."""
 
 
 class ShadowStudy(Pictures):
@@ -46,6 +49,7 @@ class ShadowStudy(Pictures):
         self.light = int(np.argmax(power))
         self.path = f"lights.{self.light}.shadow"
         self.title += f" of light {self.light}"
+        self.spacing = strand_spacing(self.subject.groom.roots)
 
     def choices(self) -> list[Knobs]:
         """Every model, coarse to fine; of deep maps the layers as well."""
@@ -56,6 +60,8 @@ class ShadowStudy(Pictures):
             deep = {f"{self.path}.model": "opacity"}
             out += [{**deep, f"{self.path}.size": size} for size in sizes]
             out += [{**deep, f"{self.path}.layers": layers} for layers in (1, 3, 5, 29)]
+            sides = [float(f"{times * self.spacing:.3g}") for times in (0.25, 0.5, 1, 2, 4, 8) if self.spacing > 0]
+            out += [{**deep, f"{self.path}.size": FINEST, f"{self.path}.texel": side} for side in sides]
         return out
 
     def series(self, knobs: Knobs) -> str:
@@ -71,12 +77,7 @@ class ShadowStudy(Pictures):
             raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
         chosen = rng.permutation(len(points))[:PROBES]
         self.places, self.lit = self.places[chosen], self.lit[chosen]
-        self.spacing = strand_spacing(self.subject.groom.roots)
-        turns = rng.random(2) + np.arange(RAYS)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])
-        u, v = (turns % 1.0).T
-        radius = BUNDLE * self.spacing * np.sqrt(u)
-        jitter = np.stack([radius * np.cos(2 * np.pi * v), radius * np.sin(2 * np.pi * v)], 1)
-        halves = self._rays(points[chosen], strands[chosen], jitter)
+        halves = self._rays(points[chosen], strands[chosen], bundle(RAYS, BUNDLE * self.spacing, rng))
         self.truth = halves.mean(1)
         noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
         return {"what": f"{RAYS} rays each from {len(chosen)} points that are seen, against cylinders",
@@ -123,26 +124,44 @@ class ShadowStudy(Pictures):
     def _rays(
         self, points: NDArray[np.float64], own: NDArray[np.int64], jitter: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        scene, light = self.scene, self.scene.lights[self.light]
+        scene = self.scene
         lines = flatten(
             self.subject.positions, self.subject.lengths, self.subject.groom.strands, scene.curves,
             self.subject.view(scene), True, Scratch(),
         )  # fmt: skip
-        count = np.diff(lines.first)
-        along = np.concatenate([np.linspace(0, 1, n) for n in count]) if len(count) else np.empty(0)
-        radii = 0.5 * scene.material.width * (1 - scene.material.taper * along)
-        if isinstance(light, DirectionalLight):
-            ways = np.broadcast_to(-np.array(light.direction, np.float64), points.shape)
-            reaches = np.full(len(points), np.inf)
-        else:
-            ways = np.array(light.position) - points
-            reaches = np.linalg.norm(ways, axis=1)
-        frames = np.array([np.stack(axes(way, (0.0, 1.0, 0.0))) for way in ways])
-        out = np.empty((len(points), 2))
-        cylinders.transmittance(
-            lines.first, lines.world.astype(np.float64), radii, points, own, frames, reaches, jitter, out
-        )
-        return out
+        thickness = Thickness(scene.material.width, scene.material.taper)
+        return transmittance(lines, thickness, scene.lights[self.light], points, own, jitter)
+
+
+def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """(rays, 2) places evenly over a disc, metres: an R2 sequence, shifted at random, which leaves a third of the noise
+    of random places."""
+    turns = rng.random(2) + np.arange(rays)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])
+    u, v = (turns % 1.0).T
+    out = radius * np.sqrt(u)
+    return np.stack([out * np.cos(2 * np.pi * v), out * np.sin(2 * np.pi * v)], 1)
+
+
+def transmittance(
+    lines: Polylines, thickness: Thickness, light: Light, points: NDArray[np.float64], own: NDArray[np.int64],
+    jitter: NDArray[np.float64],
+) -> NDArray[np.float64]:  # fmt: skip
+    """(P, 2): what polylines as cylinders leave of a light at ``points`` (P, 3), by the even and the odd rays of a
+    bundle ``jitter`` (R, 2) metres wide; ``own`` (P,): the strand that each point is on, which does not count."""
+    if isinstance(light, DirectionalLight):
+        ways = np.broadcast_to(-np.array(light.direction, np.float64), points.shape)
+        reaches = np.full(len(points), np.inf)
+    else:
+        ways = np.array(light.position) - points
+        reaches = np.linalg.norm(ways, axis=1)
+    frames = np.array([np.stack(axes(way, (0.0, 1.0, 0.0))) for way in ways])
+    along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
+    radii = 0.5 * thickness.width * (1 - thickness.taper * along)
+    out = np.empty((len(points), 2))
+    cylinders.transmittance(
+        lines.first, lines.world.astype(np.float64), radii, points, own, frames, reaches, jitter, out
+    )
+    return out
 
 
 def alone(scene: Scene, light: int) -> Scene:
@@ -160,19 +179,10 @@ def matt(scene: Scene) -> Scene:
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
 
 
-def strand_spacing(roots: NDArray[np.float32], asked: int = 256) -> float:
-    """Median distance in metres from a root to the nearest other, of the first roots; 1e-6 where there is no other."""
-    some = roots[:asked].astype(np.float64)
-    square = ((some[:, None] - roots[None].astype(np.float64)) ** 2).sum(2)
-    square[np.arange(len(some)), np.arange(len(some))] = np.inf
-    nearest = float(np.sqrt(np.median(square.min(1))))
-    return nearest if np.isfinite(nearest) and nearest > 0 else 1e-6
-
-
 AXIS = Axis(
     name="shadow",
     doc="models and sizes of a shadow map against rays and cylinders",
-    knobs=("model", "size", "layers"),
+    knobs=("model", "size", "layers", "texel"),
     metric="transmittance",
     of_preset=True,
     open=ShadowStudy,

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...draw.camera import View, camera_view
+from ...draw.chiang import ChiangTables
 from ...draw.curves import Polylines
+from ...draw.marschner import MarschnerTables
 from ...draw.renderer import Renderer
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.emit import emit
@@ -85,6 +87,7 @@ class Subject:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        scene = dataclasses.replace(scene, children=None)  # guides alone: what is studied is how strands are drawn
         strands = min(request.strands or STRANDS, scene.emitter.strands)
         scene = changed(scene, {"emitter.strands": strands, "image.size": request.size or _small(scene.image.size)})
         self.name, self.frame = request.name, request.frame
@@ -134,8 +137,12 @@ class Subject:
         depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
         return self.scene.material.width * view.focal / depth
 
-    def draw(self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, tables: Any = None) -> Picture:
-        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own Marschner tables.
+    def draw(
+        self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False,
+        tables: MarschnerTables | ChiangTables | None = None, renderer: LinearRenderer | None = None,
+    ) -> Picture:  # fmt: skip
+        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own, ``renderer`` for the
+        usual one of the scene.
 
         Raises `RefusedError` where the samples would not fit into memory."""
         import numba
@@ -147,10 +154,10 @@ class Subject:
                 f"{self.name}: {scene.image.supersample}×{scene.image.supersample} samples a pixel would take about "
                 f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
             )
-        renderer = LinearRenderer(scene, self.groom)
+        renderer = renderer or LinearRenderer(scene, self.groom)
         renderer.keep_shading = keep_shading
         if tables is not None:
-            renderer.palette.nodes, renderer.palette.lobes, renderer.palette.paths = tables
+            renderer.palette.take(tables)
         seconds: dict[str, float] = {}
         for _ in range(draws):
             drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())

@@ -1,0 +1,116 @@
+"""The body of strands near the camera: light that varies across their width.
+
+Everywhere else a strand's light is the average over its width, which is all that a pixel shows of a thin strand. Where
+strands are wider than two pixels the average is resolved: into columns of the offset h ∈ [−1, 1], each with its own
+part of the azimuthal functions,
+
+    N_p(θ, φ) = ½ ∫ A_p(θ, h) D(φ − Φ_p(h)) dh,
+
+so that R is a narrow streak on the side of the light, TT the glow of a strand before it, TRT the coloured streaks
+beside them. What is no lobe, the light from strand to strand, is rounded off by a cosine. Only departures from the
+average are kept, and they add up to nothing over the width: a strand's whole light is what it is far away, and between
+two and four pixels departures grow from nothing, so that nothing jumps as the camera comes near. A pixel's share of the
+width is averaged exactly, so that a strand three pixels wide does not flicker.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import chiang, marschner
+from .curves import Polylines
+from .kernels import body as kernel
+from .pigment import absorption_of
+from .scratch import Scratch
+
+if TYPE_CHECKING:
+    from ..scene.model import Material
+
+N_THETA, N_PHI, OFFSETS = 24, 49, 8
+"""Nodes of the tables, and offsets a column."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """The vertices of some strands that are wide."""
+
+    screen: NDArray[np.float32]
+    widths: NDArray[np.float32]
+    slots: NDArray[np.int32]
+    """(V,) number of the vertex' profile, or −1."""
+    profile: NDArray[np.float32]
+    """(n, columns + 1, 3)"""
+    samples: np.float32
+    """Along each side of a pixel."""
+
+    def over_seen(self, keys: NDArray[np.uint64], base: int, lines: Polylines, image: NDArray[np.float32]) -> None:
+        """Add departures where the z-buffer ``keys`` shows these polylines, whose vertices are numbered from
+        ``base``."""
+        kernel.over_seen(
+            keys, base, lines.per, lines.stride, self.screen, self.widths, self.samples, self.slots, self.profile, image
+        )
+
+
+def body_of(
+    lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch
+) -> Body | None:
+    """What is wide of polylines (V,) with these widths in samples; None where nothing is."""
+    if widths is None or not len(widths) or not float(widths.max()) > kernel.START * samples:
+        return None
+    wide = (widths > np.float32(kernel.START * samples)) & (screen[:, 2] > 0)
+    count = int(np.count_nonzero(wide))
+    if count == 0:
+        return None
+    slots = scratch.take("slots", len(widths), np.int32)
+    slots.fill(-1)
+    slots[wide] = np.arange(count, dtype=np.int32)
+    profile = scratch.take("profile", (count, kernel.COLUMNS + 1, 3), np.float32)
+    return Body(screen, widths, slots, profile, np.float32(samples))
+
+
+def columns_of(material: Material) -> NDArray[np.float32] | None:
+    """(n_θ, n_φ, columns, 8): what the azimuthal functions of R, TT rgb and TRT rgb depart from their averages in each
+    column of h, light on the side where h is positive. θ is what the model's tables have, φ is in [0, π]. Lobes
+    narrower than a cell are drawn as wide as one. None where there are no highlights."""
+    if material.specular == 0:
+        return None
+    theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, N_THETA), 0.5 * np.pi - 1e-4)
+    phi = np.linspace(0.0, np.pi, N_PHI)
+    count = kernel.COLUMNS * OFFSETS
+    offset = (np.arange(count) + 0.5) * (2.0 / count) - 1.0
+    gamma = -np.arcsin(offset)  # a ray that enters on the side of b is at a negative angle in Φ
+    step = np.pi / (N_PHI - 1)
+    if material.model == "chiang":
+        sigma = absorption_of(material, material.beta_n)
+        rays, _, out = chiang.passages(theta, gamma, material.eta, sigma)
+        s = max(chiang.logistic_scale(material.beta_n), 0.5 * step)
+        scales = np.ones(7)
+    else:
+        sigma = absorption_of(material, marschner.azimuthal_beta(material.azimuthal))
+        rays, _, out = marschner.passages(theta, gamma, material.eta, sigma)
+        s = max(math.radians(material.azimuthal), 0.75 * step)
+        scales = np.repeat(marschner.peaks(material), (1, 3, 3))
+    table = np.zeros((N_THETA, N_PHI, kernel.COLUMNS, kernel.CHANNELS), np.float32)
+    for lobe, channels in enumerate(((0,), (1, 2, 3), (4, 5, 6))):
+        apart = phi[None, :, None] - out[:, lobe, None]  # (θ, φ, rays)
+        apart -= 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
+        seen = _logistic(apart, s) if material.model == "chiang" else _gaussian(apart, s)
+        for c in channels:
+            light = (seen * rays[:, None, c]).reshape(N_THETA, N_PHI, kernel.COLUMNS, OFFSETS).mean(-1)
+            table[..., c] = scales[c] * (light - light.mean(-1, keepdims=True))
+    return table
+
+
+def _logistic(angle: NDArray[np.float64], s: float) -> NDArray[np.float64]:
+    fall = np.exp(-np.abs(angle) / s)
+    return np.asarray(fall / (s * (1.0 + fall) ** 2) / math.tanh(0.5 * np.pi / s))
+
+
+def _gaussian(angle: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+    turns = [np.exp(-0.5 * ((angle + turn) / deviation) ** 2) for turn in (-2.0 * np.pi, 0.0, 2.0 * np.pi)]
+    return np.asarray(sum(turns) / (math.sqrt(2.0 * np.pi) * deviation))

@@ -1,0 +1,252 @@
+"""Light across the width of strands that are wider than a few pixels (see `strandcli.draw.body`).
+
+A vertex that is wide has a profile over the offset h ∈ [−1, 1] across the strand: how far its light there departs from
+the average over the width. In front of the eye h grows along b = t × e, t the tangent and e the way to the eye; on the
+screen, with y down, that is from a strand's direction (dx, dy) toward (−dy, dx).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...constants import W
+from ...jit import function, parallel, prange
+from .approximations import clamp
+from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TRT, TT, TX, TY, TZ, R, U, V
+from .lobes import grown
+from .raster import LOW
+from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+THREE = np.float32(3.0)
+TINY = np.float32(1e-12)
+COLUMNS = 16
+"""Columns of h."""
+START, FULL = np.float32(2.0), np.float32(4.0)
+"""Widths in pixels from which profiles count, and count fully."""
+CHANNELS = 8
+"""Of a column in the tables: R, TT in red, green and blue, TRT, and padding."""
+
+_EDGES = np.linspace(-1.0, 1.0, COLUMNS + 1)
+_AREA = 0.5 * (_EDGES * np.sqrt(1 - _EDGES**2) + np.arcsin(_EDGES))
+OFFSET = np.float32(0.5) * (_EDGES[1:] + _EDGES[:-1]).astype(np.float32)
+"""Mean of h over each column."""
+HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
+"""Mean of √(1 − h²) over each column, less that over all."""
+
+
+@function
+def begin(profile, slot):
+    """An empty profile."""
+    for i in range(COLUMNS + 1):
+        for c in range(3):
+            profile[slot, i, c] = ZERO
+
+
+@function
+def remember(work):
+    """Note the radiance of a batch before light of a kind is added."""
+    for k in range(3 * W):
+        work[BEFORE + k] = work[RADIANCE + k]
+
+
+@function
+def round_off(work, n, which, slots, profile):
+    """Light that has been added since `remember` as a cosine lobe about the side that faces it: times
+    1 + cos (γ − φ) − mean, h = sin γ, which is nowhere negative."""
+    for k in range(n):
+        slot = slots[which[k]]
+        if slot >= 0:
+            cosine, sine = azimuth(work, k)
+            for c in range(3):
+                light = work[RADIANCE + c * W + k] - work[BEFORE + c * W + k]
+                for i in range(COLUMNS):
+                    profile[slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
+
+
+@function
+def azimuth(work, k):
+    """Cosine and sine of the angle from the eye to the light about the tangent, positive toward b."""
+    tx, ty, tz = work[TX + k], work[TY + k], work[TZ + k]
+    ex, ey, ez = work[EX + k], work[EY + k], work[EZ + k]
+    lx, ly, lz = work[LX + k], work[LY + k], work[LZ + k]
+    sin_l = tx * lx + ty * ly + tz * lz
+    sin_v = tx * ex + ty * ey + tz * ez
+    size = ONE / math.sqrt(max((ONE - sin_l * sin_l) * (ONE - sin_v * sin_v), TINY))
+    across = lx * (ty * ez - tz * ey) + ly * (tz * ex - tx * ez) + lz * (tx * ey - ty * ex)
+    along = lx * ex + ly * ey + lz * ez - sin_l * sin_v
+    return clamp(along * size, -ONE, ONE), clamp(across * size, -ONE, ONE)
+
+
+@function
+def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile):
+    """The lobes across the strand, from what `highlights.highlights` has left in the batch.
+
+    columns (n_θ, n_φ, COLUMNS, 8): tables of `strandcli.draw.body`, of the same ranges as nodes.
+    """
+    per_x = np.float32(columns.shape[0] - 1) / np.float32(nodes.shape[0] - 1)
+    per_y = np.float32(columns.shape[1] - 1) / np.float32(nodes.shape[1] - 1)
+    for k in range(n):
+        slot = slots[which[k]]
+        arrives = work[ARRIVES + k]
+        if slot < 0 or arrives <= ZERO:
+            continue
+        x = work[U + k] * per_x
+        y = work[V + k] * per_y
+        i = min(np.int64(x), columns.shape[0] - 2)
+        j = min(np.int64(y), columns.shape[1] - 2)
+        x -= np.float32(i)
+        y -= np.float32(j)
+        part = 0
+        if paths is not None:  # of the absorption beyond the tables', what is in the middle of the far tables' cell
+            part = 1
+        _, sine = azimuth(work, k)
+        a = np.int64(work[U + k])
+        b = np.int64(work[V + k])
+        for c in range(3):
+            light = arrives * lights[one, 4 + c]
+            m_r = light * work[R + k]
+            m_tt = light * work[TT + k]
+            m_trt = light * work[TRT + k]
+            if part == 1:
+                m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
+                m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
+            for q in range(COLUMNS):
+                h = q if sine >= ZERO else COLUMNS - 1 - q
+                profile[slot, q + 1, c] += (
+                    m_r * cell(columns, i, j, h, 0, x, y)
+                    + m_tt * cell(columns, i, j, h, 1 + c, x, y)
+                    + m_trt * cell(columns, i, j, h, 4 + c, x, y)
+                )
+
+
+@function
+def cell(columns, i, j, h, c, x, y):
+    """Bilinear among four nodes."""
+    low = columns[i, j, h, c] + y * (columns[i, j + 1, h, c] - columns[i, j, h, c])
+    high = columns[i + 1, j, h, c] + y * (columns[i + 1, j + 1, h, c] - columns[i + 1, j, h, c])
+    return low + x * (high - low)
+
+
+@function
+def add_up(profile, slot):
+    """From each column's light to that of all columns up to its end, which comes to nothing at the last."""
+    for c in range(3):
+        mean = ZERO
+        for i in range(COLUMNS):
+            mean += profile[slot, i + 1, c]
+        mean /= np.float32(COLUMNS)
+        total = ZERO
+        for i in range(1, COLUMNS):
+            total += profile[slot, i, c] - mean
+            profile[slot, i, c] = total
+        profile[slot, COLUMNS, c] = ZERO
+
+
+@function
+def departure(profile, slots, v, c, low, high):
+    """Mean of a vertex' profile between the offsets `low` and `high`, in columns; 0 where it is not wide."""
+    slot = slots[v]
+    if slot < 0:
+        return ZERO
+    return (gathered(profile, slot, c, high) - gathered(profile, slot, c, low)) / (high - low)
+
+
+@function
+def gathered(profile, slot, c, place):
+    """What `add_up` made at a place in [0, COLUMNS]: a cubic whose slope, the light, has no steps."""
+    i = min(np.int64(place), COLUMNS - 1)
+    t = place - np.float32(i)
+    a = profile[slot, i, c]
+    b = profile[slot, i + 1, c]
+    rise = b - a
+    before = HALF * (rise + a - profile[slot, i - 1, c]) if i > 0 else rise
+    after = HALF * (rise + profile[slot, i + 2, c] - b) if i + 2 <= COLUMNS else rise
+    return a + t * (before + t * ((THREE * rise - TWO * before - after) + t * (before + after - TWO * rise)))
+
+
+@function
+def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, image):
+    """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
+    vertex v to the next, v + stride."""
+    if slots[v] < 0 and slots[v + stride] < 0:
+        return
+    past = t * np.float32(stride)
+    piece = min(np.int64(past), stride - 1)
+    p = v + piece
+    past -= np.float32(piece)
+    dx = screen[p + 1, 0] - screen[p, 0]
+    dy = screen[p + 1, 1] - screen[p, 1]
+    size = math.sqrt(dx * dx + dy * dy)
+    wide = widths[p] + past * (widths[p + 1] - widths[p])
+    counts = clamp((wide / samples - START) / (FULL - START), ZERO, ONE)
+    if counts <= ZERO or size < TINY:
+        return
+    off = ((np.float32(y) + HALF - screen[p, 1]) * dx - (np.float32(x) + HALF - screen[p, 0]) * dy) / size
+    per = np.float32(COLUMNS) / wide
+    middle = HALF * np.float32(COLUMNS)
+    low = clamp(middle + (off - HALF) * per, ZERO, np.float32(COLUMNS) - per * np.float32(0.01))
+    high = clamp(middle + (off + HALF) * per, low + per * np.float32(0.01), np.float32(COLUMNS))
+    weight *= counts * counts * (THREE - TWO * counts)
+    for c in range(3):
+        one = departure(profile, slots, v, c, low, high)
+        two = departure(profile, slots, v + stride, c, low, high)
+        image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
+
+
+@parallel
+def over_seen(keys, base, per, stride, screen, widths, samples, slots, profile, image):
+    """Profiles in the picture of a z-buffer; keys, base, per, stride, screen, image as in `film.colours`, widths (V,)
+    in samples, of which there are so many along each side of a pixel; slots (V,) int32: number of a vertex' profile, or
+    −1; profile (n, COLUMNS + 1, 3)."""
+    height, width, _ = image.shape
+    last = np.uint64(max(screen.shape[0] - 1, 0))
+    for row in prange(height):
+        y = np.int64(row)
+        for x in range(width):
+            number = (keys[y * width + x] & LOW) - np.uint64(base)
+            if number >= last:
+                continue
+            v = np.int64(number)
+            dx = screen[v + 1, 0] - screen[v, 0]
+            dy = screen[v + 1, 1] - screen[v, 1]
+            flat = abs(dx) >= abs(dy)
+            way = dx if flat else dy
+            t = (np.float32(x) + HALF - screen[v, 0] if flat else np.float32(y) + HALF - screen[v, 1]) / (
+                way if way != ZERO else ONE
+            )
+            t = clamp(t, ZERO, ONE)
+            if stride > 1:
+                past = (v % per) % stride
+                v -= past
+                t = (np.float32(past) + t) / np.float32(stride)
+            add(x, y, v, t, stride, ONE, screen, widths, samples, slots, profile, image)
+
+
+@parallel
+def over_fragments(
+    begin, kept, place, weight, along, stride, screen, widths, samples, slots, profile, top, bottom, image
+):  # fmt: skip
+    """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; the rest as above."""
+    width = image.shape[1]
+    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
+    for one in prange(begin.shape[0] - 1):
+        tile = np.int64(one)
+        i = begin[tile]
+        if begin[tile + 1] == i:
+            continue
+        y = top + tile // across * TILE_HEIGHT
+        x = tile % across * TILE_WIDTH
+        for row in range(y, min(y + TILE_HEIGHT, bottom)):
+            for column in range(x, min(x + TILE_WIDTH, width)):
+                n = np.int64(kept[tile * PIXELS + (row - y) * TILE_WIDTH + column - x])
+                for f in range(i, i + n):
+                    v = np.int64(place[f])
+                    if v < slots.shape[0]:  # beyond are the edges of solids
+                        add(column, row, v, along[f], stride, weight[f], screen, widths, samples, slots, profile, image)
+                i += n

@@ -1,0 +1,165 @@
+"""Where solids end: pixels that one covers in part, by samples (see `strandcli.draw.edges`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import function, parallel, prange
+from .raster import EMPTY, LOW, SHIFT
+from .solids import FIRST, HALF, INF, ONE, ZERO, key_at, meet, ray
+
+SAMPLES = 4
+"""Along each side of a pixel."""
+PER = np.float32(1 / SAMPLES)
+SLOTS = 4
+"""Solids that are told apart within a pixel; more count as the last of them."""
+
+
+@parallel
+def depths(keys, out):
+    """Depth numbers (P,) float32 of a z-buffer (P,), 0 where nothing is."""
+    for p in prange(keys.shape[0]):
+        out[p] = np.uint32(LOW - (keys[p] >> SHIFT)).view(np.float32)
+
+
+@parallel
+def count(keys, width, height, out):
+    """Pixels of each row whose solid is another one than that of a neighbour: out (height,) int64."""
+    for y in prange(height):
+        n = np.int64(0)
+        for x in range(width):
+            n += differs(keys, width, height, x, y)
+        out[y] = n
+
+
+@parallel
+def collect(keys, width, height, ends, pixels):
+    """List these pixels row by row; ends (height,) int64: where each row's end in pixels (E,) int64."""
+    for y in prange(height):
+        n = ends[y] - 1
+        for x in range(width - 1, -1, -1):
+            if differs(keys, width, height, x, y):
+                pixels[n] = y * width + x
+                n -= 1
+
+
+@function
+def differs(keys, width, height, x, y):
+    """1 where a pixel's solid is another one than that of one beside, above or below it, else 0."""
+    p = np.int64(y) * width + x
+    own = keys[p] & LOW
+    left = keys[p - (x > 0)] & LOW
+    right = keys[p + (x < width - 1)] & LOW
+    above = keys[p - (width if y > 0 else 0)] & LOW
+    below = keys[p + (width if y < height - 1 else 0)] & LOW
+    return np.int64((left != own) | (right != own) | (above != own) | (below != own))
+
+
+@parallel
+def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, spots, counts):
+    """Which solids the samples of each of these pixels show.
+
+    frames: as in `solids.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
+    samples that show it, spots (E, SLOTS, 2) float32, where on the screen that is, and counts (E, SLOTS) int64, of the
+    samples; keys `EMPTY` where there are no more.
+    """
+    flat = ONE - view[12]
+    far = ONE / view[19]
+    for e in prange(pixels.shape[0]):
+        x = pixels[e] % width
+        y = pixels[e] // width
+        for slot in range(SLOTS):
+            keys[e, slot] = EMPTY
+            counts[e, slot] = 0
+            spots[e, slot, 0] = ZERO
+            spots[e, slot, 1] = ZERO
+        for i in range(SAMPLES * SAMPLES):
+            column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
+            row = np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
+            ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+            best = EMPTY
+            for m in range(frames.shape[0]):
+                if frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]:
+                    t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
+                    best = min(best, key_at(t, view, flat, far, FIRST + np.uint64(m)))
+            if best != EMPTY:
+                slot = 0
+                while slot < SLOTS - 1 and keys[e, slot] != EMPTY and (keys[e, slot] & LOW) != (best & LOW):
+                    slot += 1
+                keys[e, slot] = min(best, keys[e, slot])
+                counts[e, slot] += 1
+                spots[e, slot, 0] += column
+                spots[e, slot, 1] += row
+        for slot in range(SLOTS):
+            if counts[e, slot] > 0:
+                column = spots[e, slot, 0] / np.float32(counts[e, slot])
+                row = spots[e, slot, 1] / np.float32(counts[e, slot])
+                spots[e, slot, 0] = column
+                spots[e, slot, 1] = row
+                ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+                which = np.int64((keys[e, slot] & LOW) - FIRST)
+                # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
+                t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+                if t < INF:
+                    keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
+
+
+@function
+def foremost(keys, e):
+    """The slot of the solid in front."""
+    best = 0
+    for slot in range(1, SLOTS):
+        if keys[e, slot] < keys[e, best]:
+            best = slot
+    return best
+
+
+@parallel
+def part(pixels, keys, counts, hides, depth, cover):
+    """Take the solid in front out of each of these pixels: depth, cover (E,) float32 become its depth number and its
+    share of the samples; hides (P,) float32 the depth number behind which the other samples hide all, 0 if any shows
+    nothing."""
+    whole = SAMPLES * SAMPLES
+    for e in prange(pixels.shape[0]):
+        front = foremost(keys, e)
+        depth[e] = number(keys[e, front])
+        # one that shows in all samples is what all else is laid over, as anywhere
+        cover[e] = np.float32(counts[e, front] % whole) / np.float32(whole)
+        rest = np.float32(np.inf)
+        shown = np.int64(0)
+        for slot in range(SLOTS):
+            shown += counts[e, slot]
+            if slot != front and counts[e, slot] > 0:
+                rest = min(rest, number(keys[e, slot]))
+        if counts[e, front] < whole:
+            hides[pixels[e]] = rest if shown == whole else ZERO
+
+
+@function
+def number(key):
+    """The depth number of a key."""
+    return np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+
+
+@parallel
+def lay(pixels, keys, counts, colours, front, image):
+    """The light of the solids at edges: that of the one in front into front (E, 3); what the other samples show over
+    the picture (height, width, 3), which holds the background of those that show nothing. colours (E, SLOTS, 3)."""
+    width = image.shape[1]
+    whole = SAMPLES * SAMPLES
+    for e in prange(pixels.shape[0]):
+        x = pixels[e] % width
+        y = pixels[e] // width
+        best = foremost(keys, e)
+        alone = counts[e, best] == whole
+        others = np.float32(whole if alone else whole - counts[e, best])
+        shown = np.int64(0)
+        for slot in range(SLOTS):
+            shown += counts[e, slot]
+        for c in range(3):
+            front[e, c] = colours[e, best, c]
+            light = np.float32(whole - shown) * image[y, x, c]
+            for slot in range(SLOTS):
+                if alone or slot != best:
+                    light += np.float32(counts[e, slot]) * colours[e, slot, c]
+            image[y, x, c] = light / others

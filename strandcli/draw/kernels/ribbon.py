@@ -1,0 +1,148 @@
+"""Pieces of strands that are wide: bands cut at mitred joints, so that a bend shows no notch.
+
+Within a pixel the band is exact; what lies beyond an end is taken off by how far the pixel's middle is past the joint's
+line, and the next piece takes just that.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function
+from . import tiles
+from .tiles import READY, append, fixed
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+FLAT = np.float32(1 / 16)
+"""A slope of less is drawn as that: single precision needs it, and nobody sees it."""
+FAINT = np.float32(1e-5)
+"""Share of a cell that is not worth a fragment."""
+TINY = np.float32(1e-30)
+
+
+@function
+def ribbon(
+    screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, width, across, hides,
+    pool, links, heads, fills, used, begin, last, task, ready, places,
+):  # fmt: skip
+    """Append what the piece from vertex v − 1 to v of the strand a … end − 1 covers.
+
+    lit_past: how many vertices v − 1 is past a lit one; the rest as in `gather.strands`.
+    """
+    x0 = screen[v - 1, 0]
+    y0 = screen[v - 1, 1]
+    x1 = screen[v, 0]
+    y1 = screen[v, 1]
+    w0 = ONE if widths is None else widths[v - 1]
+    w1 = ONE if widths is None else widths[v]
+    dx = x1 - x0
+    dy = y1 - y0
+    flat = abs(dx) >= abs(dy)
+    size = ONE / math.sqrt(dx * dx + dy * dy)
+    dx *= size
+    dy *= size
+    mx0, my0 = mitre(screen, v - 2, a, end, dx, dy, HALF * w0, size)
+    mx1, my1 = mitre(screen, v, a, end, dx, dy, HALF * w1, size)
+    reach0 = HALF * w0 / (mx0 * dx + my0 * dy)
+    reach1 = HALF * w1 / (mx1 * dx + my1 * dy)
+    # the box of the four corners, and half a pixel about it
+    left = min(x0 - reach0 * abs(my0), x1 - reach1 * abs(my1)) - HALF
+    right = max(x0 + reach0 * abs(my0), x1 + reach1 * abs(my1)) + HALF
+    above = min(y0 - reach0 * abs(mx0), y1 - reach1 * abs(mx1)) - HALF
+    under = max(y0 + reach0 * abs(mx0), y1 + reach1 * abs(mx1)) + HALF
+    x_low = np.int64(math.floor(max(left, ZERO)))
+    x_high = np.int64(math.ceil(min(right, np.float32(width))))
+    y_low = np.int64(math.floor(max(above, np.float32(top))))
+    y_high = np.int64(math.ceil(min(under, np.float32(bottom))))
+    u0 = x0 if flat else y0
+    v0 = y0 if flat else x0
+    per = ONE / (x1 - x0 if flat else y1 - y0)
+    slope = (y1 - y0 if flat else x1 - x0) * per
+    spread = max(abs(slope), FLAT)
+    narrow = ONE / spread
+    tall = HALF * math.sqrt(ONE + slope * slope)
+    q0 = screen[v - 1, 2]
+    rise = screen[v, 2] - q0
+    cell_low = x_low if flat else y_low
+    cell_high = (x_high if flat else y_high) if x_low < x_high and y_low < y_high else cell_low
+    row_low = y_low if flat else x_low
+    row_high = y_high if flat else x_high
+    inside0 = ONE / (abs(mx0) + abs(my0))
+    inside1 = ONE / (abs(mx1) + abs(my1))
+    n = np.int64(0)
+    for c in range(cell_low, cell_high):
+        past = np.float32(c) + HALF - u0
+        t = min(max(past * per, ZERO), ONE)
+        q = q0 + rise * t
+        h = tall * (w0 + t * (w1 - w0))
+        middle = v0 + slope * past
+        first = max(np.int64(math.floor(max(middle - h - spread, np.float32(row_low)))), row_low)
+        stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(row_high)))), row_high)
+        for row in range(first, stop):
+            rest = middle - np.float32(row)
+            cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
+            x = c if flat else row
+            y = row if flat else c
+            px = np.float32(x) + HALF
+            py = np.float32(y) + HALF
+            entered = min(max(((px - x0) * mx0 + (py - y0) * my0) * inside0 + HALF, ZERO), ONE)
+            left_ = min(max(((px - x1) * mx1 + (py - y1) * my1) * inside1 + HALF, ZERO), ONE)
+            cover *= entered - left_
+            if hides is not None:
+                cover = cover if q >= hides[np.uint64(y * width + x)] else ZERO
+            if cover > FAINT:
+                if n == READY:
+                    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+                    n = np.int64(0)
+                places[tiles.X + n] = x
+                places[tiles.Y + n] = y
+                places[tiles.VERTEX + n] = v - 1
+                places[tiles.PLACE + n] = fixed(t, lit_past, bits)
+                ready[tiles.DEPTH + n] = q
+                ready[tiles.ALPHA + n] = min(cover, ONE) * opacity
+                n += 1
+    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+
+
+@function
+def mitre(screen, v, a, end, dx, dy, half, per):
+    """Normal of the joint between a piece of direction d and its neighbour, the one from vertex v to v + 1: halfway
+    between their directions. At a strand's end it is d itself, and where the strand turns by more than a right angle,
+    or by so much that the joint's line, half the width long, would leave one of the two pieces at its other end.
+
+    half: of the width at the joint; per: one over the piece's length.
+    """
+    if v < a or v + 1 >= end or screen[v, 2] <= ZERO or screen[v + 1, 2] <= ZERO:
+        return dx, dy
+    ex = screen[v + 1, 0] - screen[v, 0]
+    ey = screen[v + 1, 1] - screen[v, 1]
+    size = ONE / math.sqrt(max(ex * ex + ey * ey, TINY))
+    cosine = (ex * dx + ey * dy) * size
+    # tan² of half the angle; both pieces come to the same answer
+    tangent = (ONE - cosine) / max(ONE + cosine, TINY)
+    squat = half * max(size, per)
+    if cosine <= ZERO or tangent * squat * squat > ONE:
+        return dx, dy
+    mx = ex * size + dx
+    my = ey * size + dy
+    size = ONE / math.sqrt(mx * mx + my * my)
+    return mx * size, my * size
+
+
+@function
+def edge(height, spread, narrow):
+    """How much of a pixel's column lies under an edge at this height above the row, averaged over the edge's rise."""
+    height = min(max(height, -ONE), TWO)
+    return (ramp(height + HALF * spread) - ramp(height - HALF * spread)) * narrow
+
+
+@function
+def ramp(x):
+    """Integral of x clipped to [0, 1]."""
+    inside = min(max(x, ZERO), ONE)
+    return HALF * inside * inside + max(x - ONE, ZERO)

@@ -1,0 +1,239 @@
+"""Strands that are drawn about the simulated ones, which guide them: locks, waves and an undercoat.
+
+Simulating one strand in twenty and drawing the others about it is how hair is produced for films, and costs little.
+Children are the strands that the emitter would have made had it made so many, so a child's root, colour and length
+depend on the seed and its number alone, and the guides are the first of them. A child follows its three nearest guides
+by Shepard's weights within the distance of the fourth (Franke and Nielson 1980): where a guide is, it is that guide.
+
+Locks are cells about the first so many roots of the same sequence, each moved at random by part of a cell's size,
+without which they would stand in rows. A lock lies in that wider lock which its middle lies in.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..constants import W
+from ..errors import SimulationError
+from ..scene.model import DiscShape, Emitter, PlaneShape
+from ..scene.motion import emitter_pose
+from .emit import Groom, emit, frame, sides, stream
+
+PARENTS = 3
+ASTRAY = 0.15
+"""Share of a lock's strength that still pulls the strands that go their own way."""
+UNEVEN = 0.35
+"""Spread of the lengths of waves from lock to lock."""
+SHARED = np.float32(0.4)
+"""Part of a strand's tone that it has in common with its locks."""
+RANDOM = 20
+"""First of the random streams that are used here."""
+
+
+class _Family(NamedTuple):
+    """All that does not move. A: children; C: clumps' levels; V: waves."""
+
+    tones: NDArray[np.float32]
+    roots: NDArray[np.float64]
+    parents: NDArray[np.int32]
+    """(A, 3)"""
+    weights: NDArray[np.float32]
+    """(A, 3)"""
+    shares: NDArray[np.float32]
+    """(A,) of the guides' length."""
+    middles: NDArray[np.int32]
+    """(C, A)"""
+    pulls: NDArray[np.float32]
+    """(C, A)"""
+    phases: NDArray[np.float32]
+    """(V, A) radians."""
+    turns: NDArray[np.float32]
+    """(V, A) radians a metre."""
+    across: NDArray[np.float64]
+    """(A, 3) unit vectors across each lock's direction, in the emitter's frame."""
+
+
+class Children:
+    """The children of one scene's guides."""
+
+    def __init__(self, scene: Any, groom: Groom) -> None:
+        """``groom``: the guides, the first strands of the scene's emitter."""
+        self.scene = scene
+        self.groom = groom
+        self.settings = scene.children
+        self.count = groom.strands * scene.children.count
+        self._waves = [wave for wave in scene.children.waves if wave.radius > 0]
+        self.steps: int = scene.children.steps(scene.emitter.segment)
+        """Steps in which a guide's segment is drawn."""
+        self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self._alive: NDArray[np.intp] | None = None
+
+    def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32] | None]:
+        """The tones of all children whose guides (blocks, n + 1, 3 W) are finite, and which they are; None: all.
+        Raises `SimulationError` where there are none."""
+        family = self.family
+        if np.isfinite(positions).all():
+            self._alive = None
+            return family.tones, None
+        rows = positions.reshape(*positions.shape[:2], 3, W)
+        good = np.isfinite(rows).all((1, 2)).reshape(-1)[: self.groom.strands]
+        sound: NDArray[np.bool_] = np.asarray(good[family.parents].all(1))
+        alive = sound & sound[family.middles].all(0)
+        if not alive.any():
+            raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
+        self._alive = np.flatnonzero(alive)
+        return family.tones[self._alive], self._alive.astype(np.int32)
+
+    def grow(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The first ``strands`` children at a time in seconds, as positions (blocks, rows, 3 W) and segment lengths
+        (blocks, W), from guides in the same layout."""
+        from .kernels import children as kernel
+
+        family, steps, alive = self.family, self.steps, self._alive
+        n = positions.shape[1] - 1
+        guides = scratch.take("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
+        kernel.refine(positions, np.int64(steps), guides)
+        rests = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
+        rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
+        roots = (family.roots @ rotation.T + shift).astype(np.float32)
+        own = np.arange(strands, dtype=np.int32) if alive is None else alive[:strands].astype(np.int32)
+        m = guides.shape[1] - 1
+        way = np.linspace(0.0, 1.0, m)
+        ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)
+        blocks = -(-strands // W)
+        out = scratch.take("children", (blocks, m + 1, 3 * W), np.float32)
+        rest = scratch.take("children_lengths", (blocks, W), np.float32)
+        waves = np.array([[wave.radius, wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 3)
+        kernel.grow(
+            guides, rests, own, family.parents, family.weights, roots, family.shares, family.middles, family.pulls,
+            ramps, waves, family.turns, family.phases, (family.across @ rotation.T).astype(np.float32),
+            *self._solids(at), out, rest,
+        )  # fmt: skip
+        return out, rest
+
+    def _solids(self, at: float) -> list[NDArray[np.float32]]:
+        from ..simulate.rules import collision
+
+        uses = [use for use in self.scene.rules if use.name == "collision"]
+        met = {id(solid): solid for use in uses for solid in collision.chosen(use.parameters, self.scene)}
+        return [solids.pack(kind, list(met.values()), self.scene.emitter, at) for kind in solids.COLUMNS]
+
+    @cached_property
+    def family(self) -> _Family:
+        """What does not move, made when it is first asked for."""
+        scene, settings, count = self.scene, self.settings, self.count
+        seed: int = scene.seed
+        emitter = dataclasses.replace(scene.emitter, strands=count)
+        every = emit(emitter, seed)
+        where = _places(emitter, every.roots)
+        parents, weights = self._parents(where)
+        lots = stream(seed, RANDOM, count)
+        level = _Levels(emitter, settings.clumps, where, seed)
+        pulls = [
+            clump.strength
+            * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[level.middles[number]])
+            * np.where(lots < clump.stray, ASTRAY, 1.0)
+            for number, clump in enumerate(settings.clumps)
+        ]
+        shares = 1.0 - settings.cut * stream(seed, RANDOM + 1, count)
+        shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
+        # strands of a lock wave together
+        lock = level.middles[0] if settings.clumps else np.zeros(count, np.int32)
+        phases, turns = [], []
+        for number, wave in enumerate(self._waves):
+            each = stream(seed, RANDOM + 40 + 2 * number, count)[lock]
+            own = stream(seed, RANDOM + 41 + 2 * number, count)
+            phases.append(2 * np.pi * (each + wave.disorder * (own - 0.5)))
+            longer = stream(seed, RANDOM + 80 + number, count)[lock] - 0.5
+            turns.append(2 * np.pi / (wave.length * (1.0 + UNEVEN * longer)))
+        tones = every.tones
+        if settings.clumps:
+            tones = (1 - SHARED) * tones + SHARED * tones[level.middles].mean(0)
+        axes = every.directions.astype(np.float64)
+        across = frame(axes[lock])[0]
+        return _Family(
+            tones,
+            every.roots.astype(np.float64),
+            parents,
+            weights,
+            np.maximum(shares, 1e-3).astype(np.float32),
+            level.middles,
+            np.array(pulls, np.float32).reshape(-1, count),
+            np.array(phases, np.float32).reshape(-1, count),
+            np.array(turns, np.float32).reshape(-1, count),
+            across,
+        )
+
+    def _parents(self, where: NDArray[np.float32]) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Guides that each child follows, and how much."""
+        guides = self.groom.strands
+        found, squares = _nearest(where, where[:guides], min(PARENTS + 1, guides))
+        used = min(PARENTS, guides)
+        d = np.sqrt(squares.astype(np.float64))
+        reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
+        d = np.maximum(d[:, :used], 1e-30)
+        weights = np.maximum(1.0 / d - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
+        weights[weights.sum(1) == 0, 0] = 1.0
+        weights /= weights.sum(1, keepdims=True)
+        weights[:guides] = 0.0
+        parents = np.ascontiguousarray(found[:, :used])
+        parents[:guides, 0] = np.arange(guides)
+        weights[:guides, 0] = 1.0
+        # a guide that has no weight has no say at all, not even where it is no number
+        return np.where(weights > 0, parents, parents[:, :1]), weights.astype(np.float32)
+
+
+class _Levels:
+    """Locks in locks."""
+
+    def __init__(self, emitter: Emitter, clumps: tuple[Any, ...], where: NDArray[np.float32], seed: int) -> None:
+        count = len(where)
+        self.middles = np.zeros((len(clumps), count), np.int32)
+        """(C, A) the child in the middle of each one's lock."""
+        inner = np.arange(count)
+        for number in range(len(clumps) - 1, -1, -1):
+            size = clumps[number].size
+            locks = min(max(round(_area(emitter) / size**2), 1), count)
+            moved = where[:locks].copy()
+            for c in range(3):
+                lots = stream(seed, RANDOM + 60 + 3 * number + c, locks)
+                moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
+            self.middles[number] = _nearest(where, moved, 1)[0][:, 0][inner]
+            inner = self.middles[number]
+
+
+def _nearest(
+    points: NDArray[np.float32], others: NDArray[np.float32], many: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    from .kernels import children as kernel
+
+    found = np.empty((len(points), many), np.int32)
+    squares = np.empty((len(points), many), np.float32)
+    order = np.argsort(others[:, 0], kind="stable").astype(np.int32)
+    kernel.nearest(points, np.ascontiguousarray(others[order]), order, found, squares)
+    return found, squares
+
+
+def _places(emitter: Emitter, roots: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, 4) what strands are near by: their roots, and the side of the parting, which is farther than anything."""
+    apart = 10.0 * float(np.abs(roots).max())
+    return np.column_stack([roots, apart * sides(emitter, roots)]).astype(np.float32)
+
+
+def _area(emitter: Emitter) -> float:
+    """Of the surface that bears the roots, m²."""
+    shape = emitter.shape
+    if isinstance(shape, DiscShape):
+        return math.pi * shape.radius**2
+    if isinstance(shape, PlaneShape):
+        return shape.width * shape.depth
+    return 2 * math.pi * shape.radius**2 * (1 - math.cos(math.radians(shape.cap)))

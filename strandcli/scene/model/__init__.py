@@ -1,0 +1,57 @@
+"""What a person writes in a preset, as typed and frozen data.
+
+Every class here mirrors one mapping of the YAML file. A field's default, unit, range and meaning stand together, and
+the validator (`validate.py`), the JSON Schema (`schema.py`) and the documentation all read them from here.
+
+One file a topic; `Scene` is the whole.
+
+Units: metres, seconds, degrees. Axes are right-handed with y up. A colour is three linear Rec. 709 numbers, or a
+string "#rrggbb" which is read as sRGB.
+"""
+
+from __future__ import annotations
+
+from .camera import AOVS, Camera, CameraKey, Image
+from .emitter import DiscShape, Emitter, PlaneShape, SphereShape
+from .lights import LIGHTS, DirectionalLight, Environment, Light, PointLight, Shadow
+from .pose import PoseKey
+from .rod import Rod
+from .scene import RuleUse, Scene, Time
+from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SphereSolid
+from .strands import PIGMENTS, Curves, Detail, Material
+from .style import Children, Clump, Wave
+
+__all__ = [
+    "AOVS",
+    "LIGHTS",
+    "PIGMENTS",
+    "SOLIDS",
+    "BoxSolid",
+    "Camera",
+    "CameraKey",
+    "CapsuleSolid",
+    "Children",
+    "Clump",
+    "Curves",
+    "Detail",
+    "DirectionalLight",
+    "DiscShape",
+    "Emitter",
+    "Environment",
+    "Image",
+    "Light",
+    "Material",
+    "PlaneShape",
+    "PlaneSolid",
+    "PointLight",
+    "PoseKey",
+    "Rod",
+    "RuleUse",
+    "Scene",
+    "Shadow",
+    "Solid",
+    "SphereShape",
+    "SphereSolid",
+    "Time",
+    "Wave",
+]

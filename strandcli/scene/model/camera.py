@@ -1,0 +1,81 @@
+"""The point of view and the picture."""
+
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..fields import Colour, Vector, choice, colour, integer, items, names, number, size, vector, window
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class CameraKey:
+    """The camera at one moment. What is left out is taken from the camera itself."""
+
+    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
+    position: Vector | None = vector(None, unit="m", doc="eye")
+    target: Vector | None = vector(None, unit="m", doc="point looked at")
+    fov: float | None = number(None, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
+    height: float | None = number(None, above=0, unit="m", doc="height of the view (orthographic)")
+    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Camera:
+    """The point of view."""
+
+    kind: str = choice("perspective", ("perspective", "orthographic"), doc="projection")
+    position: Vector = vector((0.0, 0.0, 5.0), unit="m", doc="eye")
+    target: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="point looked at")
+    up: Vector = vector((0.0, 1.0, 0.0), unit="1", nonzero=True, doc="direction that is up in the picture")
+    fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
+    height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
+    near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
+    aperture: float = number(
+        0.0, low=0, high=1000, unit="m", doc="diameter of the lens (perspective); 0: a pinhole, sharp everywhere"
+    )
+    focus: float | None = number(None, above=0, unit="m", doc="depth that is sharp; absent: that of the target")
+    shutter: float = number(
+        0.0, low=0, high=1, doc="share of a frame that the shutter is open, up to the frame's own time; 0.5 is usual"
+    )
+    samples: int = integer(
+        16, low=1, high=4096, doc="pictures that are averaged over lens and shutter, where either is open"
+    )
+    keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
+
+
+AOVS = ("depth", "mask", "tangent", "orientation", "strand_id", "shadow", "linear")
+"""Layers beside the picture; what each holds is told in `strandcli.draw.aovs`."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Image:
+    """The picture."""
+
+    size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc='width and height, as [w, h] or "800x600"')
+    supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
+    background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
+    horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
+    exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
+    resolver: str = choice(
+        "zbuffer",
+        ("zbuffer", "sorted", "kbuffer"),
+        doc="which strands a pixel shows. zbuffer: the nearest, as a hard line; sorted: all, each by what it covers of "
+        "the pixel, in the order of depth; kbuffer: the same with a bound on the fragments of a pixel",
+    )
+    nearest: int = integer(
+        8, low=1, high=64, doc="fragments that a pixel holds (kbuffer); the last one stands for all that are behind"
+    )
+    tone: str = choice(
+        "srgb", ("srgb", "filmic"), doc="srgb: light beyond 1 is cut off; filmic: it rolls off, mid grey stays"
+    )
+    crop: tuple[int, int, int, int] | None = window(
+        high=32_768, doc="part that is drawn: x, y, width, height; absent: all of it"
+    )
+    aovs: tuple[str, ...] = names(doc=f"layers written beside each picture, of {', '.join(AOVS)}")
+
+    @property
+    def drawn(self) -> tuple[int, int]:
+        """Width and height of what is drawn: of the crop window, where there is one."""
+        return self.size if self.crop is None else self.crop[2:]

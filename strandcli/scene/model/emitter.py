@@ -1,0 +1,83 @@
+"""Where strands come from."""
+
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..fields import Vector, choice, integer, items, number, union, vector
+from .pose import PoseKey
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SphereShape:
+    """Roots spread evenly by area over a sphere about the emitter's origin, or over its cap about +y."""
+
+    kind: str = choice("sphere", ("sphere",))
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+    cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
+    ragged: float = number(
+        0.0, low=0, high=90, unit="deg", doc="how far a cap's rim wanders up and down and thins out; 0: a clean circle"
+    )
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class DiscShape:
+    """Roots spread evenly over a disc in the xz plane, facing +y."""
+
+    kind: str = choice("disc", ("disc",))
+    radius: float = number(1.0, above=0, unit="m", doc="radius")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class PlaneShape:
+    """Roots spread evenly over a rectangle in the xz plane, facing +y."""
+
+    kind: str = choice("plane", ("plane",))
+    width: float = number(2.0, above=0, unit="m", doc="extent along x")
+    depth: float = number(2.0, above=0, unit="m", doc="extent along z")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Emitter:
+    """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
+
+    shape: SphereShape | DiscShape | PlaneShape = union(
+        SphereShape(),
+        {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape},
+        doc="surface that bears the roots",
+    )
+    strands: int = integer(10_000, low=1, high=100_000_000, doc="number of strands")
+    particles: int = integer(10, low=2, high=100_000, doc="particles a strand, root included")
+    length: float = number(1.0, above=0, unit="m", doc="mean strand length from root to tip")
+    length_variation: float = number(
+        0.0,
+        low=0,
+        high=1,
+        doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
+    )
+    direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
+    comb: Vector | None = vector(
+        None, unit="1", nonzero=True, doc="strands are combed this way along the surface; absent: they are not"
+    )
+    lift: float = number(30.0, low=0, high=90, unit="deg", doc="angle of combed strands to the surface")
+    parting: float | None = number(
+        None,
+        unit="m",
+        doc="x of a parting that ends at the middle: in front of that, strands to its left are combed the other way "
+        "along x, and behind it none along x; absent: none",
+    )
+    jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
+    curl_angle: float = number(
+        25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
+    )
+    curl_turns: float = number(0.0, low=0, high=1000, doc="turns of a helix from root to tip; 0: straight")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
+
+    @property
+    def segment(self) -> float:
+        """The longest distance between two particles of a strand, metres."""
+        return self.length * (1 + self.length_variation) / (self.particles - 1)

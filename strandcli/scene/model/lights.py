@@ -1,0 +1,61 @@
+"""Lights and their shadow maps."""
+
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..fields import Colour, Vector, choice, colour, integer, model, number, text, vector
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Shadow:
+    """The strands' shadow map of one light: the source's (thesis §3, corrected) or a deep opacity map."""
+
+    model: str = choice(
+        "minmax",
+        ("minmax", "opacity", "off"),
+        doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; off: built for nobody",
+    )
+    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
+    layers: int = integer(13, low=1, high=61, doc="layers of opacity")
+    texel: float | None = number(
+        None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
+    )
+    bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class DirectionalLight:
+    """Light from infinitely far, like the sun."""
+
+    kind: str = choice("directional", ("directional",))
+    direction: Vector = vector((-0.5, -1.0, -0.5), unit="1", nonzero=True, doc="where the light travels to")
+    colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
+    intensity: float = number(3.0, low=0, doc="irradiance on a surface that faces it")
+    shadow: Shadow = model(Shadow, doc="the strands' shadow map")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class PointLight:
+    """Light from a point, falling off with the square of the distance."""
+
+    kind: str = choice("point", ("point",))
+    position: Vector = vector((3.0, 3.0, 3.0), unit="m", doc="where it is")
+    colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
+    intensity: float = number(30.0, low=0, unit="W/sr", doc="irradiance at one metre")
+    shadow: Shadow = model(Shadow, doc="the strands' shadow map")
+
+
+Light = DirectionalLight | PointLight
+LIGHTS = {"directional": DirectionalLight, "point": PointLight}
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Environment:
+    """Light from all round, from a lat-long picture; it is not drawn, and nothing casts a shadow in it."""
+
+    image: str = text("", doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
+    intensity: float = number(1.0, low=0, doc="scale")
+    rotation: float = number(0.0, unit="deg", doc="turn about +y")

@@ -1,0 +1,48 @@
+"""The strands' matter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..fields import choice, integer, number
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Rod:
+    """The strands' matter and how the solver `rod` moves them. Twist is not represented.
+
+    A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
+    """
+
+    ABSENT: ClassVar[dict[str, str]] = {
+        "twist": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
+        "torsion": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
+        "mass": "mass follows from density and radius; write those",
+        "stiffness": "bending stiffness follows from young and radius; write those",
+        "stretch": "rods do not stretch",
+    }
+
+    material: str = choice(
+        "hair", ("hair", "wool", "grass", "wire"), doc="hair, wool: keratin fibres; grass: a blade; wire: thin steel"
+    )
+    density: float | None = number(None, above=0, unit="kg/m³", doc="mass a volume; absent: the material's")
+    radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
+    young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
+    tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")
+    rest: str = choice(
+        "shape",
+        ("straight", "shape", "sag_free"),
+        doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still "
+        "under gravity",
+    )
+    drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
+    damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
+    friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
+    integrator: str = choice(
+        "euler", ("euler", "bdf2"), doc="euler: first order, calms motion down; bdf2: second order, keeps it up"
+    )
+    iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
+    precision: str = choice(
+        "single", ("single", "double"), doc="of the solver's numbers; beyond 20 segments it is double in any case"
+    )

@@ -1,0 +1,89 @@
+"""A preset as a whole."""
+
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..fields import Colour, choice, colour, integer, items, model, number, optional, panels, rules, text
+from .camera import Camera, Image
+from .emitter import Emitter
+from .lights import LIGHTS, DirectionalLight, Environment, Light
+from .rod import Rod
+from .solids import SOLIDS, Solid
+from .strands import Curves, Detail, Material
+from .style import Children
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Time:
+    """The clock. Frame 1 is at time 0; frame f is at (f - 1) / fps."""
+
+    frames: int = integer(48, low=1, high=1_000_000, doc="frames in the whole animation")
+    fps: float = number(24.0, above=0, high=100_000, unit="1/s", doc="frames a second")
+    substeps: int = integer(1, low=1, high=1000, doc="solver steps a frame; the step is 1 / (fps * substeps)")
+    preroll: float = number(
+        0.0, low=0, high=3600, unit="s", doc="time simulated before frame 1, with everything held at its first key"
+    )
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class RuleUse:
+    """One entry of a preset's list of rules: a rule's registered name and its own validated parameters."""
+
+    name: str
+    parameters: Any
+    path: str
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Scene:
+    """A whole preset. ``panels`` holds complete scenes, to be drawn side by side, and is empty for a single picture."""
+
+    title: str = text("", doc="what there is to see")
+    seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    look: str = choice(
+        "free",
+        ("free", "source"),
+        doc="source: as the source draws, by the z-buffer, Marschner's model and min/max shadow maps; a setting that "
+        "says otherwise is refused. free: each setting by itself",
+    )
+    quality: str = choice(
+        "preset",
+        ("preset", "draft", "default", "best"),
+        doc="settings of drawing by name, where they are not written beside it; preset: as the rest says",
+    )
+    solver: str = choice(
+        "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
+    )
+    rod: Rod = model(Rod, doc="matter and settings of the solver rod")
+    time: Time = model(Time, doc="the clock")
+    emitter: Emitter = model(Emitter, doc="where strands come from")
+    children: Children | None = optional(
+        Children, doc="strands drawn about the simulated ones, in locks and waves; absent: those alone are drawn"
+    )
+    rules: tuple[RuleUse, ...] = rules(
+        doc="what moves the strands: a list is applied in its own order, a mapping in the documented default order"
+    )
+    solids: tuple[Solid, ...] = items(SOLIDS, doc="things that are drawn, hide, cast shadows and can be collided with")
+    camera: Camera = model(Camera, doc="the point of view")
+    image: Image = model(Image, doc="the picture")
+    lights: tuple[Light, ...] = items(LIGHTS, default=(DirectionalLight(),), doc="lights; an empty list is darkness")
+    ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
+    environment: Environment | None = optional(
+        Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
+    )
+    material: Material = model(Material, doc="how strands take light")
+    curves: Curves = model(Curves, doc="smoothing")
+    detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")
+    label: str = text("", doc="what stands below the picture when it is a panel")
+    panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
+    source: str = field(default="", compare=False)
+    sha256: str = field(default="", compare=False)
+
+    @property
+    def drawn_strands(self) -> int:
+        """Strands that are drawn when level of detail leaves none out."""
+        return self.emitter.strands * (1 if self.children is None else self.children.count)
