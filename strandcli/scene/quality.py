@@ -1,23 +1,23 @@
 """What `quality: draft | default | best` stands for: one table, for presets, `--set` and `strandcli bench`.
 
 The settings are points of the fronts that `strandcli study PRESET --axis end-to-end` finds over resolver, shadow model,
-samples and tolerance: one frame of 2,000 strands and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz
-server, against 16×16 samples a pixel, curves within 1/20 of a sample and opacity maps of 29 layers; time, and root mean
-square error as a share of the picture's mean.
+samples, tolerance and level of detail: one frame of 2,000 strands at most, without children, and some 30,000 pixels,
+the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel, curves within 1/20 of a sample and
+opacity maps of 29 layers; time, and root mean square error as a share of the picture's mean.
 
 | quality | `hair` | `portrait` | `fur` | `grass` |
 |---|---|---|---|---|
-| draft | 17 ms, 24 % | 22 ms, 103 % | 9 ms, 17 % | 7 ms, 21 % |
-| default | 34 ms, 8.1 % | 49 ms, 6.7 % | 18 ms, 5.9 % | 9 ms, 2.3 % |
-| best | 149 ms, 3.1 % | 95 ms, 2.5 % | 65 ms, 2.7 % | 46 ms, 2.0 % |
+| draft | 21 ms, 30 % | 22 ms, 29 % | 18 ms, 5.1 % | 11 ms, 3.3 % |
+| default | 38 ms, 8.8 % | 49 ms, 5.0 % | 21 ms, 2.6 % | 10 ms, 3.0 % |
+| best | 124 ms, 4.8 % | 121 ms, 3.5 % | 89 ms, 1.6 % | 56 ms, 2.7 % |
 
-All have opacity maps: min/max maps save a tenth of the time and leave `hair` at 29 % however fine all else is, 8 % too
-bright. A draft shows who is in front by the z-buffer, for half of the time of sorting or less; strands as thin as those
-of `portrait`, 1/17 of a pixel here, it draws far too wide. Beyond: with 2×2 sorted samples errors are 4.3 % and 3.5 %
-in `hair` and `portrait`, for two thirds of the time of best; 6×6 samples of a z-buffer leave 2.9 % in `hair`, for 1.3
-times the time, and 35 % in `portrait`. A tolerance of 4 instead of 1/4 saves nothing and leaves 14 % of `hair` at any
-number of samples. Lines of no width become thinner with more samples; give strands a `material.width`, as the study
-does.
+All sort and have opacity maps. A z-buffer draws strands as thin as these far too wide: 136 % in `hair` in no less time
+than a draft, and 29 % with 6×6 samples, in twice the time of best. Min/max maps save nothing that shows, and leave 15 %
+in `hair` and 30 % in `portrait` however fine all else is. A draft thins out what is less than a quarter of a sample
+wide; at half a sample errors are 38 % and 44 % for a tenth less time. A tolerance of 4 in place of 1/4 saves a tenth of
+the time and leaves 21 % of `hair` at any number of samples. 2×2 samples stand between the last two: 5.9 % and 4.0 %,
+half the time of best. Lines of no width become thinner with more samples and are never thinned out; give strands a
+`material.width`, as the study does.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from .model import Scene
 
 SHADOWED = "lights.*.shadow"
 """Stands for the shadow map of every light that has one."""
-DEEP: Mapping[str, Any] = {f"{SHADOWED}.model": "opacity"}
+FINE: Mapping[str, Any] = {"image.resolver": "sorted", f"{SHADOWED}.model": "opacity"}
 QUALITIES: Mapping[str, Mapping[str, Any]] = {
-    "draft": {**DEEP, "image.resolver": "zbuffer", "curves.level": 2, "curves.tolerance": 1.0, "image.supersample": 1},
-    "default": {
-        **DEEP, "image.resolver": "sorted", "curves.level": 2, "curves.tolerance": 0.25, "image.supersample": 1
+    "draft": {
+        **FINE, "curves.level": 2, "curves.tolerance": 1.0, "image.supersample": 1, "detail.pixels": 0.25
     },
-    "best": {**DEEP, "image.resolver": "sorted", "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 3},
+    "default": {**FINE, "curves.level": 2, "curves.tolerance": 0.25, "image.supersample": 1},
+    "best": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 3},
 }  # fmt: skip
 
 

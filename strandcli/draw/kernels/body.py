@@ -102,9 +102,6 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
         j = min(np.int64(y), columns.shape[1] - 2)
         x -= np.float32(i)
         y -= np.float32(j)
-        part = 0
-        if paths is not None:  # of the absorption beyond the tables', what is in the middle of the far tables' cell
-            part = 1
         _, sine = azimuth(work, k)
         a = np.int64(work[U + k])
         b = np.int64(work[V + k])
@@ -113,7 +110,7 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
             m_r = light * work[R + k]
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]
-            if part == 1:
+            if paths is not None:  # strands with a colour of their own; a node's path is near enough here
                 m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
                 m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
             for q in range(COLUMNS):

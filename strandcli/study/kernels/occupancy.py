@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ...draw.kernels.approximations import exp
 from ...draw.kernels.resolve import LAST, STEP, rank
 from ...draw.kernels.tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
 from ...jit import function, parallel, prange
@@ -104,18 +105,18 @@ def by_occupancy(begin, place, alpha, along, depth, slices, slabs, stride, verte
     for task in prange(tasks):
         bits = np.empty(slices, np.uint8)
         counts = np.empty(slabs, np.int64)
-        before = np.empty(slices, np.float64)
+        before = np.empty(slices, np.float32)
         for p in range(task * size // tasks, (task + 1) * size // tasks):
             n = begin[p + 1] - begin[p]
             if n == 0:
                 continue
             nearest = np.float32(np.inf)
             farthest = np.float32(-np.inf)
-            fall = 0.0
+            through = 1.0
             for f in range(begin[p], begin[p + 1]):
                 nearest = min(nearest, depth[f])
                 farthest = max(farthest, depth[f])
-                fall += math.log(max(1.0 - alpha[f], 1e-4))
+                through *= max(1.0 - alpha[f], 1e-4)
             bits[:] = 0
             counts[:] = 0
             scale = slices / max(farthest - nearest, 1e-30)
@@ -132,16 +133,15 @@ def by_occupancy(begin, place, alpha, along, depth, slices, slabs, stride, verte
                 for k in range(slab * per, (slab + 1) * per):
                     before[k] = passed + counts[slab] * before[k] / max(held, 1)
                 passed += counts[slab]
-            each = fall / n
+            each = np.float32(math.log(max(through, 1e-300)) / n)
             r, g, b, total = 0.0, 0.0, 0.0, 0.0
             for f in range(begin[p], begin[p + 1]):
                 k = min(np.int64((depth[f] - nearest) * scale), slices - 1)
-                w = alpha[f] * math.exp(each * before[k])
+                w = alpha[f] * exp(each * before[k])
                 r += w * light(vertex, edges, place, along, stride, f, 0)
                 g += w * light(vertex, edges, place, along, stride, f, 1)
                 b += w * light(vertex, edges, place, along, stride, f, 2)
                 total += w
-            through = math.exp(fall)
             share = (1.0 - through) / max(total, 1e-12)
             image[p, 0] = share * r + through * image[p, 0]
             image[p, 1] = share * g + through * image[p, 1]

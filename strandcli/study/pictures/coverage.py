@@ -27,8 +27,8 @@ class CoverageStudy(Pictures):
         return out
 
     def settings(self) -> list[Knobs]:
-        """Those, and the foil, where the resolver is not set by hand."""
-        if "image.resolver" in self.request.fixed:
+        """Those, and the foil, where neither resolver nor samples are set by hand."""
+        if self.request.fixed & {"image.resolver", "image.supersample"}:
             return super().settings()
         return super().settings() + [{"foil": "occupancy", "slices": n, "slabs": SLABS} for n in (32, SLICES, 512)]
 

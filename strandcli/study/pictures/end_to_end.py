@@ -31,6 +31,8 @@ class WholeStudy(Pictures):
             for resolver, samples in (("zbuffer", (1, 2, 3, 4, 6)), ("sorted", (1, 2, 3))):
                 for knobs in grid({"image.supersample": samples, "curves.tolerance": (0.25, 1.0, 4.0)}):
                     out.append({"image.resolver": resolver, **maps, **knobs})
+            for knobs in grid({"detail.pixels": (0.125, 0.25, 0.5), "curves.tolerance": (0.25, 1.0)}):
+                out.append({"image.resolver": "sorted", **maps, "image.supersample": 1, **knobs})
         return out
 
     def series(self, knobs: Knobs) -> str:
@@ -70,7 +72,7 @@ class WholeStudy(Pictures):
 AXIS = Axis(
     name="end-to-end",
     doc="all settings of drawing together, quality by name among them, against a converged picture",
-    knobs=("quality", "image.resolver", "shadow.model", "image.supersample", "curves.tolerance"),
+    knobs=("quality", "image.resolver", "shadow.model", "image.supersample", "curves.tolerance", "detail.pixels"),
     metric="rmse",
     of_preset=True,
     open=WholeStudy,

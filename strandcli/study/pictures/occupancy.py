@@ -1,7 +1,11 @@
 """Occupancy maps (Sintorn & Assarsson 2009) as a foil of the resolver `sorted`; presets cannot ask for it.
 
 On a GPU they do without lists of fragments and without sorting. Here both ways get the same lists, unsorted, and each
-is timed by itself: what is left of the comparison is what the approximation saves of sorting, and its error.
+is timed by itself: what is left of the comparison is what the approximation saves of sorting, and its error. On a CPU
+it saves nothing: of `portrait` (2,000 strands, 111,509 fragments, two threads of a 2.45 GHz server) sorting the lists
+and laying them over the picture takes 1.0 ms, occupancy 3.0 ms with 128 slices and 1.8 ms with 32; it is 4.4 % off the
+sorted picture, where that is 5.3 % off 16×16 samples and occupancy 7.2 %. More slices do not help, because what it
+assumes is that all strands of a pixel are as opaque.
 """
 
 from __future__ import annotations
