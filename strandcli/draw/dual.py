@@ -1,17 +1,27 @@
-"""Tables of dual scattering (Zinke, Yuksel, Weber & Keyser 2008): light that reaches a strand through others, and what
-the strands about it send back. Built once per material, over the inclination of the light.
+"""Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
+Built once per material, over the inclination of the light.
 
-The number N of strands between light and point is taken as Poisson distributed with the mean τ that an opacity map
-holds. Then e^-τ of the light arrives unscattered, and E[a^N; N ≥ 1] = e^(−τ (1 − a)) − e^-τ has passed through strands
-only forward, a being the part of its light that a strand sends on into the half space away from the light. The paper
-takes N at its mean. Each passage widens the light's inclination by the variance v.
+As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it. Strands
+are met at random, τ of them on average as an opacity map holds it, so that e^-τ of the light arrives unscattered. Of
+all that goes on, D, and all that comes back, U, a strand's absorption and scattering make two streams (Schuster 1905):
 
-Backward: the paper's averages over an even number of forward scatterings about one (A_1) or three (A_3) backward ones,
+    dD/dτ = −k₁ D + c₁ U,    dU/dτ = k₂ U − c₂ D,    D = 1 at the light, U = 0 behind the last strand.
 
-    A_b = a_b a_f² / (1 − a_f²) + a_b³ a_f² / (1 − a_f²)³,
+D is taken to keep its way, so that k₁ = 1 − a_f and c₂ = a_b, the parts of light across it that a strand sends on and
+back. U is taken to come evenly from the half circle behind the strand. Such light meets π / 2 times as many strands,
+and of what they scatter by an angle δ the part |δ| / π changes over to D: c₁ = π/2 Σ |δ| / π, k₂ = π/2 (1 − a) + c₁.
+Both streams are sums of e^(λτ); with r the U over D of each,
 
-with its mean shift and width (eqs. 13 … 17). They go out by d'Eon's lobe and (1 + cos φ) / 2π, whose integral is 1: the
-paper has a constant over the half space toward the light, with an edge at φ = 90°. Density factors d_f, d_b are its .7.
+    D = e^(λ₋ τ) (1 − q g) / (1 − q g e^(−Δτ)),    U = r₋ e^(λ₋ τ) (1 − g) / (1 − q g e^(−Δτ)),
+
+Δ = λ₊ − λ₋, q = r₋ / r₊, g = e^(−Δ τ') where τ' strands are still to come. Where nothing is sent back D is
+e^(−(1 − a_f) τ), the paper's forward scattering for a random number of strands. The paper's backward scattering is that
+of endless hair with one or three reflections, times a density factor of .7; here hair ends where it does, every
+reflection counts, and there is no factor. Each passage widens the light's inclination by the variance v, as in the
+paper. Nothing goes sideways: the dark side of dense hair gets too little.
+
+A strand answers to D − e^-τ as evenly spread over the half circle about the light, and to U over the one behind it, by
+the mean and the first harmonic of its azimuthal lobes. `tests/test_mitsuba.py` compares with a path tracer.
 
 Lobes are Chiang's whichever model draws the highlights. Where colours vary, tables are those of the mean absorption; a
 vertex scales them with the colour of a mass of its own over that of the mean.
@@ -19,7 +29,6 @@ vertex scales them with the colour of a mass of its own over that of the mean.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -35,16 +44,15 @@ if TYPE_CHECKING:
     from ..scene.model import Material
 
 N_THETA, N_PHI = 64, 257
-DENSITY = 0.7
 MOST = 0.999
-"""Part of light that a strand may send forward: at 1 nothing would ever leave a mass of them."""
+"""Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class DualTables:
     """What the kernel reads, float32.
 
-    rows: (n_θ, 16) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
+    rows: (n_θ, 21) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
     scale: (3,) one over the colour of a mass with the tables' absorption.
     """
 
@@ -80,36 +88,28 @@ def build_tables(material: Material, roughness: float) -> DualTables:
     # (n_θ, lobes, rgb)
     behind = np.einsum("j,ijpc->ipc", back, n)
     ahead = np.einsum("j,ijpc->ipc", weights - back, n)
-    a_f = np.minimum(ahead.sum(1), MOST)
-    a_b = np.minimum(behind.sum(1), 1.0 - a_f)
     v = chiang.variances(material.beta_m)
-    shifts = -chiang.tilts(material.tilt)
     f, b = ahead.mean(-1), behind.mean(-1)
     v_f, v_b = (f @ v) / f.sum(1), (b @ v) / b.sum(1)
-    shift_f, shift_b = (f @ shifts) / f.sum(1), (b @ shifts) / b.sum(1)
 
-    left = 1.0 - a_f**2
-    backward = a_b * a_f**2 / left + a_b**3 * a_f**2 / left**3
-    mean_f, mean_b = a_f.mean(1), a_b.mean(1)
-    rest = 1.0 - mean_f**2
-    shift = (
-        shift_b * (1.0 - 2.0 * mean_b**2 / rest**2) + shift_f * (2.0 * rest**2 + 4.0 * mean_f**2 * mean_b**2) / rest**3
-    )
-    width = (
-        (1.0 + DENSITY * mean_f**2)
-        * (mean_b * np.sqrt(2.0 * v_f + v_b) + mean_b**3 * np.sqrt(2.0 * v_f + 3.0 * v_b))
-        / (mean_b + mean_b**3 * (2.0 * np.sqrt(v_f) + 3.0 * np.sqrt(v_b)))
-    )
+    a_b = behind.sum(1)
+    lost = np.maximum(1.0 - ahead.sum(1) - a_b, 1.0 - MOST)
+    turned = np.einsum("j,ijpc->ic", weights * (1.0 - phi / np.pi), n)
+    k1, c1 = lost + a_b, kernel.BROAD * turned
+    c2, k2 = a_b, kernel.BROAD * (lost + turned)
+    middle, reach = 0.5 * (k2 - k1), np.sqrt(0.25 * (k1 + k2) ** 2 - c1 * c2)
+    mirror = c2 / (k2 - middle + reach)
 
     every = ahead + behind
     cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
     rows = np.zeros((N_THETA, kernel.CHANNELS), np.float32)
-    rows[:, kernel.STOPPED : kernel.STOPPED + 3] = 1.0 - a_f
-    rows[:, kernel.BACKWARD : kernel.BACKWARD + 3] = np.minimum(backward, 1.0)
+    rows[:, kernel.FALL : kernel.FALL + 3] = reach - middle
+    rows[:, kernel.GAP : kernel.GAP + 3] = 2.0 * reach
+    rows[:, kernel.MIRROR : kernel.MIRROR + 3] = mirror
+    rows[:, kernel.RATIO : kernel.RATIO + 3] = mirror * c1 / (k1 + middle + reach)
     rows[:, kernel.ROUND : kernel.ROUND + 3] = every.sum(1) / (2.0 * np.pi)
     rows[:, kernel.COSINE : kernel.COSINE + 3] = cosine * 2.0 / np.pi**2
     rows[:, kernel.SPREAD] = v_f
-    rows[:, kernel.WIDTH] = width**2
-    rows[:, kernel.SHIFT] = np.clip(shift, -math.pi / 4, math.pi / 4)
+    rows[:, kernel.WIDTH] = 2.0 * v_f + v_b
     rows[:, kernel.OWN] = (every.mean(-1) @ v) / every.mean(-1).sum(1)
     return DualTables(rows, (1.0 / np.maximum(mass_colour(sigma, roughness), 1e-3)).astype(np.float32))

@@ -29,17 +29,17 @@ STRANDS = 128
 # Rows of a batch, W numbers each, in one array: a compiler that knows how far apart they are need not fear that they
 # overlap. Position, tangent, direction to the eye, colour, absorption beyond the tables', radiance; then of one light
 # the direction to it, its distance, what of it arrives, the place in a map with its texels or in a table with weights,
-# strands that it passed.
+# strands that it passed and that it would still meet.
 X, Y, Z, TX, TY, TZ, EX, EY, EZ = (i * W for i in range(9))
 COLOUR, EXTRA, RADIANCE = 9 * W, 12 * W, 15 * W
 LX, LY, LZ, REACH, ARRIVES = (i * W for i in range(18, 23))
 U, V, DEPTH, INSIDE = (i * W for i in range(23, 27))
 TEXELS = 27 * W
 R, TT, TRT, REST = (TEXELS + i * W for i in range(4))
-PASSED, WHOLE = 35 * W, 36 * W
-SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = (i * W for i in range(37, 43))
-TABLE = 43 * W
-ROWS = 43 + dual.CHANNELS
+PASSED, WHOLE, LEFT = 35 * W, 36 * W, 37 * W
+SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = (i * W for i in range(38, 44))
+TABLE = 44 * W
+ROWS = 44 + dual.CHANNELS
 
 
 @parallel
@@ -139,8 +139,11 @@ def batch(
         if stacks is not None and lights[i, 10] > ZERO:
             for k in range(n):
                 work[PASSED + k] = ZERO
+                work[LEFT + k] = ZERO
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
+                if twice is not None:
+                    beyond(work, n, stacks, np.int64(lights[i, 10]), starts[one], sizes[one])
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
                 work[ARRIVES + k] *= exp(-work[PASSED + k])
@@ -286,6 +289,32 @@ def sink(work, n, views, one, stacks, layers, start, size, bias):
 
 
 @function
+def beyond(work, n, stacks, layers, start, size):
+    """Strands behind each vertex, where `sink` has just found those in front of it."""
+    if size < 2:
+        return
+    stride = np.uint64(layers + opacity.HEAD + 1)
+    down = np.uint64(size) * stride
+    for k in range(n):
+        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
+        last = np.uint64(start) + np.uint64(place + 1) * stride - NEXT
+        work[TEXELS + k] = stacks[last]
+        work[TEXELS + W + k] = stacks[last + stride]
+        work[TEXELS + 2 * W + k] = stacks[last + down]
+        work[TEXELS + 3 * W + k] = stacks[last + down + stride]
+    for k in range(n):
+        total = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            work[TEXELS + k],
+            work[TEXELS + W + k],
+            work[TEXELS + 2 * W + k],
+            work[TEXELS + 3 * W + k],
+        )
+        work[LEFT + k] += max(total - work[PASSED + k], ZERO) if work[INSIDE + k] > ZERO else ZERO
+
+
+@function
 def shine(work, n, lights, i, lobes, nodes, paths):
     """Highlights by Marschner's model."""
     for k in range(n):
@@ -361,8 +390,7 @@ def glow(work, n, lights, one, twice, scale):
     for k in range(n):
         back, through = dual.lobes(
             work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
-            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.SHIFT * W + k],
-            work[TABLE + dual.OWN * W + k],
+            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.OWN * W + k],
         )  # fmt: skip
         work[U + k] = back
         work[V + k] = through
@@ -371,8 +399,9 @@ def glow(work, n, lights, one, twice, scale):
         per = scale[c]
         for k in range(n):
             s = dual.scattered(
-                work[PASSED + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
-                work[TABLE + (dual.STOPPED + c) * W + k], work[TABLE + (dual.BACKWARD + c) * W + k],
+                work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
+                work[TABLE + (dual.FALL + c) * W + k], work[TABLE + (dual.GAP + c) * W + k],
+                work[TABLE + (dual.MIRROR + c) * W + k], work[TABLE + (dual.RATIO + c) * W + k],
                 work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip
