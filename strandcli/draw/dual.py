@@ -1,27 +1,28 @@
 """Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
 Built once per material, over the inclination of the light.
 
-As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it. Strands
-are met at random, τ of them on average as an opacity map holds it, so that e^-τ of the light arrives unscattered. Of
-all that goes on, D, and all that comes back, U, a strand's absorption and scattering make two streams (Schuster 1905):
+As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it, and each
+passage widens the light's inclination by the variance v. The paper's sums over numbers of strands are those of endless
+hair with one or three reflections, and need density factors of .7. Here strands are met at random, τ of them on average
+before a point and τ' behind it, both from an opacity map, and three streams (Schuster 1905) are solved in closed form.
+With a strand's albedo a and the moments g_j of the cosine of j times the angle by which it turns light about its axis:
 
-    dD/dτ = −k₁ D + c₁ U,    dU/dτ = k₂ U − c₂ D,    D = 1 at the light, U = 0 behind the last strand.
+- B, the beam: of what is scattered, the part a g₂ goes on as if it had not been (delta scaling; Joseph, Wiscombe &
+  Weinman 1976), so that B = e^(−k₀ τ), k₀ = 1 − a g₂. In it, e^-τ of the light has met no strand.
+- D on and U back: dD/dτ = −k D + c U + s_f B, dU/dτ = k U − c D − s_b B. They come at 45° on average, so that they
+  meet √2 times the strands, c = √2 a (1 − g₁) / 2 turn round, and k = √2 (1 − a) + c; deep inside this is diffusion.
+  s_b = a_b, what a strand sends back of light across it, and s_f is the rest, a − a_b − a g₂.
 
-D is taken to keep its way, so that k₁ = 1 − a_f and c₂ = a_b, the parts of light across it that a strand sends on and
-back. U is taken to come evenly from the half circle behind the strand. Such light meets π / 2 times as many strands,
-and of what they scatter by an angle δ the part |δ| / π changes over to D: c₁ = π/2 Σ |δ| / π, k₂ = π/2 (1 − a) + c₁.
-Both streams are sums of e^(λτ); with r the U over D of each,
+No light comes from behind the last strand: D = 0 at τ = 0, U = 0 at τ' = 0. With κ = √(k² − c²), R = c / (k + κ),
 
-    D = e^(λ₋ τ) (1 − q g) / (1 − q g e^(−Δτ)),    U = r₋ e^(λ₋ τ) (1 − g) / (1 − q g e^(−Δτ)),
+    D = A e^(−κτ) + C R e^(−κτ') + P e^(−k₀ τ),    U = A R e^(−κτ) + C e^(−κτ') + Q e^(−k₀ τ),
 
-Δ = λ₊ − λ₋, q = r₋ / r₊, g = e^(−Δ τ') where τ' strands are still to come. Where nothing is sent back D is
-e^(−(1 − a_f) τ), the paper's forward scattering for a random number of strands. The paper's backward scattering is that
-of endless hair with one or three reflections, times a density factor of .7; here hair ends where it does, every
-reflection counts, and there is no factor. Each passage widens the light's inclination by the variance v, as in the
-paper. Nothing goes sideways: the dark side of dense hair gets too little.
+P = (s_f (k + k₀) + c s_b) / (κ² − k₀²), Q = (s_b (k − k₀) + c s_f) / (κ² − k₀²). Tables hold κ, R, k₀, P and Q; A and
+C follow from τ and τ'. Nothing goes sideways: a small ball of strands keeps some light that it should lose.
 
-A strand answers to D − e^-τ as evenly spread over the half circle about the light, and to U over the one behind it, by
-the mean and the first harmonic of its azimuthal lobes. `tests/test_mitsuba.py` compares with a path tracer.
+A strand answers to D and B − e^-τ as evenly spread over the half circle about the light, by the mean and the first
+harmonic of its azimuthal lobes; B, which is narrower, has the second as well, weakened once more by the passage that
+turned it. It answers to U from the half circle behind. `tests/test_mitsuba.py` compares with a path tracer.
 
 Lobes are Chiang's whichever model draws the highlights. Where colours vary, tables are those of the mean absorption; a
 vertex scales them with the colour of a mass of its own over that of the mean.
@@ -46,13 +47,15 @@ if TYPE_CHECKING:
 N_THETA, N_PHI = 64, 257
 MOST = 0.999
 """Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
+APART = 0.02
+"""By which share k₀ and κ are kept apart: where they are one, P and Q are infinite."""
 
 
 @dataclass(frozen=True, slots=True)
 class DualTables:
     """What the kernel reads, float32.
 
-    rows: (n_θ, 21) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
+    rows: (n_θ, 24) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
     scale: (3,) one over the colour of a mass with the tables' absorption.
     """
 
@@ -92,21 +95,25 @@ def build_tables(material: Material, roughness: float) -> DualTables:
     f, b = ahead.mean(-1), behind.mean(-1)
     v_f, v_b = (f @ v) / f.sum(1), (b @ v) / b.sum(1)
 
+    cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
     a_b = behind.sum(1)
-    lost = np.maximum(1.0 - ahead.sum(1) - a_b, 1.0 - MOST)
-    turned = np.einsum("j,ijpc->ic", weights * (1.0 - phi / np.pi), n)
-    k1, c1 = lost + a_b, kernel.BROAD * turned
-    c2, k2 = a_b, kernel.BROAD * (lost + turned)
-    middle, reach = 0.5 * (k2 - k1), np.sqrt(0.25 * (k1 + k2) ** 2 - c1 * c2)
-    mirror = c2 / (k2 - middle + reach)
+    a = np.minimum(ahead.sum(1) + a_b, MOST)
+    kept = np.clip(np.einsum("j,ijpc->ic", weights * np.cos(2.0 * phi), n), 0.0, a - a_b)
+    # φ = π is light that goes straight on
+    c = kernel.SLANT * 0.5 * (a + cosine)
+    k = kernel.SLANT * (1.0 - a) + c
+    decay = np.sqrt(k**2 - c**2)
+    beam = 1.0 - kept
+    beam = np.where(np.abs(beam / decay - 1.0) < APART, (1.0 + APART) * decay, beam)
+    over = decay**2 - beam**2
 
     every = ahead + behind
-    cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
     rows = np.zeros((N_THETA, kernel.CHANNELS), np.float32)
-    rows[:, kernel.FALL : kernel.FALL + 3] = reach - middle
-    rows[:, kernel.GAP : kernel.GAP + 3] = 2.0 * reach
-    rows[:, kernel.MIRROR : kernel.MIRROR + 3] = mirror
-    rows[:, kernel.RATIO : kernel.RATIO + 3] = mirror * c1 / (k1 + middle + reach)
+    rows[:, kernel.DECAY : kernel.DECAY + 3] = decay
+    rows[:, kernel.MIRROR : kernel.MIRROR + 3] = c / (k + decay)
+    rows[:, kernel.BEAM : kernel.BEAM + 3] = beam
+    rows[:, kernel.ON : kernel.ON + 3] = ((a - a_b - kept) * (k + beam) + c * a_b) / over
+    rows[:, kernel.BACK : kernel.BACK + 3] = (a_b * (k - beam) + c * (a - a_b - kept)) / over
     rows[:, kernel.ROUND : kernel.ROUND + 3] = every.sum(1) / (2.0 * np.pi)
     rows[:, kernel.COSINE : kernel.COSINE + 3] = cosine * 2.0 / np.pi**2
     rows[:, kernel.SPREAD] = v_f

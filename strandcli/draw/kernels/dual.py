@@ -14,17 +14,18 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 TINY = np.float32(1e-12)
-BROAD = np.float32(0.5 * math.pi)
-"""Of light that comes evenly from a half circle, what strands meet over what crosses it."""
+SLANT = np.float32(math.sqrt(2.0))
+"""Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
+INV_PI = np.float32(1.0 / math.pi)
 PER_QUARTER = np.float32(2.0 / math.pi)
 LEAST = np.float32(1e-4)
 PALER = np.float32(4.0)
 
-# Channels: rgb of the two streams' −λ₋, λ₊ − λ₋, r₋ and r₋ / r₊, and of the mean and the cosine over φ of all that a
-# strand scatters; variance of a passage, of light from behind, and of the strand's own lobes.
-FALL, GAP, MIRROR, RATIO, ROUND, COSINE = 0, 3, 6, 9, 12, 15
-SPREAD, WIDTH, OWN = 18, 19, 20
-CHANNELS = 21
+# Channels: rgb of the streams' κ, R, k₀, P and Q, and of the mean and the cosine over φ of all that a strand scatters;
+# variance of a passage, of light from behind, and of the strand's own lobes.
+DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
+SPREAD, WIDTH, OWN = 21, 22, 23
+CHANNELS = 24
 
 
 @function
@@ -55,13 +56,22 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 
 
 @function
-def scattered(passed, left, direct, cos_phi, back, through, fall, gap, mirror, ratio, all_round, cosine, tone):
-    """S cos θ_l in one channel: of both streams where `passed` strands are between the light and here, and `left` from
+def scattered(
+    passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
+):  # fmt: skip
+    """S cos θ_l in one channel: of all streams where `passed` strands are between the light and here, and `left` from
     here on; `direct` of the light arrives unscattered; `tone` scales for the strand's colour."""
-    onward = exp(-gap * left)
-    whole = exp(-fall * passed) / (ONE - ratio * onward * exp(-gap * passed))
-    down = max(whole * (ONE - ratio * onward) - direct, ZERO)
-    up = BROAD * whole * mirror * (ONE - onward)
-    light = down * through * max(all_round + cosine * cos_phi, ZERO)
-    light += up * back * max(all_round - cosine * cos_phi, ZERO)
-    return light * min(tone, PALER)
+    straight = exp(-beam * passed)
+    near = exp(-decay * passed)
+    far = exp(-decay * left)
+    last = behind * straight * exp(-beam * left)
+    returned = mirror * near * far
+    first = (returned * last - on) / (ONE - returned * returned)
+    final = -last - first * returned
+    down = max(first * near + final * mirror * far + on * straight, ZERO)
+    up = max(first * mirror * near + final * far + behind * straight, ZERO)
+    light = max(all_round + cosine * cos_phi, ZERO) * SLANT * down
+    second = (ONE - beam) * (ONE - beam) * INV_PI * (TWO * cos_phi * cos_phi - ONE)
+    light += max(all_round + cosine * cos_phi + second, ZERO) * max(straight - direct, ZERO)
+    turned = max(all_round - cosine * cos_phi, ZERO) * SLANT * up
+    return (light * through + turned * back) * min(tone, PALER)

@@ -400,8 +400,9 @@ def glow(work, n, lights, one, twice, scale):
         for k in range(n):
             s = dual.scattered(
                 work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
-                work[TABLE + (dual.FALL + c) * W + k], work[TABLE + (dual.GAP + c) * W + k],
-                work[TABLE + (dual.MIRROR + c) * W + k], work[TABLE + (dual.RATIO + c) * W + k],
+                work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
+                work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
+                work[TABLE + (dual.BACK + c) * W + k],
                 work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip
