@@ -1,17 +1,28 @@
-"""Tables of dual scattering (Zinke, Yuksel, Weber & Keyser 2008): light that reaches a strand through others, and what
-the strands about it send back. Built once per material, over the inclination of the light.
+"""Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
+Built once per material, over the inclination of the light.
 
-The number N of strands between light and point is taken as Poisson distributed with the mean τ that an opacity map
-holds. Then e^-τ of the light arrives unscattered, and E[a^N; N ≥ 1] = e^(−τ (1 − a)) − e^-τ has passed through strands
-only forward, a being the part of its light that a strand sends on into the half space away from the light. The paper
-takes N at its mean. Each passage widens the light's inclination by the variance v.
+As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it, and each
+passage widens the light's inclination by the variance v. The paper's sums over numbers of strands are those of endless
+hair with one or three reflections, and need density factors of .7. Here strands are met at random, τ of them on average
+before a point and τ' behind it, both from an opacity map, and three streams (Schuster 1905) are solved in closed form.
+With a strand's albedo a and the moments g_j of the cosine of j times the angle by which it turns light about its axis:
 
-Backward: the paper's averages over an even number of forward scatterings about one (A_1) or three (A_3) backward ones,
+- B, the beam: of what is scattered, the part a g₂ goes on as if it had not been (delta scaling; Joseph, Wiscombe &
+  Weinman 1976), so that B = e^(−k₀ τ), k₀ = 1 − a g₂. In it, e^-τ of the light has met no strand.
+- D on and U back: dD/dτ = −k D + c U + s_f B, dU/dτ = k U − c D − s_b B. They come at 45° on average, so that they
+  meet √2 times the strands, c = √2 a (1 − g₁) / 2 turn round, and k = √2 (1 − a) + c; deep inside this is diffusion.
+  s_b = a_b, what a strand sends back of light across it, and s_f is the rest, a − a_b − a g₂.
 
-    A_b = a_b a_f² / (1 − a_f²) + a_b³ a_f² / (1 − a_f²)³,
+No light comes from behind the last strand: D = 0 at τ = 0, U = 0 at τ' = 0. With κ = √(k² − c²), R = c / (k + κ),
 
-with its mean shift and width (eqs. 13 … 17). They go out by d'Eon's lobe and (1 + cos φ) / 2π, whose integral is 1: the
-paper has a constant over the half space toward the light, with an edge at φ = 90°. Density factors d_f, d_b are its .7.
+    D = A e^(−κτ) + C R e^(−κτ') + P e^(−k₀ τ),    U = A R e^(−κτ) + C e^(−κτ') + Q e^(−k₀ τ),
+
+P = (s_f (k + k₀) + c s_b) / (κ² − k₀²), Q = (s_b (k − k₀) + c s_f) / (κ² − k₀²). Tables hold κ, R, k₀, P and Q; A and
+C follow from τ and τ'. Nothing goes sideways: a small ball of strands keeps some light that it should lose.
+
+A strand answers to D and B − e^-τ as evenly spread over the half circle about the light, by the mean and the first
+harmonic of its azimuthal lobes; B, which is narrower, has the second as well, weakened once more by the passage that
+turned it. It answers to U from the half circle behind. `tests/test_mitsuba.py` compares with a path tracer.
 
 Lobes are Chiang's whichever model draws the highlights. Where colours vary, tables are those of the mean absorption; a
 vertex scales them with the colour of a mass of its own over that of the mean.
@@ -19,7 +30,6 @@ vertex scales them with the colour of a mass of its own over that of the mean.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -35,16 +45,17 @@ if TYPE_CHECKING:
     from ..scene.model import Material
 
 N_THETA, N_PHI = 64, 257
-DENSITY = 0.7
 MOST = 0.999
-"""Part of light that a strand may send forward: at 1 nothing would ever leave a mass of them."""
+"""Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
+APART = 0.02
+"""By which share k₀ and κ are kept apart: where they are one, P and Q are infinite."""
 
 
 @dataclass(frozen=True, slots=True)
 class DualTables:
     """What the kernel reads, float32.
 
-    rows: (n_θ, 16) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
+    rows: (n_θ, 24) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
     scale: (3,) one over the colour of a mass with the tables' absorption.
     """
 
@@ -80,36 +91,32 @@ def build_tables(material: Material, roughness: float) -> DualTables:
     # (n_θ, lobes, rgb)
     behind = np.einsum("j,ijpc->ipc", back, n)
     ahead = np.einsum("j,ijpc->ipc", weights - back, n)
-    a_f = np.minimum(ahead.sum(1), MOST)
-    a_b = np.minimum(behind.sum(1), 1.0 - a_f)
     v = chiang.variances(material.beta_m)
-    shifts = -chiang.tilts(material.tilt)
     f, b = ahead.mean(-1), behind.mean(-1)
     v_f, v_b = (f @ v) / f.sum(1), (b @ v) / b.sum(1)
-    shift_f, shift_b = (f @ shifts) / f.sum(1), (b @ shifts) / b.sum(1)
 
-    left = 1.0 - a_f**2
-    backward = a_b * a_f**2 / left + a_b**3 * a_f**2 / left**3
-    mean_f, mean_b = a_f.mean(1), a_b.mean(1)
-    rest = 1.0 - mean_f**2
-    shift = (
-        shift_b * (1.0 - 2.0 * mean_b**2 / rest**2) + shift_f * (2.0 * rest**2 + 4.0 * mean_f**2 * mean_b**2) / rest**3
-    )
-    width = (
-        (1.0 + DENSITY * mean_f**2)
-        * (mean_b * np.sqrt(2.0 * v_f + v_b) + mean_b**3 * np.sqrt(2.0 * v_f + 3.0 * v_b))
-        / (mean_b + mean_b**3 * (2.0 * np.sqrt(v_f) + 3.0 * np.sqrt(v_b)))
-    )
+    cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
+    a_b = behind.sum(1)
+    a = np.minimum(ahead.sum(1) + a_b, MOST)
+    kept = np.clip(np.einsum("j,ijpc->ic", weights * np.cos(2.0 * phi), n), 0.0, a - a_b)
+    # φ = π is light that goes straight on
+    c = kernel.SLANT * 0.5 * (a + cosine)
+    k = kernel.SLANT * (1.0 - a) + c
+    decay = np.sqrt(k**2 - c**2)
+    beam = 1.0 - kept
+    beam = np.where(np.abs(beam / decay - 1.0) < APART, (1.0 + APART) * decay, beam)
+    over = decay**2 - beam**2
 
     every = ahead + behind
-    cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
     rows = np.zeros((N_THETA, kernel.CHANNELS), np.float32)
-    rows[:, kernel.STOPPED : kernel.STOPPED + 3] = 1.0 - a_f
-    rows[:, kernel.BACKWARD : kernel.BACKWARD + 3] = np.minimum(backward, 1.0)
+    rows[:, kernel.DECAY : kernel.DECAY + 3] = decay
+    rows[:, kernel.MIRROR : kernel.MIRROR + 3] = c / (k + decay)
+    rows[:, kernel.BEAM : kernel.BEAM + 3] = beam
+    rows[:, kernel.ON : kernel.ON + 3] = ((a - a_b - kept) * (k + beam) + c * a_b) / over
+    rows[:, kernel.BACK : kernel.BACK + 3] = (a_b * (k - beam) + c * (a - a_b - kept)) / over
     rows[:, kernel.ROUND : kernel.ROUND + 3] = every.sum(1) / (2.0 * np.pi)
     rows[:, kernel.COSINE : kernel.COSINE + 3] = cosine * 2.0 / np.pi**2
     rows[:, kernel.SPREAD] = v_f
-    rows[:, kernel.WIDTH] = width**2
-    rows[:, kernel.SHIFT] = np.clip(shift, -math.pi / 4, math.pi / 4)
+    rows[:, kernel.WIDTH] = 2.0 * v_f + v_b
     rows[:, kernel.OWN] = (every.mean(-1) @ v) / every.mean(-1).sum(1)
     return DualTables(rows, (1.0 / np.maximum(mass_colour(sigma, roughness), 1e-3)).astype(np.float32))

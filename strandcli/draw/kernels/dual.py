@@ -14,18 +14,18 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 TINY = np.float32(1e-12)
-DENSITY = np.float32(0.7)
-HALF_ROUND = np.float32(2.0 / math.pi)
-INV_2PI = np.float32(0.5 / math.pi)
+SLANT = np.float32(math.sqrt(2.0))
+"""Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
+INV_PI = np.float32(1.0 / math.pi)
 PER_QUARTER = np.float32(2.0 / math.pi)
 LEAST = np.float32(1e-4)
 PALER = np.float32(4.0)
 
-# Channels: rgb of what a strand does not send forward, of A_b, of the mean and the cosine over φ of all that it
-# scatters; variance of a passage, of A_b, shift of A_b, variance of the strand's own lobes.
-STOPPED, BACKWARD, ROUND, COSINE = 0, 3, 6, 9
-SPREAD, WIDTH, SHIFT, OWN = 12, 13, 14, 15
-CHANNELS = 16
+# Channels: rgb of the streams' κ, R, k₀, P and Q, and of the mean and the cosine over φ of all that a strand scatters;
+# variance of a passage, of light from behind, and of the strand's own lobes.
+DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
+SPREAD, WIDTH, OWN = 21, 22, 23
+CHANNELS = 24
 
 
 @function
@@ -41,9 +41,9 @@ def angles(tx, ty, tz, lx, ly, lz, vx, vy, vz, nodes):
 
 
 @function
-def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, shift, own):
-    """M of light that comes back from the strands about, and of light that has come through `passed` strands."""
-    back = wide(sin_l, cos_l, sin_v - shift * cos_v, cos_v, width)
+def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, own):
+    """M of light that comes back from strands further on, and of light that has come through `passed` strands."""
+    back = wide(sin_l, cos_l, sin_v, cos_v, own + width)
     through = wide(sin_l, cos_l, sin_v, cos_v, own + max(passed, ONE) * spread)
     return back, through
 
@@ -56,10 +56,22 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 
 
 @function
-def scattered(passed, direct, cos_phi, back, through, stopped, backward, all_round, cosine, tone):
-    """S cos θ_l in one channel; `direct` of the light arrives unscattered; `tone` scales for the strand's colour."""
-    forward = DENSITY * max(exp(-passed * stopped) - direct, ZERO)
-    near = DENSITY * backward * INV_2PI
-    whole = direct * near * back * (ONE + cos_phi)
-    whole += forward * through * (max(all_round + cosine * cos_phi, ZERO) + near * (ONE + HALF_ROUND * cos_phi))
-    return whole * min(tone, PALER)
+def scattered(
+    passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
+):  # fmt: skip
+    """S cos θ_l in one channel: of all streams where `passed` strands are between the light and here, and `left` from
+    here on; `direct` of the light arrives unscattered; `tone` scales for the strand's colour."""
+    straight = exp(-beam * passed)
+    near = exp(-decay * passed)
+    far = exp(-decay * left)
+    last = behind * straight * exp(-beam * left)
+    returned = mirror * near * far
+    first = (returned * last - on) / (ONE - returned * returned)
+    final = -last - first * returned
+    down = max(first * near + final * mirror * far + on * straight, ZERO)
+    up = max(first * mirror * near + final * far + behind * straight, ZERO)
+    light = max(all_round + cosine * cos_phi, ZERO) * SLANT * down
+    second = (ONE - beam) * (ONE - beam) * INV_PI * (TWO * cos_phi * cos_phi - ONE)
+    light += max(all_round + cosine * cos_phi + second, ZERO) * max(straight - direct, ZERO)
+    turned = max(all_round - cosine * cos_phi, ZERO) * SLANT * up
+    return (light * through + turned * back) * min(tone, PALER)

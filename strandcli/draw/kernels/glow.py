@@ -16,6 +16,7 @@ from .batch import (
     EX,
     EY,
     EZ,
+    LEFT,
     LX,
     LY,
     LZ,
@@ -59,8 +60,7 @@ def glow(work, n, lights, one, twice, scale):
     for k in range(n):
         back, through = dual.lobes(
             work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
-            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.SHIFT * W + k],
-            work[TABLE + dual.OWN * W + k],
+            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.OWN * W + k],
         )  # fmt: skip
         work[U + k] = back
         work[V + k] = through
@@ -69,8 +69,10 @@ def glow(work, n, lights, one, twice, scale):
         per = scale[c]
         for k in range(n):
             s = dual.scattered(
-                work[PASSED + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
-                work[TABLE + (dual.STOPPED + c) * W + k], work[TABLE + (dual.BACKWARD + c) * W + k],
+                work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
+                work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
+                work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
+                work[TABLE + (dual.BACK + c) * W + k],
                 work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip

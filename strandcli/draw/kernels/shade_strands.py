@@ -22,6 +22,7 @@ from .batch import (
     EY,
     EZ,
     INSIDE,
+    LEFT,
     LX,
     LY,
     LZ,
@@ -42,7 +43,7 @@ from .highlights import highlights
 from .light import around, toward
 from .lobes import mix
 from .marschner import kajiya_diffuse
-from .strand_shadows import shade, sink
+from .strand_shadows import beyond, shade, sink
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -155,8 +156,11 @@ def batch(
         if stacks is not None and lights[i, 10] > ZERO:
             for k in range(n):
                 work[PASSED + k] = ZERO
+                work[LEFT + k] = ZERO
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
+                if twice is not None:
+                    beyond(work, n, stacks, np.int64(lights[i, 10]), starts[one], sizes[one])
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
                 work[ARRIVES + k] *= exp(-work[PASSED + k])

@@ -7,7 +7,7 @@ import numpy as np
 from ...constants import W
 from ...jit import function
 from . import opacity
-from .batch import ARRIVES, DEPTH, INSIDE, PASSED, TEXELS, U, V, X, Y, Z
+from .batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from .shadow import between, held, texel_of, through
 
 ZERO = np.float32(0.0)
@@ -84,3 +84,29 @@ def sink(work, n, views, one, stacks, layers, start, size, bias):
             work[TEXELS + 3 * W + k],
         )
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
+
+
+@function
+def beyond(work, n, stacks, layers, start, size):
+    """Strands behind each vertex, where `sink` has just found those in front of it."""
+    if size < 2:
+        return
+    stride = np.uint64(layers + opacity.HEAD + 1)
+    down = np.uint64(size) * stride
+    for k in range(n):
+        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
+        last = np.uint64(start) + np.uint64(place + 1) * stride - NEXT
+        work[TEXELS + k] = stacks[last]
+        work[TEXELS + W + k] = stacks[last + stride]
+        work[TEXELS + 2 * W + k] = stacks[last + down]
+        work[TEXELS + 3 * W + k] = stacks[last + down + stride]
+    for k in range(n):
+        total = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            work[TEXELS + k],
+            work[TEXELS + W + k],
+            work[TEXELS + 2 * W + k],
+            work[TEXELS + 3 * W + k],
+        )
+        work[LEFT + k] += max(total - work[PASSED + k], ZERO) if work[INSIDE + k] > ZERO else ZERO

@@ -1,0 +1,161 @@
+"""Pictures by an independent path tracer, Mitsuba 3, of a subject's strands, camera, lights and material.
+
+Strands are B-splines through fine polylines, from tip to root, which is how its `hair` (Chiang's model) takes the tilt
+of the scales; of its `linearcurve` the model does not get the tangent (3.9), which shows as soon as a strand leaves the
+axes. It works in a process of its own, that is begun anew where it dies: once in some ten million rays at curves as
+thin as hair 3.9 does.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from strandcli.study.pictures.subject import Subject
+
+PASS = 128
+"""Samples a pixel between one save and the next."""
+DEATHS = 40
+
+
+class Traced(NamedTuple):
+    """Two independent pictures (height, width, 3) of one scene, linear, and what the path tracer took."""
+
+    one: Any
+    two: Any
+    alpha: Any
+    """(height, width), of both."""
+    samples: int
+    """A pixel, of each of the two."""
+    seconds: float
+    """A sample of every pixel."""
+
+
+class Figures(NamedTuple):
+    """Of a picture against the path tracer's; RMSE and noise as shares of the mean where strands are."""
+
+    rmse: float
+    """Without the path tracer's noise."""
+    brightness: float
+    noise: float
+    """Of the mean of the two pictures."""
+
+    def __str__(self) -> str:
+        return f"RMSE {self.rmse:.3f} without a noise of {self.noise:.3f}, brightness {self.brightness:.3f}"
+
+
+def figures(image: Any, traced: Traced) -> Figures:
+    """What the difference of ``image`` has in common with both pictures is not their noise."""
+    reference = (traced.one + traced.two) / 2
+    lit = float(reference.mean() / traced.alpha.mean())
+    covered = float(traced.alpha.mean())
+    square = float(((image - traced.one) * (image - traced.two)).mean()) / covered
+    noise = float(((traced.one - traced.two) ** 2).mean()) / 4 / covered
+    return Figures(max(square, 0.0) ** 0.5 / lit, float(image.mean() / reference.mean()), noise**0.5 / lit)
+
+
+def seconds_to(error: float, found: Figures, traced: Traced) -> float:
+    """What the path tracer takes until its noise is ``error``; it falls with the root of the number of samples."""
+    return traced.seconds * 2 * traced.samples * (found.noise / error) ** 2
+
+
+def trace(subject: Subject, folder: Path, samples: int, depth: int = 2) -> Traced:
+    """Trace paths of up to ``depth`` pieces: 2 is direct light."""
+    _write(subject, folder, depth)
+    one, two = (_run(folder, samples, seed) for seed in (1, 2))
+    alpha = (one[0][..., 3] + two[0][..., 3]) / 2
+    return Traced(one[0][..., :3], two[0][..., :3], alpha, samples, (one[1] + two[1]) / (2 * samples))
+
+
+def spline(points: Any) -> Any:
+    """Control points (n + 2, …) of a uniform cubic B-spline that begins and ends where a polyline (n, …) does."""
+    return np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+
+
+def _write(subject: Subject, folder: Path, depth: int) -> None:
+    from strandcli.draw import chiang
+    from strandcli.draw.curves import flatten
+    from strandcli.draw.scratch import Scratch
+
+    scene, material, camera = subject.scene, subject.scene.material, subject.scene.camera
+    lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene), True,
+                    Scratch())  # fmt: skip
+    with open(folder / "strands.txt", "w") as file:
+        for a, b in zip(lines.first[:-1], lines.first[1:], strict=True):
+            radii = material.width / 2 * (1 - material.taper * np.linspace(0, 1, b - a))
+            knots = spline(np.column_stack([lines.world[a:b], radii]))[::-1]
+            file.write("\n".join(" ".join(f"{number:.8g}" for number in knot) for knot in knots) + "\n\n")
+    tables = chiang.build_tables(material)
+    assert tables is not None
+    (folder / "scene.json").write_text(json.dumps({
+        "depth": depth, "size": scene.image.size, "fov": camera.fov, "position": camera.position,
+        "target": camera.target, "up": camera.up, "sigma": tables.absorption.tolist(), "beta_m": material.beta_m,
+        "beta_n": material.beta_n, "tilt": material.tilt, "eta": material.eta,
+        "lights": [{"direction": light.direction, "power": [light.intensity * c for c in light.colour]}
+                   for light in scene.lights],
+    }))  # fmt: skip
+
+
+def _run(folder: Path, samples: int, seed: int) -> tuple[Any, float]:
+    """Mean of so many samples, (height, width, 4), and seconds."""
+    saved = folder / f"sum_{seed}.npz"
+    for _ in range(DEATHS):
+        done = subprocess.run([sys.executable, __file__, str(folder), str(samples), str(seed)], check=False)
+        if done.returncode == 0:
+            break
+        assert done.returncode < 0, "the path tracer failed"
+    found = np.load(saved)
+    assert found["samples"] == samples, "the path tracer died too often"
+    return found["total"] / samples, float(found["seconds"])
+
+
+def _render(folder: Path, samples: int, seed: int) -> None:
+    """In the process of its own: go on from what is saved."""
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    told = json.loads((folder / "scene.json").read_text())
+    look = mi.ScalarTransform4f().look_at(told["position"], told["target"], told["up"])
+    film = {"type": "hdrfilm", "width": told["size"][0], "height": told["size"][1], "pixel_format": "rgba",
+            "component_format": "float32", "rfilter": {"type": "box"}}  # fmt: skip
+    fibre = {"type": "hair", "longitudinal_roughness": told["beta_m"], "azimuthal_roughness": told["beta_n"],
+             "scale_tilt": told["tilt"], "int_ior": told["eta"], "ext_ior": 1.0,
+             "sigma_a": {"type": "rgb", "value": told["sigma"]}}  # fmt: skip
+    # of direct light one ray to the lamp is all: the fastest that it can be asked for
+    integrator: dict[str, Any] = {"type": "path", "max_depth": told["depth"], "rr_depth": 50}
+    if told["depth"] == 2:
+        integrator = {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}
+    scene = {"type": "scene", "integrator": integrator,
+             "sensor": {"type": "perspective", "fov": told["fov"], "fov_axis": "y", "to_world": look, "film": film,
+                        "sampler": {"type": "independent"}},
+             "hair": {"type": "bsplinecurve", "filename": str(folder / "strands.txt"), "bsdf": fibre}}  # fmt: skip
+    for number, light in enumerate(told["lights"]):
+        scene[f"light_{number}"] = {"type": "directional", "direction": light["direction"],
+                                    "irradiance": {"type": "rgb", "value": light["power"]}}  # fmt: skip
+    loaded = mi.load_dict(scene)
+    saved, tried = folder / f"sum_{seed}.npz", folder / f"tried_{seed}"
+    total, seconds, done = np.zeros((told["size"][1], told["size"][0], 4)), 0.0, 0
+    if saved.exists():
+        found = np.load(saved)
+        total, seconds, done = found["total"], float(found["seconds"]), int(found["samples"])
+    # a pass that killed it is not tried a second time
+    number = int(tried.read_text()) + 1 if tried.exists() else 0
+    while done < samples:
+        tried.write_text(str(number))
+        count = min(PASS, samples - done)
+        began = time.perf_counter()
+        total += count * np.array(mi.render(loaded, spp=count, seed=1_000_003 * seed + number), np.float64)
+        seconds += time.perf_counter() - began
+        done, number = done + count, number + 1
+        np.savez(saved, total=total, seconds=seconds, samples=done)
+
+
+if __name__ == "__main__":
+    _render(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))
