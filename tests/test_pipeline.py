@@ -73,7 +73,8 @@ def test_seeds_change_everything_that_is_random(everything: Scene, frames: list[
     other = frames_of(dataclasses.replace(everything, seed=5), 1)[0]
     assert other.positions is not None
     assert frames[0].positions is not None
-    assert (other.positions[: len(frames[0].positions)] != frames[0].positions).mean() > 0.99
+    both = min(len(other.positions), len(frames[0].positions))  # how many are near enough to be drawn depends on it too
+    assert (other.positions[:both] != frames[0].positions[:both]).mean() > 0.99
 
 
 def test_portions_of_a_large_groom_give_the_same_picture(

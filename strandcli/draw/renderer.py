@@ -236,9 +236,10 @@ class Renderer:
             self._lap("shade")
         if recorder is not None:
             recorder.rest(keys if front is None else front, view, packed, lights, maps, self._skin())
+        drawn = strands if level is None else int(np.count_nonzero(level.fade))
         self._drawing.counts |= {
-            "strands": strands if level is None else int(np.count_nonzero(level.fade)),
-            "particles": strands * (positions.shape[1] - 1),
+            "strands": drawn,
+            "particles": drawn * (positions.shape[1] - 1),
             "segments": segments,
             "fragments": self._fragments(keys, len(portions)),
         }

@@ -29,6 +29,8 @@ COLUMNS = 16
 """Columns of h."""
 START, FULL = np.float32(2.0), np.float32(4.0)
 """Widths in pixels from which profiles count, and count fully."""
+FINEST = np.float32(1e-3)
+"""Half the share of a profile that a sample sees at least, in columns: less is lost in rounding."""
 CHANNELS = 8
 """Of a column in the tables: R, TT in red, green and blue, TRT, and padding."""
 
@@ -187,8 +189,10 @@ def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, ima
     off = ((np.float32(y) + HALF - screen[p, 1]) * dx - (np.float32(x) + HALF - screen[p, 0]) * dy) / size
     per = np.float32(COLUMNS) / wide
     middle = HALF * np.float32(COLUMNS)
-    low = clamp(middle + (off - HALF) * per, ZERO, np.float32(COLUMNS) - per * np.float32(0.01))
-    high = clamp(middle + (off + HALF) * per, low + per * np.float32(0.01), np.float32(COLUMNS))
+    half = max(HALF * per, FINEST)
+    least = np.float32(0.02) * half
+    low = clamp(middle + off * per - half, ZERO, np.float32(COLUMNS) - least)
+    high = clamp(middle + off * per + half, low + least, np.float32(COLUMNS))
     weight *= counts * counts * (THREE - TWO * counts)
     for c in range(3):
         one = departure(profile, slots, v, c, low, high)
