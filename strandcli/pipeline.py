@@ -267,7 +267,8 @@ class _Draughtsman:
         from .draw.renderer import Renderer
 
         self._film = film
-        self._renderer = Renderer(film.scene, film.groom, rehearsal.wait if rehearsal is not None else lambda: None)
+        before = rehearsal.wait if rehearsal is not None else lambda part: None
+        self._renderer = Renderer(film.scene, film.groom, before)
 
     def __call__(self, begun: _Begun) -> Frame:
         import numba

@@ -1,7 +1,9 @@
 """On an empty cache, a second process compiles the kernels of light while the first compiles those before them.
 
 Numba compiles on one thread of a process, and half of the first frame's wait is for kernels that it needs last. They
-reach the first process through the cache folder. Whatever goes wrong here costs time, nothing else.
+reach the first process through the cache folder. What comes before light, the coverage of sorted strands, is compiled
+by the process that comes to it first: whoever removes a part's file takes the part, which only one can. Whatever goes
+wrong here costs time, nothing else.
 """
 
 from __future__ import annotations
@@ -9,21 +11,31 @@ from __future__ import annotations
 import dataclasses
 import os
 import pickle
+import shutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 from typing import Any
 
 from . import runtime
 
+PARTS = ("light", "coverage")
+"""In the second process's order, which is the frame's from its end."""
+
 
 class Rehearsal:
-    """Begins at once where it helps; `wait` before the first light."""
+    """Begins at once where it helps; `wait` before each part of a frame."""
 
     def __init__(self, scene: Any) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._folder: Path | None = None
         if not _helps():
             return
         try:
+            self._folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
+            for part in PARTS:
+                (self._folder / part).touch()
             process = subprocess.Popen(
                 [sys.executable, "-m", __name__],
                 stdin=subprocess.PIPE,
@@ -34,16 +46,17 @@ class Rehearsal:
             self._process = process
             assert process.stdin is not None
             with process.stdin as pipe:
-                pickle.dump(scene, pipe)
+                pickle.dump((scene, self._folder), pipe)
         except (OSError, pickle.PicklingError, AttributeError, TypeError):
             self.stop()
 
-    def wait(self) -> None:
-        """Until the second process is done."""
-        if self._process is not None:
-            with runtime.counted_as_compiling("light, in a second process"):
-                self._process.wait()
-            self._process = None
+    def wait(self, part: str) -> None:
+        """Until the second process has compiled this one of `PARTS`, if it has begun to; otherwise it never will."""
+        if self._process is None or self._folder is None or take(self._folder, part):
+            return
+        with runtime.counted_as_compiling(f"{part}, in a second process"):
+            self._process.wait()
+        self.stop()
 
     def stop(self) -> None:
         """Do without it."""
@@ -51,6 +64,18 @@ class Rehearsal:
             self._process.kill()
             self._process.wait()
             self._process = None
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+
+def take(folder: Path, part: str) -> bool:
+    """Whether this process is the one to compile a part: the first that asks."""
+    try:
+        (folder / part).unlink()
+    except OSError:
+        return False
+    return True
 
 
 def _helps() -> bool:
@@ -61,14 +86,16 @@ def _helps() -> bool:
 
 
 def main() -> None:
-    """Compile what the scene on standard input needs for light."""
-    scene = pickle.load(sys.stdin.buffer)
+    """Compile what the scene on standard input needs, part by part, of those that nobody has taken."""
+    scene, folder = pickle.load(sys.stdin.buffer)
     from .draw.renderer import Renderer
     from .groom.emit import emit
 
-    for one in scene.panels or (scene,):
-        small = dataclasses.replace(one, image=dataclasses.replace(one.image, size=(8, 8)))
-        Renderer(small, emit(one.emitter, one.seed, 1)).rehearse()
+    small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
+    renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))
+    for part in PARTS:
+        if take(folder, part):
+            renderer.rehearse(part)
 
 
 if __name__ == "__main__":

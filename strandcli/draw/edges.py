@@ -48,8 +48,6 @@ class Edges:
         ``shade`` lights surfaces: keys of a picture, its width and height, its pixels' places on the screen
         (pixels, 2), and the picture itself, which holds the background before.
         """
-        if not len(self.pixels):
-            return
         behind = backdrop.reshape(-1, 3)[self.pixels]
         colours = np.ascontiguousarray(np.repeat(behind[:, None], kernel.SLOTS, 1))
         shade(self.keys.reshape(-1), kernel.SLOTS, len(self.pixels), self.spots.reshape(-1, 2), colours)

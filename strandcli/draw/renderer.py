@@ -58,10 +58,10 @@ class Drawing:
 class Renderer:
     """Draws frames of one scene; holds what stays the same from frame to frame."""
 
-    def __init__(self, scene: Any, groom: Groom, before_light: Callable[[], None] = lambda: None) -> None:
-        """``before_light`` is called in each frame when all that is seen is known."""
+    def __init__(self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None) -> None:
+        """``before`` is called in each frame ahead of its "coverage", where strands are sorted, and of its "light"."""
         self.scene = scene
-        self._before_light = before_light
+        self._before = before
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
@@ -199,10 +199,11 @@ class Renderer:
             if self.coverage is not None:
                 if recorder is not None:
                     front = keys.copy()
+                self._before("coverage")
                 edges = None if packed is None else find_edges(keys, packed, view, self.size, scratch)
                 for layer in self.coverage.layers(lines, screen, widths, edges, workers, scratch):
                     self._lap("raster")
-                    self._before_light()
+                    self._before("light")
                     if edges is not None and packed is not None and layer.top == 0:  # strands are laid over the solids
                         shade = partial(self._surfaces, view, lights, maps, packed, at)
                         shade(keys, *self.size, NO_SPOTS, image)
@@ -222,7 +223,7 @@ class Renderer:
             if recorder is not None:
                 recorder.strands(lines, screen, keys, base, begin, view)
             self._lap("raster")
-            self._before_light()
+            self._before("light")
             marks = self._mark(lines, keys, base)
             colours = self._shade(lines, marks, begin, end, view, lights, maps, packed, body)
             self._lap("shade")
@@ -261,11 +262,15 @@ class Renderer:
             view = view.shifted(shot.x, shot.y)
         return lens.through_lens(view, scene.camera, shot)
 
-    def rehearse(self) -> None:
-        """Run what comes after the z-buffer with nothing to be seen, so that it is compiled."""
+    def rehearse(self, part: str) -> None:
+        """Run a part of a frame with nothing to be seen, so that it is compiled: its "light", which is all that comes
+        after the z-buffer, or its "coverage"."""
         width, height = self.size
         bounds = np.array([[-1.0] * 3, [1.0] * 3])
         view = camera_view(self.scene.camera, 0.0, width, height, bounds)
+        if part == "coverage":
+            self._rehearse_coverage(view)
+            return
         maps = plan_maps(self.scene.lights, bounds, self.scratch, Thickness(0.01), 0.1)
         lights = pack_lights(self.scene.lights, maps, bounds)
         lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
@@ -280,6 +285,20 @@ class Renderer:
         if packed is not None:
             self._surfaces(view, lights, maps, packed, 0.0, keys, *self.size, NO_SPOTS, image)
         self._develop(image, self._blank())
+
+    def _rehearse_coverage(self, view: View) -> None:
+        if self.coverage is None:
+            return
+        lines = Polylines(np.array([0, 2]), np.zeros((2, 3), np.float32))
+        screen = np.zeros((2, 3), np.float32)  # behind the eye
+        keys = np.full(self.size[0] * self.size[1], raster.kernel.EMPTY)
+        packed = self._solids(0.0)
+        edges = None if packed is None else find_edges(keys, packed, view, self.size, self.scratch)
+        if edges is not None:
+            edges.lay(lambda *picture: None, self._backdrop.copy(), self._backdrop)
+        widths = np.zeros(2, np.float32) if self.scene.material.width > 0 else None
+        for _ in self.coverage.layers(lines, screen, widths, edges, 1, self.scratch):
+            pass
 
     def _most(self, groom: Groom) -> int:
         """Strands that are drawn of a groom."""

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
 from .approximations import clamp
 from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TRT, TT, TX, TY, TZ, R, U, V
 from .lobes import grown
@@ -42,7 +42,7 @@ HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
 """Mean of √(1 − h²) over each column, less that over all."""
 
 
-@function
+@inner
 def begin(profile, slot):
     """An empty profile."""
     for i in range(COLUMNS + 1):
@@ -50,14 +50,14 @@ def begin(profile, slot):
             profile[slot, i, c] = ZERO
 
 
-@function
+@inner
 def remember(work):
     """Note the radiance of a batch before light of a kind is added."""
     for k in range(3 * W):
         work[BEFORE + k] = work[RADIANCE + k]
 
 
-@function
+@inner
 def round_off(work, n, which, slots, profile):
     """Light that has been added since `remember` as a cosine lobe about the side that faces it: times
     1 + cos (γ − φ) − mean, h = sin γ, which is nowhere negative."""
@@ -71,7 +71,7 @@ def round_off(work, n, which, slots, profile):
                     profile[slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
 
 
-@function
+@inner
 def azimuth(work, k):
     """Cosine and sine of the angle from the eye to the light about the tangent, positive toward b."""
     tx, ty, tz = work[TX + k], work[TY + k], work[TZ + k]
@@ -85,7 +85,7 @@ def azimuth(work, k):
     return clamp(along * size, -ONE, ONE), clamp(across * size, -ONE, ONE)
 
 
-@function
+@inner
 def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile):
     """The lobes across the strand, from what `highlights.highlights` has left in the batch.
 
@@ -124,7 +124,7 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
                 )
 
 
-@function
+@inner
 def cell(columns, i, j, h, c, x, y):
     """Bilinear among four nodes."""
     low = columns[i, j, h, c] + y * (columns[i, j + 1, h, c] - columns[i, j, h, c])
@@ -156,7 +156,7 @@ def departure(profile, slots, v, c, low, high):
     return (gathered(profile, slot, c, high) - gathered(profile, slot, c, low)) / (high - low)
 
 
-@function
+@inner
 def gathered(profile, slot, c, place):
     """What `add_up` made at a place in [0, COLUMNS]: a cubic whose slope, the light, has no steps."""
     i = min(np.int64(place), COLUMNS - 1)
@@ -169,7 +169,7 @@ def gathered(profile, slot, c, place):
     return a + t * (before + t * ((THREE * rise - TWO * before - after) + t * (before + after - TWO * rise)))
 
 
-@function
+@inner
 def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, image):
     """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
     vertex v to the next, v + stride."""

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ...jit import function
+from ...jit import function, inner
 from .approximations import acos, asin, clamp, exp2
 from .lobes import azimuthal
 
@@ -45,7 +45,7 @@ def scaled_bessel(x: np.float32) -> np.float32:
     return np.sqrt(p / q)
 
 
-@function
+@inner
 def lobe(
     sin_l: np.float32, cos_l: np.float32, sin_v: np.float32, cos_v: np.float32, sharp: np.float32, norm: np.float32
 ) -> np.float32:
@@ -57,7 +57,7 @@ def lobe(
     return norm * exp2(fall) * scaled_bessel(sharp * cos_l * cos_v)
 
 
-@function
+@inner
 def longitudinal(
     tx: np.float32, ty: np.float32, tz: np.float32,
     lx: np.float32, ly: np.float32, lz: np.float32,
@@ -79,14 +79,14 @@ def longitudinal(
     phi = acos(clamp((lx * vx + ly * vy + lz * vz) / max(cos_l * cos_v, TINY), -ONE, ONE))
     x = clamp(abs(asin(sin_v)) * fibre[THETA_SCALE], ZERO, fibre[THETA_LAST])
     y = clamp(phi * fibre[PHI_SCALE], ZERO, fibre[PHI_LAST])
-    m_r = tilted(sin_l, cos_l, sin_v, cos_v, fibre, 0)
-    m_tt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, 1)
-    m_trt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, 2)
+    m_r = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(0))
+    m_tt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(1))
+    m_trt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(2))
     m_rest = lobe(sin_l, cos_l, sin_v, cos_v, fibre[SHARP + 3], fibre[NORM + 3])
     return x, y, m_r, m_tt, m_trt, m_rest
 
 
-@function
+@inner
 def tilted(sin_l, cos_l, sin_v, cos_v, fibre, p):
     """M of a lobe that the scales tilt."""
     s = sin_v * fibre[COS + p] + cos_v * fibre[SIN + p]

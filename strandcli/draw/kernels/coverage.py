@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, inlined
+from ...jit import inlined, inner
 from . import tiles
 
 ZERO = np.float32(0.0)
@@ -49,7 +49,7 @@ INTEGERS = 7
 IN_CELLS, CELL_BITS = np.int64(CELLS - 1), np.int64(7)
 
 
-@function
+@inner
 def fragments(work, cells, n, top, bottom, width, hides, ready, places):
     """What the first n cells cover of the rows top <= y < bottom, as fragments in ready and places (see
     `tiles.append`), but for those that a solid hides. Returns how many.
@@ -82,7 +82,7 @@ def fragments(work, cells, n, top, bottom, width, hides, ready, places):
     return m
 
 
-@function
+@inner
 def cover(work, n):
     """What the first n cells cover of three rows each."""
     for k in range(n):
@@ -115,7 +115,7 @@ def below(d, a, b, norm):
     return tail if d < ZERO else ONE - tail
 
 
-@function
+@inner
 def choose(work, cells, n):
     """List where anything is covered: which is as good as random, so that each is written and kept or not."""
     chosen = np.int64(0)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...jit import function
+from ...jit import function, inner
 from .approximations import asin, clamp, exp
 from .chiang import lobe
 
@@ -48,7 +48,7 @@ def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, own):
     return back, through
 
 
-@function
+@inner
 def wide(sin_l, cos_l, sin_v, cos_v, variance):
     """d'Eon's lobe of any variance."""
     sharp = ONE / max(variance, LEAST)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import inner, parallel, prange
 from .raster import EMPTY, LOW, SHIFT
 from .solids import FIRST, HALF, INF, ONE, ZERO, key_at, meet, ray
 
@@ -25,7 +25,8 @@ def depths(keys, out):
 @parallel
 def count(keys, width, height, out):
     """Pixels of each row where a solid may end: out (height,) int64."""
-    for y in prange(height):
+    for row in prange(height):
+        y = np.int64(row)  # the index is unsigned, and would have `differs` compiled twice
         n = np.int64(0)
         for x in range(width):
             n += differs(keys, width, height, x, y)
@@ -35,7 +36,8 @@ def count(keys, width, height, out):
 @parallel
 def collect(keys, width, height, ends, pixels):
     """List these pixels row by row; ends (height,) int64: where each row's end in pixels (E,) int64."""
-    for y in prange(height):
+    for row in prange(height):
+        y = np.int64(row)
         n = ends[y] - 1
         for x in range(width - 1, -1, -1):
             if differs(keys, width, height, x, y):
@@ -43,7 +45,7 @@ def collect(keys, width, height, ends, pixels):
                 n -= 1
 
 
-@function
+@inner
 def differs(keys, width, height, x, y):
     """1 where a pixel's solid is another one than that of one beside, above or below it, or where one of them is beyond
     the picture, else 0."""
@@ -106,7 +108,7 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
                     keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
 
 
-@function
+@inner
 def foremost(keys, e):
     """The slot of the solid in front."""
     best = 0
@@ -122,7 +124,8 @@ def part(pixels, keys, counts, hides, depth, cover):
     share of the samples; hides (P,) float32 the depth number behind which the other samples hide all, 0 if any shows
     nothing."""
     whole = SAMPLES * SAMPLES
-    for e in prange(pixels.shape[0]):
+    for edge in prange(pixels.shape[0]):
+        e = np.int64(edge)
         front = foremost(keys, e)
         depth[e] = number(keys[e, front])
         # one that shows in all samples is what all else is laid over, as anywhere
@@ -137,7 +140,7 @@ def part(pixels, keys, counts, hides, depth, cover):
             hides[pixels[e]] = rest if shown == whole else ZERO
 
 
-@function
+@inner
 def number(key):
     """The depth number of a key."""
     return np.uint32(LOW - (key >> SHIFT)).view(np.float32)
@@ -149,7 +152,8 @@ def lay(pixels, keys, counts, colours, front, image):
     the picture (height, width, 3), which holds the background of those that show nothing. colours (E, SLOTS, 3)."""
     width = image.shape[1]
     whole = SAMPLES * SAMPLES
-    for e in prange(pixels.shape[0]):
+    for edge in prange(pixels.shape[0]):
+        e = np.int64(edge)
         x = pixels[e] % width
         y = pixels[e] // width
         best = foremost(keys, e)

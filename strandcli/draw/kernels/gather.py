@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...jit import function, inlined, parallel, prange
+from ...jit import inlined, inner, parallel, prange
 from . import tiles
 from .coverage import (
     AREA,
@@ -91,7 +91,7 @@ def gather(
         )  # fmt: skip
 
 
-@function
+@inner
 def strands(
     low, high, first, screen, widths, opacity, stride, bits, rows, top, bottom, width, hides,
     pool, links, heads, fills, used, begin, last, task,
@@ -108,7 +108,7 @@ def strands(
             continue
         a = first[s]
         end = first[s + 1]
-        run = 0
+        run = np.int64(0)  # a literal would have `thin` compiled twice
         start = ZERO
         v = a
         for after in range(a + 1, end + 1):
@@ -152,7 +152,7 @@ def strands(
     append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
 
 
-@function
+@inner
 def solids(
     low, high, edges, depth, cover, base, top, bottom, width, pool, links, heads, fills, used, begin, last, task
 ):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 from . import dual
 from .approximations import exp
 from .batch import (
@@ -35,7 +35,7 @@ from .batch import (
 )
 
 
-@function
+@inner
 def glow(work, n, lights, one, twice, scale):
     """Light that comes by way of other strands. What reaches a vertex with no strand in the way is in the row `WHOLE`,
     what does with them in `ARRIVES`."""

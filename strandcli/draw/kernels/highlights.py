@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 from . import chiang, marschner
 from .batch import ARRIVES, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, REST, TRT, TT, TX, TY, TZ, R, U, V
 from .lobes import azimuthal
@@ -13,7 +13,7 @@ from .lobes import azimuthal
 ZERO = np.float32(0.0)
 
 
-@function
+@inner
 def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
     """Light that a strand scatters once: by Marschner's model where there are `lobes`, by Chiang's where there is a
     `fibre`; the other one is None."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function
+from ...jit import inner
 from .approximations import exp2
 
 ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
-R, TT, TRT, REST = 0, 1, 4, 7
+R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
 """Channels of a node."""
 
 
-@function
+@inner
 def azimuthal(
     x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32, m_rest: np.float32 | None,
     nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
@@ -43,8 +43,8 @@ def azimuthal(
     trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
     trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
     if paths is not None:
-        l_tt = mix(paths, i, j, 0, w00, w01, w10, w11)
-        l_trt = mix(paths, i, j, 1, w00, w01, w10, w11)
+        l_tt = mix(paths, i, j, np.int64(0), w00, w01, w10, w11)
+        l_trt = mix(paths, i, j, np.int64(1), w00, w01, w10, w11)
         tt_r *= grown(extra_r, l_tt)
         tt_g *= grown(extra_g, l_tt)
         tt_b *= grown(extra_b, l_tt)
@@ -71,14 +71,14 @@ def azimuthal(
     return red, green, blue
 
 
-@function
+@inner
 def grown(extra, length):
     """What absorption beyond the tables' leaves of light along a path, its length times log₂ e; less than theirs makes
     it grow, within limits."""
     return exp2(min(GROWTH_LIMIT, -extra * length))
 
 
-@function
+@inner
 def mix(table, i, j, c, w00, w01, w10, w11):
     """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
     views are counted by an atomic instruction."""

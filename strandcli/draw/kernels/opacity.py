@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
 from .approximations import exp
 from .raster import FIXED, POINT
 from .shadow import between, held, texel_of
@@ -47,7 +47,7 @@ def draw(
                 )  # fmt: skip
 
 
-@function
+@inner
 def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, extents, layers, stacks):
     """All pieces of the polyline a … end − 1 in the rows from `top` to before `bottom`."""
     thin = width * taper / np.float32(max(end - a - 1, 1))
@@ -133,7 +133,7 @@ def add_up(texels, layers, stacks):
             stacks[base + k] = total
 
 
-@function
+@inner
 def depth_at(d, base, layers, stacks):
     """τ in front of depth d in the texel that begins at `base` (uint64)."""
     layer = min(max((d - stacks[base]) * stacks[base + np.uint64(1)], ZERO), np.float32(layers))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
 
 EMPTY = np.uint64(0xFFFFFFFFFFFFFFFF)
 LOW = np.uint64(0xFFFFFFFF)
@@ -86,7 +86,7 @@ def visible(first, screen, widths, members, begin, width, height, rows, workers,
             band(first, screen, widths, members, begin, b, width, height, rows, base, keys)
 
 
-@function
+@inner
 def band(first, screen, widths, members, begin, b, width, height, rows, base, keys):
     """All that `visible` does in band number `b`."""
     top = b * rows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, inlined, parallel, prange
+from ...jit import inlined, inner, parallel, prange
 from .tiles import BLOCK, IN_BLOCK, IN_PIXEL, LOW, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT, opacity_of, place_of
 
 ZERO = np.float32(0.0)
@@ -82,7 +82,7 @@ def resolve(
                 kept[base + p] = n
 
 
-@function
+@inner
 def share_out(pool, links, heads, fills, tile, counts, ends, keys, loads):
     """List a tile's fragments pixel by pixel.
 
@@ -218,7 +218,7 @@ def compose(begin, kept, place, weight, along, stride, vertex, light, top, botto
                 )  # fmt: skip
 
 
-@function
+@inner
 def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top, bottom, left, right, image):
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""

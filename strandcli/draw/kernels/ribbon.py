@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ...jit import function
+from ...jit import inner
 from . import tiles
 from .tiles import READY, append, fixed
 
@@ -25,7 +25,7 @@ FAINT = np.float32(1e-5)
 TINY = np.float32(1e-30)
 
 
-@function
+@inner
 def ribbon(
     screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, width, across, hides,
     pool, links, heads, fills, used, begin, last, task, ready, places,
@@ -109,7 +109,7 @@ def ribbon(
     append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
 
 
-@function
+@inner
 def mitre(screen, v, a, end, dx, dy, half, per):
     """Normal of the joint between a piece of direction d and its neighbour, the one from vertex v to v + 1: halfway
     between their directions. At a strand's end it is d itself, and where the strand turns by more than a right angle,
@@ -134,14 +134,14 @@ def mitre(screen, v, a, end, dx, dy, half, per):
     return mx * size, my * size
 
 
-@function
+@inner
 def edge(height, spread, narrow):
     """How much of a pixel's column lies under an edge at this height above the row, averaged over the edge's rise."""
     height = min(max(height, -ONE), TWO)
     return (ramp(height + HALF * spread) - ramp(height - HALF * spread)) * narrow
 
 
-@function
+@inner
 def ramp(x):
     """Integral of x clipped to [0, 1]."""
     inside = min(max(x, ZERO), ONE)

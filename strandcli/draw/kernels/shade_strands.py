@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
 from . import body, solids
 from .approximations import exp
 from .batch import (
@@ -106,7 +106,7 @@ def strands(
         scatter(work, which, n, out)
 
 
-@function
+@inner
 def gather(world, v, begin, end, tone, per, colour, tint, ambient, work, k):
     """Put a vertex into place k of a batch."""
     low = max(v - 1, begin)
@@ -126,7 +126,7 @@ def gather(world, v, begin, end, tone, per, colour, tint, ambient, work, k):
         work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
 
 
-@function
+@inner
 def scatter(work, which, n, out):
     """Radiance back to the vertices of a batch."""
     for k in range(n):
@@ -134,7 +134,7 @@ def scatter(work, which, n, out):
             out[which[k], c] = work[RADIANCE + c * W + k]
 
 
-@function
+@inner
 def batch(
     work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
     maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
@@ -189,7 +189,7 @@ def batch(
                 body.add_up(profile, slots[which[k]])
 
 
-@function
+@inner
 def frames(work, n, view):
     """Unit tangents, and unit directions to the eye."""
     perspective = view[12]
@@ -211,7 +211,7 @@ def frames(work, n, view):
         work[EZ + k] = z * size
 
 
-@function
+@inner
 def aim(work, n, lights, i):
     """Directions to a light, and its falloff."""
     for k in range(n):
@@ -224,7 +224,7 @@ def aim(work, n, lights, i):
         work[INSIDE + k] = ZERO
 
 
-@function
+@inner
 def hide(work, n, spheres, capsules, planes, boxes, skin):
     """No light where a solid stands between."""
     for s in range(spheres.shape[0]):
@@ -256,10 +256,10 @@ def look_up(tint, along, tone):
     w01 = b - w11
     w00 = ONE - a - w01
     return (
-        mix(tint, i, j, 0, w00, w01, w10, w11),
-        mix(tint, i, j, 1, w00, w01, w10, w11),
-        mix(tint, i, j, 2, w00, w01, w10, w11),
-        mix(tint, i, j, 3, w00, w01, w10, w11),
-        mix(tint, i, j, 4, w00, w01, w10, w11),
-        mix(tint, i, j, 5, w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(0), w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(1), w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(2), w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(3), w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(4), w00, w01, w10, w11),
+        mix(tint, i, j, np.int64(5), w00, w01, w10, w11),
     )

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
@@ -71,7 +71,7 @@ def capsule(p, m, ox, oy, oz, dx, dy, dz):
     return min(side, min(begin, end_of(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
 
 
-@function
+@inner
 def end_of(r, cx, cy, cz, dx, dy, dz, dd):
     """Distance to a capsule's end, a ball from whose centre the ray begins at c."""
     t = -(cx * dx + cy * dy + cz * dz) / dd
@@ -173,7 +173,7 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     return past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
 
 
-@function
+@inner
 def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for one sphere, without branches."""
     cx = p[m, 0] - x - skin * lx
@@ -185,7 +185,7 @@ def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     return ZERO if (t > ZERO) & (p[m, 3] > skin) & (left > ZERO) & (near < reach) else ONE
 
 
-@function
+@inner
 def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
     # the ball about it
@@ -204,7 +204,7 @@ def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     return ZERO if (skin < t) & (t < reach) else ONE
 
 
-@function
+@inner
 def past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for all that are not spheres."""
     x += skin * lx
@@ -262,7 +262,7 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
                     part[x] = min(part[x], key_at(t, view, flat, far, identity))
 
 
-@function
+@inner
 def key_at(t, view, flat, far, identity):
     """The z-buffer's key of a solid at depth t, `raster.EMPTY` where t is not in front of the eye; flat: 1 for an
     orthographic view, far: one over its depth range."""

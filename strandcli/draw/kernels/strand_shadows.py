@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function
+from ...jit import inner
 from . import opacity
 from .batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from .shadow import between, held, texel_of, through
@@ -15,7 +15,7 @@ ONE = np.float32(1.0)
 NEXT = np.uint64(1)
 
 
-@function
+@inner
 def shade(work, n, views, one, maps, start, size, bias):
     """What strands leave of a light, by one map: only where no map before held the vertex."""
     if size < 2:
@@ -45,7 +45,7 @@ def shade(work, n, views, one, maps, start, size, bias):
         work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
 
 
-@function
+@inner
 def locate(work, n, views, one, size, bias):
     """Where a map shows the vertices that no map before held."""
     edge = np.float32(size - 1)
@@ -58,7 +58,7 @@ def locate(work, n, views, one, size, bias):
         work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
 
 
-@function
+@inner
 def sink(work, n, views, one, stacks, layers, start, size, bias):
     """Strands between the light and each vertex, by one opacity map: as `shade`."""
     if size < 2:
@@ -86,7 +86,7 @@ def sink(work, n, views, one, stacks, layers, start, size, bias):
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
-@function
+@inner
 def beyond(work, n, stacks, layers, start, size):
     """Strands behind each vertex, where `sink` has just found those in front of it."""
     if size < 2:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function
+from ...jit import function, inner
 
 TILE_WIDTH = 64
 TILE_HEIGHT = 16
@@ -44,7 +44,7 @@ ROW_BITS, IN_COLUMN = np.int64(4), np.int64(TILE_HEIGHT - 1)
 UNIT = np.float32(2.0**-PLACES)
 
 
-@function
+@inner
 def append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task):
     """Append fragments to a worker's chains.
 
@@ -77,13 +77,13 @@ def append(ready, places, n, top, across, pool, links, heads, fills, used, begin
         fills[task, tile] = slot + 1
 
 
-@function
+@inner
 def opacity_of(load):
     """A fragment's opacity."""
     return np.uint32(load >> SHIFT).view(np.float32)
 
 
-@function
+@inner
 def place_of(load):
     """A fragment's place from the lit vertex before, in units of 2^-PLACES of the way to the next."""
     return (load & LOW) >> PIXEL_BITS

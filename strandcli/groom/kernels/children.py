@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, parallel, prange
+from ...jit import inner, parallel, prange
 from .outside import outside
 
 ZERO = np.float32(0.0)
@@ -126,7 +126,8 @@ def grow(
     m = guides.shape[1] - 1
     edge = np.float32(m - 1)
     count = own.shape[0]
-    for b in prange(out.shape[0]):
+    for block in prange(out.shape[0]):
+        b = np.int64(block)  # the index is unsigned, and would have `lay` compiled twice
         path = np.empty((m + 1, 3), np.float32)
         for lane in range(W):
             i = own[min(b * W + lane, count - 1)]
@@ -162,7 +163,7 @@ def grow(
             lengths[b, lane] = rest
 
 
-@function
+@inner
 def base(guides, parents, weights, roots, i, low, t):
     """Child number i between rows low and low + 1 of its guides, without clumps and waves."""
     x = roots[i, 0]
@@ -172,20 +173,20 @@ def base(guides, parents, weights, roots, i, low, t):
         g = parents[i, p]
         w = weights[i, p]
         if w > ZERO:
-            x += w * (mix(guides, g, low, 0, t) - guides[g, 1, 0])
-            y += w * (mix(guides, g, low, 1, t) - guides[g, 1, 1])
-            z += w * (mix(guides, g, low, 2, t) - guides[g, 1, 2])
+            x += w * (mix(guides, g, low, np.int64(0), t) - guides[g, 1, 0])
+            y += w * (mix(guides, g, low, np.int64(1), t) - guides[g, 1, 1])
+            z += w * (mix(guides, g, low, np.int64(2), t) - guides[g, 1, 2])
     return x, y, z
 
 
-@function
+@inner
 def mix(guides, g, low, c, t):
     """Coordinate c of guide g between two particles."""
     a = guides[g, low + 1, c]
     return a + t * (guides[g, low + 2, c] - a)
 
 
-@function
+@inner
 def straighten(path, rest):
     """Give the segments of a path (m + 1, 3), of which row 0 does not count, the length ``rest``, root to tip: each in
     its own direction, turned toward where the path was before by its distance across."""
@@ -211,7 +212,7 @@ def straighten(path, rest):
         path[j, 2] = pz + rest * tz
 
 
-@function
+@inner
 def lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane):
     """Wind the waves about a path, root to tip, give its segments their length, and write it."""
     m = path.shape[0] - 1
@@ -276,7 +277,7 @@ def lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, 
         out[b, j, 2 * W + lane] = pz
 
 
-@function
+@inner
 def unit(x, y, z):
     """A vector's direction."""
     size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
