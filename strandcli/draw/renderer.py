@@ -277,7 +277,8 @@ class Renderer:
         keys = np.full(width * height, raster.kernel.EMPTY)
         image = self._backdrop.copy()
         packed = self._solids(0.0)
-        colours = self._shade(lines, self._mark(lines, keys, 0), 0, 1, view, lights, maps, packed)
+        marks = self._mark(lines, keys, 0) if self.coverage is None else np.zeros(1, np.uint8)
+        colours = self._shade(lines, marks, 0, 1, view, lights, maps, packed)
         if self.coverage is None:
             film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
         else:
