@@ -56,8 +56,9 @@ def twin_of(scene: Scene) -> Twin:
 
 
 def frames_of(scene: Scene, *frames: int, **options: Any) -> list[Frame]:
-    """Rendered frames with their positions."""
-    return list(render(scene, frames or None, keep_positions=True, **options))
+    """Rendered frames with their positions; on one thread, where nothing else is asked for: tests run side by side, and
+    pictures so small are not worth a second."""
+    return list(render(scene, frames or None, keep_positions=True, **({"threads": 1} | options)))
 
 
 def moved(scene: Scene, frame: int, plain: bool = True) -> NDArray[np.float32]:
