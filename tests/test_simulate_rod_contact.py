@@ -11,7 +11,7 @@ from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
 from strandcli.constants import VECTOR
-from strandcli.simulate.kernels import contact
+from strandcli.simulate.kernels import contact_shapes
 from strandcli.simulate.kernels.simd import get3, lay, put, spread
 from strandcli.simulate.rod import RodSolver
 
@@ -115,7 +115,7 @@ def radius_for_first_edges(given, length, r, out):
     x, y, z = get3(rows, 0, LANES)
     d = get3(rows, 3 * LANES, LANES)
     x, y, z = x + length * d[0], y + length * d[1], z + length * d[2]
-    put(lay(out), 0, contact.kept_from(x, y, z, r, d, d, spread(rows, length), True, True))
+    put(lay(out), 0, contact_shapes.kept_from(x, y, z, r, d, d, spread(rows, length), True, True))
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:

@@ -3,7 +3,8 @@
 The edge keeps its length, so its particle stays on a sphere about the one before it, and what is allowed of that sphere
 is where the edge makes at least a certain angle with one axis: c = d·a may be at most some limit. For a ball about o,
 with a toward o and D = |o − q|, the particle stays out where c <= (ℓ² + D² − r²) / (2 ℓ D), and for a flat face with
-normal −a where c <= (height of q) / ℓ. Lengths stay exact and no penalty is involved.
+normal −a where c <= (height of q) / ℓ. Where c is the limit the edge ends on a circle about the axis, to which it is
+taken straight across the axis. Lengths stay exact and no penalty is involved.
 
 Force. Newton's iterations come before this and would bend a strand that leans on a solid as if nothing were there; what
 is left of that after turning edges depends on the step. So the force of contact is kept from step to step, as the
@@ -18,410 +19,176 @@ displacements, forces times h²; w is how much heavier than the particle all is 
 H of the iterations and χ = 1 where there are forces, 1 / w = H⁻¹ M χ, a bound on the row sums of what forces lead to,
 so that all may be updated at once without overshoot. At rest δ = 0, and a strand leans on a solid just as it would at
 any other step. The depth that comes of velocity alone, an impact, is no force kept.
-
-Where whole edges are caught, each particle stays far enough from a solid that the near halves of its edges do, as they
-lie: √(r² + s²) from a ball, where s is how far along a half it is nearest. So no edge is a lever that a touch near its
-beginning would throw up. Of the first edge, whose root cannot give way, the particle takes care of all.
-
-Coordinates are vectors of lanes; a solid that is out of every lane's reach costs no more than finding that out. Solids
-come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
-translation) that took it through this step. Solids of a kind are handed on as rows and how many numbers these hold, one
-of them as rows and its place; all of them in the order spheres, capsules, planes, boxes.
 """
 
 from __future__ import annotations
 
+from ...constants import W
 from ...jit import inlined, inner
-from .simd import root, some, spread, where
+from .contact_shapes import LEAST, TINY, nearest
+from .rod import GRIP, HELD, HIT, LIGHT, OFF, OVER, E, R
+from .simd import get, get3, put, put3, root, some, spread, where
 
-TINY = 1e-20
-LEAST = 1e-6
 SLACK = 1e-6
 """Depth as a share of an edge that is no more than rounding."""
-SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
-"""Numbers of a packed solid and its motion."""
+STEEP = 0.01
+"""Share of an edge across an axis, squared, below which rounding along the axis is to be taken out of it."""
 ROUNDS = 3
+LIGHTEST = 1e-6
+"""Share of a particle's own mobility that is never undercut."""
 
 
 @inlined
-def on_axis(capsules, m, x, y, z):
-    """Point of a capsule's axis that is nearest to (x, y, z)."""
-    ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
-    t = (x - capsules[m]) * ax + (y - capsules[m + 1]) * ay + (z - capsules[m + 2]) * az
-    t = min(max(t * capsules[m + 7], 0.0), 1.0)
-    return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
+def dot(a, b):
+    """Product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
-def in_ball(dx, dy, dz, r):
-    """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
-    return r - root(dx * dx + dy * dy + dz * dz)
-
-
-@inner
-def in_capsule(capsules, m, x, y, z):
-    """Depth of a point in a capsule."""
-    ox, oy, oz = on_axis(capsules, m, x, y, z)
-    return in_ball(x - ox, y - oy, z - oz, capsules[m + 6])
-
-
-@inner
-def under_plane(planes, m, x, y, z):
-    """Depth of a point under a plane."""
-    return planes[m + 3] - (x * planes[m] + y * planes[m + 1] + z * planes[m + 2])
-
-
-@inner
-def across(boxes, m, k, x, y, z):
-    """Coordinate of a direction along an axis of a box."""
-    return boxes[m + 3 + k] * x + boxes[m + 6 + k] * y + boxes[m + 9 + k] * z
-
-
-@inner
-def face(boxes, m, x, y, z):
-    """Depth in a box below its nearest face, and that face's normal in the world."""
-    dx = x - boxes[m]
-    dy = y - boxes[m + 1]
-    dz = z - boxes[m + 2]
-    best = spread(x, 1.0 / TINY)
-    nx = spread(x, 0.0)
-    ny = spread(x, 1.0)
-    nz = nx
-    for k in range(3):
-        u = across(boxes, m, k, dx, dy, dz)
-        under = boxes[m + 12 + k] - abs(u)
-        nearer = under < best
-        best = where(nearer, under, best)
-        sign = where(u >= 0.0, spread(x, 1.0), -1.0)
-        nx = where(nearer, sign * boxes[m + 3 + k], nx)
-        ny = where(nearer, sign * boxes[m + 6 + k], ny)
-        nz = where(nearer, sign * boxes[m + 9 + k], nz)
-    return best, nx, ny, nz
-
-
-@inner
-def cut(boxes, m, x, y, z, dx, dy, dz, reach):
-    """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
-    enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
-    edge, |d·G| F + |d·F| G. One that leaves by the opposite face, or not at all, is led out by the nearest face."""
-    zero = spread(x, 0.0)
-    enter = zero
-    leave = reach
-    f = zero
-    g = zero
-    ax, ay, az = zero, zero, zero
-    bx, by, bz = zero, zero, zero
-    for k in range(3):
-        half = boxes[m + 12 + k]
-        q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
-        d = across(boxes, m, k, dx, dy, dz)
-        size = max(abs(d), TINY)
-        way = where(d < 0.0, spread(x, -1.0), 1.0)
-        begin = -(half + way * q) / size
-        end = (half - way * q) / size
-        later = begin > enter
-        enter = max(enter, begin)
-        f = where(later, size, f)
-        ax = where(later, -way * boxes[m + 3 + k], ax)
-        ay = where(later, -way * boxes[m + 6 + k], ay)
-        az = where(later, -way * boxes[m + 9 + k], az)
-        sooner = end < leave
-        leave = min(leave, end)
-        g = where(sooner, size, g)
-        bx = where(sooner, way * boxes[m + 3 + k], bx)
-        by = where(sooner, way * boxes[m + 6 + k], by)
-        bz = where(sooner, way * boxes[m + 9 + k], bz)
-    inside = leave > enter
-    if not some(inside):
-        return zero, zero, zero, zero
-    nx = g * ax + f * bx
-    ny = g * ay + f * by
-    nz = g * az + f * bz
-    size = root(nx * nx + ny * ny + nz * nz)
-    edge = size > LEAST
-    over = 1.0 / max(size, LEAST)
-    depth = (leave - enter) * f * g * over
-    nx *= over
-    ny *= over
-    nz *= over
-    if some(inside & ~edge):
-        t = where(g > 0.0, 0.5 * (enter + leave), leave)
-        d, ax, ay, az = face(boxes, m, x + t * dx, y + t * dy, z + t * dz)
-        depth = where(edge, depth, d)
-        nx = where(edge, nx, ax)
-        ny = where(edge, ny, ay)
-        nz = where(edge, nz, az)
-    return where(inside, depth, 0.0), nx, ny, nz
+def along(a, f, b):
+    """a + f b."""
+    return a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]
 
 
 @inlined
-def foot(x, y, z, edge, next, half):
-    """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
-    far on along the next one; no further than ``half``."""
-    back = min(max(x * edge[0] + y * edge[1] + z * edge[2], 0.0), half)
-    on = min(max(-(x * next[0] + y * next[1] + z * next[2]), 0.0), half)
-    return back, on
+def select(mask, a, b):
+    """Three vectors: of a where a mask holds."""
+    return where(mask, a[0], b[0]), where(mask, a[1], b[1]), where(mask, a[2], b[2])
 
 
 @inlined
-def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
-    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
-    the first edge all: up to its end it goes on for what is left of it from the tangent point."""
-    if not whole:
-        return spread(dx, r)
-    back, on = foot(dx, dy, dz, edge, next, 0.5 * length)
-    if first:
-        x = dx - length * edge[0]
-        y = dy - length * edge[1]
-        z = dz - length * edge[2]
-        back = max(length - root(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
-    s = max(back, on)
-    return root(s * s + r * r)
-
-
-@inner
-def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
-    """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
-    that is nearest to the particle: by alternating projections."""
-    for _ in range(2):
-        back, on = foot(x - ox, y - oy, z - oz, edge, next, lever)
-        behind = back > on
-        back = where(behind, back, 0.0)
-        on = where(behind, 0.0, on)
-        ox, oy, oz = on_axis(
-            capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
-            z - back * edge[2] + on * next[2],
-        )  # fmt: skip
-    return ox, oy, oz
-
-
-@inner
-def deeper(one, other):
-    """Of two ways out of a box, (depth, normal) each, the longer one."""
-    a = one[0] > other[0]
-    return (
-        max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
-    )  # fmt: skip
-
-
-@inner
-def past_edge(boxes, m, x, y, z, under, edge, next, lever, length):
-    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are."""
-    out = under[0] <= 0.0
-    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
-    depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
-    return deeper((where(out & (depth > 0.0), depth, -1.0 / TINY), nx, ny, nz), under)
+def circle(s, found, q, over):
+    """The circle on which an edge from q ends at the surface that was found, its length being 1: the axis, which leads
+    to a ball's centre or straight into a flat face, and 1 over its square; how far along it the circle's centre is, as
+    a share; the square of the radius. Where there is none, the end that is nearest to it."""
+    o = get3(s, found, 1)
+    size = get(s, found + 3)
+    round = get(s, found + 7) > 0.0
+    axis = select(round, (over * (o[0] - q[0]), over * (o[1] - q[1]), over * (o[2] - q[2])), (-o[0], -o[1], -o[2]))
+    square = max(dot(axis, axis), TINY)
+    inverse = 1.0 / square
+    height = over * (dot(q, o) - size)
+    size *= over
+    share = where(round, 0.5 + 0.5 * (square - size * size), height) * inverse
+    high = share * share * square
+    if some(high > 1.0):
+        share = where(high > 1.0, share / root(max(high, 1.0)), share)
+        high = min(high, 1.0)
+    return axis, inverse, share, 1.0 - high
 
 
 @inlined
-def nearest(x, y, z, edge, next, length, old, reach, solids, whole, first):
-    """The solid that a particle at (x, y, z) is deepest in, or nearest to and no further than ``reach``: the depth; 1
-    where it is round there and 0 where flat; the centre and radius, or of a flat face the normal and how far along that
-    the particle has to be; where it has carried the place ``old`` in this step. A depth of -reach: there is none."""
-    (spheres, last_sphere), (capsules, last_capsule), (planes, last_plane), (boxes, last_box) = solids
-    most = -reach
-    round = spread(x, 0.0)
-    found = (round, round, round, round, round, round, round)
-    lever = round  # how far the nearest place of an edge may be from the particle
-    if whole:
-        lever = length if first else 0.5 * length
-    for m in range(0, last_sphere, SPHERE):
-        dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
-        far = spheres[m + 3] + lever - most
-        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
-            r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
-            d = in_ball(dx, dy, dz, r)
-            ox, oy, oz = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
-            found = choose(d > most, (ox, oy, oz, r, *motion(spheres, m + 5, old)), found)
-            round = where(d > most, 1.0, round)
-            most = max(most, d)
-    for m in range(0, last_capsule, CAPSULE):
-        ox, oy, oz = on_axis(capsules, m, x, y, z)
-        dx, dy, dz = x - ox, y - oy, z - oz
-        far = capsules[m + 6] + lever - most
-        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
-            if whole:
-                ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
-            r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
-            d = in_ball(x - ox, y - oy, z - oz, r)
-            found = choose(d > most, (ox, oy, oz, r, *motion(capsules, m + 9, old)), found)
-            round = where(d > most, 1.0, round)
-            most = max(most, d)
-    for m in range(0, last_plane, PLANE):
-        d = under_plane(planes, m, x, y, z)
-        if some(d > most):
-            ox, oy, oz = spread(x, planes[m]), spread(x, planes[m + 1]), spread(x, planes[m + 2])
-            found = choose(d > most, (ox, oy, oz, spread(x, planes[m + 3]), *motion(planes, m + 4, old)), found)
-            round = where(d > most, 0.0, round)
-            most = max(most, d)
-    for m in range(0, last_box, BOX):
-        d, ox, oy, oz = face(boxes, m, x, y, z)
-        if some(d + lever > most):
-            if whole:
-                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length)
-            level = d + x * ox + y * oy + z * oz
-            found = choose(d > most, (ox, oy, oz, level, *motion(boxes, m + 16, old)), found)
-            round = where(d > most, 0.0, round)
-            most = max(most, d)
-    return most, round > 0.0, found
+def across(d, axis, inverse, square):
+    """What of a vector is across an axis, ``inverse`` being 1 over that one's square, brought to a length with that
+    ``square``."""
+    p = along(d, -(dot(d, axis) * inverse), axis)
+    left = dot(p, p)
+    steep = left < STEEP
+    if some(steep):
+        p = select(steep, along(p, -(dot(p, axis) * inverse), axis), p)
+        left = dot(p, p)
+        lost = left < LEAST * LEAST
+        if some(lost):  # straight at it: any way round will do
+            one = where(axis[0] * axis[0] * inverse > 0.25, spread(left, 0.0), 1.0)
+            two = 1.0 - one
+            f = (one * axis[0] + two * axis[1]) * inverse
+            p = select(lost, (one - f * axis[0], two - f * axis[1], -f * axis[2]), p)
+            left = dot(p, p)
+    f = root(square / max(left, TINY))
+    return f * p[0], f * p[1], f * p[2]
 
 
 @inlined
-def motion(solids, o, point):
-    """Where a solid, whose motion is in columns from o on, has carried a point in this step."""
-    x, y, z = point
-    return (
-        solids[o] * x + solids[o + 1] * y + solids[o + 2] * z + solids[o + 9],
-        solids[o + 3] * x + solids[o + 4] * y + solids[o + 5] * z + solids[o + 10],
-        solids[o + 6] * x + solids[o + 7] * y + solids[o + 8] * z + solids[o + 11],
-    )
-
-
-@inlined
-def choose(nearer, one, other):
-    """Seven vectors: of ``one`` where a mask holds."""
-    a, b, c, d, e, f, g = one
-    h, i, j, k, m, n, o = other
-    return (
-        where(nearer, a, h), where(nearer, b, i), where(nearer, c, j), where(nearer, d, k),
-        where(nearer, e, m), where(nearer, f, n), where(nearer, g, o),
-    )  # fmt: skip
-
-
-@inlined
-def aim(q, over, length, round, found):
-    """The axis that an edge from q makes the same angle with wherever its end is on a ball or on a flat face, the
-    cosine of that angle and its sine; ``over``: 1 over the edge's length."""
-    ox, oy, oz, r, _, _, _ = found
-    ax = where(round, ox - q[0], -ox)
-    ay = where(round, oy - q[1], -oy)
-    az = where(round, oz - q[2], -oz)
-    away = root(ax * ax + ay * ay + az * az)
-    f = 1.0 / max(away, TINY)
-    height = q[0] * ox + q[1] * oy + q[2] * oz - r
-    cosine = where(round, 0.5 * (length * length + (away - r) * (away + r)) * f, height) * over
-    cosine = min(max(cosine, -1.0), 1.0)
-    return (ax * f, ay * f, az * f), cosine, root(max(1.0 - cosine * cosine, 0.0))
-
-
-@inlined
-def beside(d, axis):
-    """What of a vector is across an axis."""
-    c = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
-    return d[0] - c * axis[0], d[1] - c * axis[1], d[2] - c * axis[2]
-
-
-@inlined
-def swing(turn, d, axis, cosine, sine):
-    """Turn a vector toward an axis or away from it, and scale it to length 1, where ``turn``."""
-    dx, dy, dz = d
-    ax, ay, az = axis
-    # twice, for what is left of a vector along the axis is mostly rounding, and rounding is not across it
-    nx, ny, nz = beside(beside(d, axis), axis)
-    square = nx * nx + ny * ny + nz * nz
-    lost = square < LEAST * LEAST
-    if some(lost):  # straight at it: any way round will do
-        one = where(abs(ax) > 0.5, spread(ax, 0.0), 1.0)
-        two = 1.0 - one
-        c = one * ax + two * ay
-        nx = where(lost, one - c * ax, nx)
-        ny = where(lost, two - c * ay, ny)
-        nz = where(lost, -c * az, nz)
-        square = nx * nx + ny * ny + nz * nz
-    f = sine / root(square)
-    x = where(turn, cosine * ax + f * nx, dx)
-    y = where(turn, cosine * ay + f * ny, dy)
-    return x, y, where(turn, cosine * az + f * nz, dz)
-
-
-@inner
-def off_solids(q, d, next, length, over, solids, whole, first):
+def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, first):
     """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
-    slack = SLACK * length
+    # or short edges would be turned for the rounding of where they begin, again and again
+    slack = max(SLACK * length, rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
     for _ in range(ROUNDS):
-        x = q[0] + length * d[0]
-        y = q[1] + length * d[1]
-        z = q[2] + length * d[2]
-        depth, round, found = nearest(x, y, z, d, next, length, q, -slack, solids, whole, first)
+        x, y, z = along(q, length, d)
+        depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, whole, first)
         inside = depth > slack
         if not some(inside):
             break
-        axis, cosine, sine = aim(q, over, length, round, found)
-        d = swing(inside, d, axis, cosine, sine)
+        axis, inverse, share, square = circle(s, found, q, get(s, OVER))
+        d = select(inside, along(across(d, axis, inverse, square), share, axis), d)
     return d
 
 
 @inner
-def touch(d, next, q, old, going, held, light, length, over, solids, whole, first, friction):
-    """The unit edge d from q, turned off all solids; ``first``: whether q is the root.
-
-    next: the edge after it; old: where the particle was before the step; going: how far its velocity alone would take
-    it in this step; held: the force of contact in the step before, and light, how heavy the particle is beside all that
-    this moves; over: 1 over the edge's length. Returns the edge, the force without that of impacts, and where force is
-    new."""
-    hx, hy, hz = held
-    x = q[0] + length * d[0]
-    y = q[1] + length * d[1]
-    z = q[2] + length * d[2]
-    grip = root(hx * hx + hy * hy + hz * hz)
+def touch(
+    s, o, length, row, here, velocity, push, positions, alone, beat, friction, rounding, solids, whole, first, touched,
+):  # fmt: skip
+    """Turn the unit edge of segment o off all solids, update the force on its particle, and add up in OFF how far that
+    is put off; ``first``: whether the edge begins at the root, ``touched``: whether there is any force of the step
+    before. The particle's edge and force are in ``row``, its place before the step ``here``, that of the one before it
+    is the new one already; alone: how far an acceleration of 1 m/s² takes a particle; beat: how long a step is;
+    rounding: what is lost of a number of 1."""
+    q = get3(positions, here - 3 * W, W)
+    d = get3(s, o + E, 1)
+    x, y, z = along(q, length, d)
+    grip = spread(length, 0.0)
+    if touched:
+        ax, ay, az = get3(push, row, W)
+        grip = abs(ax) + abs(ay) + abs(az)
+        # of particles that nothing pressed R tells only how far others' forces take them
+        light = where(grip > 0.0, get(s, o + R), 0.0)
+        light = where(light > 0.0, min(max(light, LIGHTEST), 1.0), 1.0)
+        f = alone * light
+        grip *= f  # at least as far as it puts the particle off
+        put3(s, HELD, 1, f * ax, f * ay, f * az)
+        put(s, LIGHT, light)
     was = grip > 0.0
-    reach = grip * light
-    none = spread(x, 0.0)
-    depth, round, found = nearest(x, y, z, d, next, length, old, reach, solids, whole, first)
-    near = depth > -reach
-    if not some(near | was):
-        return d, (none, none, none), near
-    bulk = 1.0 / light
-    ox, oy, oz, r, tx, ty, tz = found
-    nx, ny, nz = where(round, x - ox, ox), where(round, y - oy, oy), where(round, z - oz, oz)
-    force = max(hx * nx + hy * ny + hz * nz, 0.0) / where(round, max(r - depth, TINY), 1.0) + bulk * depth
-    near = near & (force > 0.0)
-    new = near & ~was
-    force = where(near, force, 0.0)
+    depth, found = nearest(s, o, x, y, z, d, length, positions, here, grip, solids, whole, first)
+    if not some((depth > -grip) | was):
+        return
+    if not touched:
+        put3(s, HELD, 1, 0.0, 0.0, 0.0)
+        put(s, LIGHT, 1.0)
+    over = get(s, OVER)
+    round = get(s, found + 7) > 0.0
+    held = get3(s, HELD, 1)
+    centre = get3(s, found, 1)
+    away = 1.0 / where(round, max(get(s, found + 3) - depth, TINY), 1.0)
+    n = select(round, (away * (x - centre[0]), away * (y - centre[1]), away * (z - centre[2])), centre)
+    force = max(dot(held, n), 0.0) + depth
+    near = (depth > -grip) & (force > 0.0)
     free = was & ~near
+    turned = d
     if some(free):
-        f = over * light
-        x = d[0] - f * hx
-        y = d[1] - f * hy
-        z = d[2] - f * hz
-        f = 1.0 / root(max(x * x + y * y + z * z, TINY))
-        d = where(free, f * x, d[0]), where(free, f * y, d[1]), where(free, f * z, d[2])
-    fx = none
-    fy = none
-    fz = none
+        e = along(d, -over, held)
+        f = 1.0 / root(max(dot(e, e), TINY))
+        turned = select(free, (f * e[0], f * e[1], f * e[2]), d)
     if some(near):
-        axis, cosine, sine = aim(q, over, length, round, found)
-        d = swing(near, d, axis, cosine, sine)
-        x = q[0] + length * d[0]
-        y = q[1] + length * d[1]
-        z = q[2] + length * d[2]
-        f = 1.0 / where(round, r, 1.0)
-        nx = where(round, x - ox, ox) * f
-        ny = where(round, y - oy, oy) * f
-        nz = where(round, z - oz, oz) * f
-        f = hx * nx + hy * ny + hz * nz
-        hx -= f * nx
-        hy -= f * ny
-        hz -= f * nz
-        f = (x - tx) * nx + (y - ty) * ny + (z - tz) * nz
-        fx = hx - bulk * (x - tx - f * nx)
-        fy = hy - bulk * (y - ty - f * ny)
-        fz = hz - bulk * (z - tz - f * nz)
-        f = min(friction * force / root(max(fx * fx + fy * fy + fz * fz, TINY)), 1.0)
-        fx *= f
-        fy *= f
-        fz *= f
-        f = where(near, over * light, 0.0)
-        d = swing(near, (d[0] + f * (fx - hx), d[1] + f * (fy - hy), d[2] + f * (fz - hz)), axis, cosine, sine)
-        fx = where(near, fx + force * nx, 0.0)
-        fy = where(near, fy + force * ny, 0.0)
-        fz = where(near, fz + force * nz, 0.0)
+        axis, inverse, share, square = circle(s, found, q, over)
+        # friction: what holds the particle across the normal, less the way that it slides there, f d of it by turning
+        # the edge so that it comes to lie on the surface
+        held = along(held, -dot(held, n), n)
+        f = dot(d, n)
+        f *= depth / max(1.0 - f * f, STEEP)
+        way = along((x - get(s, found + 4), y - get(s, found + 5), z - get(s, found + 6)), -f, d)
+        kept = along(along(held, -1.0, way), dot(way, n), n)
+        most = friction * force
+        f = min(root(most * most / max(dot(kept, kept), TINY)), 1.0)
+        kept = f * kept[0], f * kept[1], f * kept[2]
+        p = across(along(d, over, along(kept, -1.0, held)), axis, inverse, square)
+        turned = select(near, along(p, share, axis), turned)
+        kept = along(kept, force, n)
+        f = 1.0 / (alone * get(s, LIGHT))
+        new = near & ~was
         if some(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
-            f = nx * (tx - old[0] - going[0]) + ny * (ty - old[1] - going[1]) + nz * (tz - old[2] - going[2])
-            f = max(depth - max(f, 0.0), 0.0) / max(depth, TINY)
-            f = where(new, f, 1.0)
-            fx *= f
-            fy *= f
-            fz *= f
-    return off_solids(q, d, next, length, over, solids, whole, first), (fx, fy, fz), new
+            vx, vy, vz = get3(velocity, row, W)
+            ax, ay, az = get3(positions, here, W)
+            fall = dot(n, (get(s, found + 4) - ax, get(s, found + 5) - ay, get(s, found + 6) - az))
+            fall -= beat * dot(n, (vx, vy, vz))
+            f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
+            put(s, HIT, where(new, 1.0, get(s, HIT)))
+        f = where(near, f, 0.0)
+        put3(push, row, W, f * kept[0], f * kept[1], f * kept[2])
+        put(s, GRIP, max(get(s, GRIP), f * (abs(kept[0]) + abs(kept[1]) + abs(kept[2]))))
+    else:
+        put3(push, row, W, 0.0, 0.0, 0.0)
+    turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)
+    put3(s, o + E, 1, turned[0], turned[1], turned[2])
+    ax, ay, az = get3(s, OFF, 1)
+    put3(s, OFF, 1, ax + turned[0] - d[0], ay + turned[1] - d[1], az + turned[2] - d[2])

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from . import contact
+from . import contact_shapes as shapes
 from .simd import get3, greatest, lay, spread, width
 
 ZERO = np.float32(0)
@@ -63,11 +63,11 @@ def deepest(positions, b, spheres, capsules, planes, boxes):
         for k in range(0, W, width(where)):
             x, y, z = get3(where, (b * rows + i) * 3 * W + k, W)
             for m in range(0, spheres.size, spheres.shape[1]):
-                most = max(most, contact.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))
+                most = max(most, shapes.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))
             for m in range(0, capsules.size, capsules.shape[1]):
-                most = max(most, contact.in_capsule(pills, m, x, y, z))
+                most = max(most, shapes.in_capsule(pills, m, x, y, z))
             for m in range(0, planes.size, planes.shape[1]):
-                most = max(most, contact.under_plane(flats, m, x, y, z))
+                most = max(most, shapes.under_plane(flats, m, x, y, z))
             for m in range(0, boxes.size, boxes.shape[1]):
-                most = max(most, contact.face(cubes, m, x, y, z)[0])
+                most = max(most, shapes.face(cubes, m, x, y, z)[0])
     return greatest(most)

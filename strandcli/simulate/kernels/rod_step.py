@@ -9,20 +9,18 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import function, inner
-from . import contact, rod, rod_newton
+from . import rod, rod_newton, rod_sweep
 from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
-from .simd import get, get3, heap, lay, put, put3, root, some, spread, where, width
+from .rod_sweep import AXES
+from .simd import fetch, get, get3, heap, lay, put, put3, root, some, where, width
 from .tickets import take
 
 HUGE = 1e18
-NONE = 1e-12
 FARTHEST = 1e10
-LEAST = 1e-6
-"""Share of a particle's own mobility that is never undercut in contact."""
+NEAR = 32
+"""Segments of a strand that are brought near before it is its turn: those of longer ones would crowd each other out."""
 SHARE = 16
 """Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
-AXES = 3 * W
-"""Numbers of a row of three coordinates, of all strands of a block."""
 
 
 @function
@@ -57,13 +55,39 @@ def step(
     )  # fmt: skip
     ticket = take(tickets)
     while ticket < tickets[1]:
+        next = take(tickets)
+        if next < tickets[1]:
+            await_strands(
+                lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(positions), second,
+                solid, next * SHARE, edges.shape[1],
+            )  # fmt: skip
         run(
             lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
             lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
             lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, heap(scratch),
             lay(residuals), ticket * SHARE, long, edges.shape[1],
         )  # fmt: skip
-        ticket = take(tickets)
+        ticket = next
+
+
+@inner
+def await_strands(edges, velocity, before, moved, tension, push, positions, second, solid, first, n):
+    """Have the numbers of a ticket's strands brought near while those of another are worked on: they lie in so many
+    rows, each a line of the cache or two, that no processor sees what will be asked for."""
+    b = first // W
+    for lane in range(first - b * W, first - b * W + SHARE, width(edges)):
+        for j in range(min(n, NEAR)):
+            fetch(tension, (b * n + j) * W + lane)
+            for c in range(3):
+                row = (b * n + j) * AXES + c * W + lane
+                fetch(edges, row)
+                fetch(velocity, row)
+                if second:
+                    fetch(before, row)
+                    fetch(moved, row)
+                if solid:
+                    fetch(push, row)
+                fetch(positions, (b * (n + 2) + j + 2) * AXES + c * W + lane)
 
 
 @inner
@@ -93,7 +117,7 @@ def run(
         keep(scratch, n, tip, tension, numbers[0])
         if touched:
             yield_to(scratch, n, edge, push)
-        sweep(
+        rod_sweep.sweep(
             scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
             numbers, second, solid, solids, whole, touched,
         )  # fmt: skip
@@ -215,16 +239,9 @@ def keep(s, n, tip, tension, h):
 
 
 @inner
-def alone(numbers):
-    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
-    h = numbers[0]
-    return h * h / (1 + numbers[7] * h)
-
-
-@inner
 def press(s, n, edge, strand, push, lengths, numbers):
     """Add the force of contact to u*, as it was in the step before."""
-    f = alone(numbers) / get(lengths, strand)
+    f = rod_sweep.alone(numbers) / get(lengths, strand)
     for j in range(n):
         o = FIRST + j * SEGMENT + A
         x, y, z = get3(push, edge + j * AXES, W)
@@ -241,125 +258,3 @@ def yield_to(s, n, edge, push):
         x, y, z = get3(push, edge + j * AXES, W)
         put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, get(s, o + M), 0.0))
     rod.respond(s, n)
-
-
-@inner
-def sweep(
-    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
-    solid, solids, whole, touched,
-):  # fmt: skip
-    """Root to tip: every edge gets its length exactly, heading for where the iterations put its end, and is turned off
-    the solids; an edge that has no direction or none that is finite stays as it was. The velocity is what led there,
-    (u − û) / h. u is that of the iterations and how far the particle is put off: what rounding does to edges, an error
-    of places, must not become one of velocities, which would last."""
-    length = get(lengths, strand)
-    px, py, pz = get3(positions, place + AXES, W)
-    clamp = FIRST - SEGMENT + E
-    put3(
-        positions, place, W,
-        px - length * get(s, clamp), py - length * get(s, clamp + 1), pz - length * get(s, clamp + 2),
-    )  # fmt: skip
-    sum = get3(s, SHIFT, 1)
-    # how far the particle before was put off from where the iterations put it
-    dx = spread(s, 0.0)
-    dy = dx
-    dz = dx
-    still = (dx, dx, dx)
-    one = spread(s, 1.0)
-    over = 1.0 / length
-    apart = alone(numbers)
-    beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
-    grip = dx
-    hit = dx
-    lost = dx
-    for j in range(n):
-        row = edge + j * AXES
-        here = place + (j + 2) * AXES
-        o = FIRST + j * SEGMENT
-        old = get3(edges, row, W)
-        x, y, z = get3(s, o + E, 1)
-        x -= dx
-        y -= dy
-        z -= dz
-        q = x * x + y * y + z * z
-        size = root(max(q, TINY))
-        f = 1.0 / size
-        g = f * (1.0 - q) / (1.0 + size)  # f - 1
-        exact = abs(1.0 - q) < numbers[12]  # or every step would round it anew, and never to rest
-        f = where(exact, 1.0, f)
-        g = where(exact, 0.0, g)
-        dx = g * x
-        dy = g * y
-        dz = g * z
-        x *= f
-        y *= f
-        z *= f
-        good = (q > NONE) & (q < HUGE * HUGE)
-        if some(~good):
-            lost = where(good, lost, 1.0)
-            x = where(good, x, old[0])
-            y = where(good, y, old[1])
-            z = where(good, z, old[2])
-            dx = where(good, dx, 0.0)
-            dy = where(good, dy, 0.0)
-            dz = where(good, dz, 0.0)
-        if solid:
-            held = still
-            light = one
-            if touched:
-                ax, ay, az = get3(push, row, W)
-                held = apart * ax, apart * ay, apart * az
-                # of particles that nothing pressed R tells only how far others' forces take them
-                light = where(abs(ax) + abs(ay) + abs(az) > 0.0, get(s, o + R), 0.0)
-                light = where(light > 0.0, min(max(light, LEAST), 1.0), 1.0)
-            vx, vy, vz = get3(velocity, row, W)
-            d, force, new = contact.touch(
-                (x, y, z), get3(s, o + SEGMENT + E, 1), (px, py, pz), get3(positions, here, W),
-                (beat * vx, beat * vy, beat * vz), held, light, length, over, solids, whole, j == 0, numbers[10],
-            )  # fmt: skip
-            dx += d[0] - x
-            dy += d[1] - y
-            dz += d[2] - z
-            x, y, z = d
-            size = abs(force[0]) + abs(force[1]) + abs(force[2])
-            if touched or some(size > 0.0):
-                f = 1 / apart
-                put3(push, row, W, f * force[0], f * force[1], f * force[2])
-                grip = max(grip, size)
-            hit = where(new, 1.0, hit)
-        px += length * x
-        py += length * y
-        pz += length * z
-        put3(positions, here, W, px, py, pz)
-        put3(edges, row, W, x, y, z)
-        before_it = sum
-        ux, uy, uz = get3(s, o + U, 1)
-        sum = (length * (ux + dx), length * (uy + dy), length * (uz + dz))
-        if some(lost > 0.0):
-            sum = (
-                where(lost > 0.0, before_it[0] + length * (x - old[0]), sum[0]),
-                where(lost > 0.0, before_it[1] + length * (y - old[1]), sum[1]),
-                where(lost > 0.0, before_it[2] + length * (z - old[2]), sum[2]),
-            )
-        settle(row, sum, hit > 0.0, velocity, before, moved, numbers, second)
-    if solid:
-        put(touching, strand, where(grip > 0.0, 1.0, spread(s, 0.0)))
-
-
-@inner
-def settle(row, sum, hit, velocity, before, moved, numbers, second):
-    """The velocity that led to the displacement ``sum``. From where a strand has been ``hit`` on, it goes on from that
-    alone: BDF2 would take a jump of velocity further, and strands bounce."""
-    over = 1 / numbers[0]
-    if second:
-        third = numbers[9]
-        rate = over / (1 + 1.5 * third)
-        for c in range(3):
-            o = row + c * W
-            past = get(velocity, o)
-            v = where(hit, rate * sum[c], (sum[c] - get(moved, o) * third) * over)
-            put(before, o, where(hit, v, past))
-            put(velocity, o, v)
-            put(moved, o, sum[c])
-    else:
-        put3(velocity, row, W, sum[0] * over, sum[1] * over, sum[2] * over)

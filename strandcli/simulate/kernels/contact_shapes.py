@@ -1,0 +1,262 @@
+"""Where solids are from a particle of a rod: how deep it is, and the ball or the flat face that is to keep it out.
+
+Solids come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
+translation) that took it through this step. Solids of a kind are handed on as rows and how many numbers these hold, one
+of them as rows and its place; all of them in the order spheres, capsules, planes, boxes. Coordinates are vectors of
+lanes; a solid that is out of every lane's reach costs no more than finding that out.
+
+Where whole edges are caught, each particle stays far enough from a solid that the near halves of its edges do, as they
+lie: √(r² + s²) from a ball, where s is how far along a half it is nearest. So no edge is a lever that a touch near its
+beginning would throw up. Of the first edge, whose root cannot give way, the particle takes care of all.
+"""
+
+from __future__ import annotations
+
+from ...constants import W
+from ...jit import inlined, inner
+from .rod import FOUND, SEGMENT, E
+from .simd import get, get3, put, root, some, spread, where
+
+TINY = 1e-20
+LEAST = 1e-6
+SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
+"""Numbers of a packed solid and its motion."""
+
+
+@inlined
+def on_axis(capsules, m, x, y, z):
+    """Point of a capsule's axis that is nearest to (x, y, z)."""
+    ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
+    t = (x - capsules[m]) * ax + (y - capsules[m + 1]) * ay + (z - capsules[m + 2]) * az
+    t = min(max(t * capsules[m + 7], 0.0), 1.0)
+    return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
+
+
+@inlined
+def in_ball(dx, dy, dz, r):
+    """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
+    return r - root(dx * dx + dy * dy + dz * dz)
+
+
+@inner
+def in_capsule(capsules, m, x, y, z):
+    """Depth of a point in a capsule."""
+    ox, oy, oz = on_axis(capsules, m, x, y, z)
+    return in_ball(x - ox, y - oy, z - oz, capsules[m + 6])
+
+
+@inner
+def under_plane(planes, m, x, y, z):
+    """Depth of a point under a plane."""
+    return planes[m + 3] - (x * planes[m] + y * planes[m + 1] + z * planes[m + 2])
+
+
+@inner
+def across(boxes, m, k, x, y, z):
+    """Coordinate of a direction along an axis of a box."""
+    return boxes[m + 3 + k] * x + boxes[m + 6 + k] * y + boxes[m + 9 + k] * z
+
+
+@inner
+def face(boxes, m, x, y, z):
+    """Depth in a box below its nearest face, and that face's normal in the world."""
+    dx = x - boxes[m]
+    dy = y - boxes[m + 1]
+    dz = z - boxes[m + 2]
+    best = spread(x, 1.0 / TINY)
+    nx = spread(x, 0.0)
+    ny = spread(x, 1.0)
+    nz = nx
+    for k in range(3):
+        u = across(boxes, m, k, dx, dy, dz)
+        under = boxes[m + 12 + k] - abs(u)
+        nearer = under < best
+        best = where(nearer, under, best)
+        sign = where(u >= 0.0, spread(x, 1.0), -1.0)
+        nx = where(nearer, sign * boxes[m + 3 + k], nx)
+        ny = where(nearer, sign * boxes[m + 6 + k], ny)
+        nz = where(nearer, sign * boxes[m + 9 + k], nz)
+    return best, nx, ny, nz
+
+
+@inner
+def cut(boxes, m, x, y, z, dx, dy, dz, reach):
+    """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
+    enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
+    edge, |d·G| F + |d·F| G. One that leaves by the opposite face, or not at all, is led out by the nearest face."""
+    zero = spread(x, 0.0)
+    enter = zero
+    leave = reach
+    f = zero
+    g = zero
+    ax, ay, az = zero, zero, zero
+    bx, by, bz = zero, zero, zero
+    for k in range(3):
+        half = boxes[m + 12 + k]
+        q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
+        d = across(boxes, m, k, dx, dy, dz)
+        size = max(abs(d), TINY)
+        way = where(d < 0.0, spread(x, -1.0), 1.0)
+        begin = -(half + way * q) / size
+        end = (half - way * q) / size
+        later = begin > enter
+        enter = max(enter, begin)
+        f = where(later, size, f)
+        ax = where(later, -way * boxes[m + 3 + k], ax)
+        ay = where(later, -way * boxes[m + 6 + k], ay)
+        az = where(later, -way * boxes[m + 9 + k], az)
+        sooner = end < leave
+        leave = min(leave, end)
+        g = where(sooner, size, g)
+        bx = where(sooner, way * boxes[m + 3 + k], bx)
+        by = where(sooner, way * boxes[m + 6 + k], by)
+        bz = where(sooner, way * boxes[m + 9 + k], bz)
+    inside = leave > enter
+    if not some(inside):
+        return zero, zero, zero, zero
+    nx = g * ax + f * bx
+    ny = g * ay + f * by
+    nz = g * az + f * bz
+    size = root(nx * nx + ny * ny + nz * nz)
+    edge = size > LEAST
+    over = 1.0 / max(size, LEAST)
+    depth = (leave - enter) * f * g * over
+    nx *= over
+    ny *= over
+    nz *= over
+    if some(inside & ~edge):
+        t = where(g > 0.0, 0.5 * (enter + leave), leave)
+        d, ax, ay, az = face(boxes, m, x + t * dx, y + t * dy, z + t * dz)
+        depth = where(edge, depth, d)
+        nx = where(edge, nx, ax)
+        ny = where(edge, ny, ay)
+        nz = where(edge, nz, az)
+    return where(inside, depth, 0.0), nx, ny, nz
+
+
+@inlined
+def foot(x, y, z, edge, next, half):
+    """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
+    far on along the next one; no further than ``half``."""
+    back = min(max(x * edge[0] + y * edge[1] + z * edge[2], 0.0), half)
+    on = min(max(-(x * next[0] + y * next[1] + z * next[2]), 0.0), half)
+    return back, on
+
+
+@inlined
+def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
+    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
+    the first edge all: up to its end it goes on for what is left of it from the tangent point."""
+    if not whole:
+        return spread(dx, r)
+    back, on = foot(dx, dy, dz, edge, next, 0.5 * length)
+    if first:
+        x = dx - length * edge[0]
+        y = dy - length * edge[1]
+        z = dz - length * edge[2]
+        back = max(length - root(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
+    s = max(back, on)
+    return root(s * s + r * r)
+
+
+@inner
+def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
+    """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
+    that is nearest to the particle: by alternating projections."""
+    for _ in range(2):
+        back, on = foot(x - ox, y - oy, z - oz, edge, next, lever)
+        behind = back > on
+        back = where(behind, back, 0.0)
+        on = where(behind, 0.0, on)
+        ox, oy, oz = on_axis(
+            capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
+            z - back * edge[2] + on * next[2],
+        )  # fmt: skip
+    return ox, oy, oz
+
+
+@inner
+def deeper(one, other):
+    """Of two ways out of a box, (depth, normal) each, the longer one."""
+    a = one[0] > other[0]
+    return (
+        max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
+    )  # fmt: skip
+
+
+@inner
+def past_edge(boxes, m, x, y, z, under, edge, next, lever, length):
+    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are."""
+    out = under[0] <= 0.0
+    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
+    depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
+    return deeper((where(out & (depth > 0.0), depth, -1.0 / TINY), nx, ny, nz), under)
+
+
+@inlined
+def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, first):
+    """How deep a particle at (x, y, z) is in the solid that it is deepest in, or nearest to and no further than
+    ``reach``, and from where on the scratch tells of that solid: the centre and radius, or of a flat face the normal
+    and how far along that the particle has to be; where it has carried the place that ``positions`` have for the
+    particle in this step; 1 where it is round there and 0 where flat. A depth of -reach: there is none, and that means
+    nothing. ``edge`` leads to the particle, and the next one is in the segment after o."""
+    (spheres, last_sphere), (capsules, last_capsule), (planes, last_plane), (boxes, last_box) = solids
+    most = -reach
+    found, other = FOUND, FOUND + 8
+    next = (most, most, most)
+    lever = spread(x, 0.0)  # how far the nearest place of an edge may be from the particle
+    if whole:
+        next = get3(s, o + SEGMENT + E, 1)
+        lever = length if first else 0.5 * length
+    for m in range(0, last_sphere, SPHERE):
+        dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
+        far = spheres[m + 3] + lever - most
+        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
+            d = in_ball(dx, dy, dz, r)
+            place = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
+            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + 5, positions, here)
+            most = max(most, d)
+    for m in range(0, last_capsule, CAPSULE):
+        ox, oy, oz = on_axis(capsules, m, x, y, z)
+        dx, dy, dz = x - ox, y - oy, z - oz
+        far = capsules[m + 6] + lever - most
+        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            if whole:
+                ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
+            r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
+            d = in_ball(x - ox, y - oy, z - oz, r)
+            found, other = find(s, found, other, d > most, 1.0, (ox, oy, oz), r, capsules, m + 9, positions, here)
+            most = max(most, d)
+    for m in range(0, last_plane, PLANE):
+        d = under_plane(planes, m, x, y, z)
+        if some(d > most):
+            way = spread(x, planes[m]), spread(x, planes[m + 1]), spread(x, planes[m + 2])
+            found, other = find(s, found, other, d > most, 0.0, way, spread(x, planes[m + 3]), planes, m + 4, positions, here)
+            most = max(most, d)
+    for m in range(0, last_box, BOX):
+        d, ox, oy, oz = face(boxes, m, x, y, z)
+        if some(d + lever > most):
+            if whole:
+                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length)
+            level = d + x * ox + y * oy + z * oz
+            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + 16, positions, here)
+            most = max(most, d)
+    return most, found
+
+
+@inlined
+def find(s, found, other, nearer, round, place, size, solids, moved, positions, here):
+    """Write a solid down, whose motion is in columns from ``moved`` on, where a mask holds, and elsewhere what was found
+    before: to the other place, for to write some lanes only takes processors long. Returns both places exchanged."""
+    x, y, z = get3(positions, here, W)
+    put(s, other, where(nearer, place[0], get(s, found)))
+    put(s, other + 1, where(nearer, place[1], get(s, found + 1)))
+    put(s, other + 2, where(nearer, place[2], get(s, found + 2)))
+    put(s, other + 3, where(nearer, size, get(s, found + 3)))
+    for k in range(3):
+        row = moved + 3 * k
+        there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + 9 + k]
+        put(s, other + 4 + k, where(nearer, there, get(s, found + 4 + k)))
+    put(s, other + 7, where(nearer, spread(x, round), get(s, found + 7)))
+    return other, found

@@ -1,0 +1,134 @@
+"""The end of a rod's step, from root to tip: lengths exact, edges off solids, and the velocity that led there."""
+
+from __future__ import annotations
+
+from ...constants import W
+from ...jit import inner
+from . import contact
+from .rod import FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, E, U
+from .simd import get, get3, put, put3, root, some, spread, where
+
+HUGE = 1e18
+NONE = 1e-12
+AXES = 3 * W
+"""Numbers of a row of three coordinates, of all strands of a block."""
+
+
+@inner
+def alone(numbers):
+    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
+    h = numbers[0]
+    return h * h / (1 + numbers[7] * h)
+
+
+@inner
+def sweep(
+    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
+    solid, solids, whole, touched,
+):  # fmt: skip
+    """Every edge gets its length exactly, heading for where the iterations put its end, and is turned off the solids;
+    an edge that has no direction or none that is finite stays as it was. The velocity is what led there, (u − û) / h. u
+    is that of the iterations and how far the particle is put off: what rounding does to edges, an error of places, must
+    not become one of velocities, which would last."""
+    length = get(lengths, strand)
+    over = 1.0 / length
+    put(s, OVER, over)
+    x, y, z = get3(positions, place + AXES, W)
+    ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
+    put3(positions, place, W, x - length * ex, y - length * ey, z - length * ez)
+    put3(s, OFF, 1, 0.0, 0.0, 0.0)
+    put(s, LOST, 0.0)
+    put(s, HIT, 0.0)
+    put(s, GRIP, 0.0)
+    far = alone(numbers)
+    beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    for j in range(n):
+        row = edge + j * AXES
+        here = place + (j + 2) * AXES
+        o = FIRST + j * SEGMENT
+        straighten(s, o, row, edges, numbers[12])
+        if solid:
+            contact.touch(
+                s, o, length, row, here, velocity, push, positions, far, beat, numbers[10], 0.25 * numbers[12], solids,
+                whole, j == 0, touched,
+            )  # fmt: skip
+        x, y, z = get3(s, OFF, 1)
+        ux, uy, uz = get3(s, o + U, 1)
+        put3(s, o + U, 1, ux + x, uy + y, uz + z)
+        if some(get(s, LOST) > 0.0):
+            turn_alone(s, o, j, row, edges, over)
+        x, y, z = get3(s, o + E, 1)
+        put3(edges, row, W, x, y, z)
+        px, py, pz = get3(positions, here - AXES, W)
+        put3(positions, here, W, px + length * x, py + length * y, pz + length * z)
+        settle(s, o, row, length, velocity, before, moved, numbers, second)
+    if solid:
+        put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
+
+
+@inner
+def straighten(s, o, row, edges, rounding):
+    """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
+    to keep, from there on."""
+    x, y, z = get3(s, o + E, 1)
+    dx, dy, dz = get3(s, OFF, 1)
+    x -= dx
+    y -= dy
+    z -= dz
+    q = x * x + y * y + z * z
+    size = root(max(q, TINY))
+    f = 1.0 / size
+    g = f * (1.0 - q) / (1.0 + size)  # f - 1
+    exact = abs(1.0 - q) < rounding  # or every step would round it anew, and never to rest
+    f = where(exact, 1.0, f)
+    g = where(exact, 0.0, g)
+    dx = g * x
+    dy = g * y
+    dz = g * z
+    x *= f
+    y *= f
+    z *= f
+    good = (q > NONE) & (q < HUGE * HUGE)
+    if some(~good):
+        put(s, LOST, where(good, get(s, LOST), 1.0))
+        old = get3(edges, row, W)
+        x = where(good, x, old[0])
+        y = where(good, y, old[1])
+        z = where(good, z, old[2])
+        dx = where(good, dx, 0.0)
+        dy = where(good, dy, 0.0)
+        dz = where(good, dz, 0.0)
+    put3(s, o + E, 1, x, y, z)
+    put3(s, OFF, 1, dx, dy, dz)
+
+
+@inner
+def turn_alone(s, o, j, row, edges, over):
+    """The displacement of a particle in lanes that are LOST: that of the one before it, and how its edge has turned."""
+    lost = get(s, LOST) > 0.0
+    for c in range(3):
+        past = get(s, SHIFT + c) * over if j == 0 else get(s, o - SEGMENT + U + c)
+        u = past + get(s, o + E + c) - get(edges, row + c * W)
+        put(s, o + U + c, where(lost, u, get(s, o + U + c)))
+
+
+@inner
+def settle(s, o, row, length, velocity, before, moved, numbers, second):
+    """The velocity that led to the displacement. From where a strand has been HIT on, it goes on from that alone: BDF2
+    would take a jump of velocity further, and strands bounce."""
+    over = 1 / numbers[0]
+    if second:
+        third = numbers[9]
+        rate = over / (1 + 1.5 * third)
+        hit = get(s, HIT) > 0.0
+        for c in range(3):
+            sum = length * get(s, o + U + c)
+            p = row + c * W
+            past = get(velocity, p)
+            v = where(hit, rate * sum, (sum - get(moved, p) * third) * over)
+            put(before, p, where(hit, v, past))
+            put(velocity, p, v)
+            put(moved, p, sum)
+    else:
+        for c in range(3):
+            put(velocity, row + c * W, length * get(s, o + U + c) * over)
