@@ -174,7 +174,8 @@ class RodSolver(Solver):
         def work(scratch: NDArray[Any]) -> None:
             rod_step.step(*given, scratch, self.residuals, tickets, long)
 
-        others = [_pool().submit(work, one) for one in self.scratch[1:]]
+        # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
+        others = [_pool().submit(work, one) for one in self.scratch[1 : numba.get_num_threads()]]
         work(self.scratch[0])
         for other in others:
             if not other.cancel():  # it has begun; where it has not, there is nothing left to do

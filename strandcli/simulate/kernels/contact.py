@@ -182,10 +182,10 @@ def touch(
             fall = dot(n, (get(s, found + 4) - ax, get(s, found + 5) - ay, get(s, found + 6) - az))
             fall -= beat * dot(n, (vx, vy, vz))
             f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
-            put(s, HIT, where(new, 1.0, get(s, HIT)))
+            put(s, HIT, get(s, HIT) + where(new, spread(f, 1.0), 0.0))
         f = where(near, f, 0.0)
         put3(push, row, W, f * kept[0], f * kept[1], f * kept[2])
-        put(s, GRIP, max(get(s, GRIP), f * (abs(kept[0]) + abs(kept[1]) + abs(kept[2]))))
+        put(s, GRIP, get(s, GRIP) + f * (abs(kept[0]) + abs(kept[1]) + abs(kept[2])))
     else:
         put3(push, row, W, 0.0, 0.0, 0.0)
     turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)

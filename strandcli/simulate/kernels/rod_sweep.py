@@ -77,11 +77,9 @@ def straighten(s, o, row, edges, rounding):
     z -= dz
     q = x * x + y * y + z * z
     size = root(max(q, TINY))
-    f = 1.0 / size
-    g = f * (1.0 - q) / (1.0 + size)  # f - 1
     exact = abs(1.0 - q) < rounding  # or every step would round it anew, and never to rest
-    f = where(exact, 1.0, f)
-    g = where(exact, 0.0, g)
+    f = where(exact, 1.0, 1.0 / size)
+    g = where(exact, 0.0, (1.0 - q) / (q + size))  # f - 1
     dx = g * x
     dy = g * y
     dz = g * z
