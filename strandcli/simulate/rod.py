@@ -8,6 +8,7 @@ material. Twist is not represented.
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
@@ -48,7 +49,7 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
-WORTH = 5000
+WORTH = 10_000
 """Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
@@ -160,8 +161,9 @@ class RodSolver(Solver):
         self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
     ) -> None:
         """Run the step on all threads: this one and those of a pool."""
-        packed = np.concatenate([pose[0].ravel(), pose[1]]).astype(self.dtype)
-        delta = np.concatenate([(pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]]).astype(self.dtype)
+        packed, delta = np.empty(12, self.dtype), np.empty(12, self.dtype)
+        packed[:9], packed[9:] = pose[0].ravel(), pose[1]
+        delta[:9], delta[9:] = (pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]
         given = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
             self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
@@ -187,7 +189,7 @@ class RodSolver(Solver):
         done = -(-self.strands // rod_step.SHARE) * rod_step.SHARE - (len(self.lengths) - 1) * W
         if done < W:
             last = self._rows()[-1].reshape(-1, W)
-            last[:, done:] = last[:, done - 1 : done]
+            last[:, done:] = last[:, done - 1, None]
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
@@ -211,7 +213,7 @@ class RodSolver(Solver):
     def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
         """Whether some root has moved further than it could have."""
         turned, moved = pose[0] - self.pose[0], pose[1] - self.pose[1]
-        if np.linalg.norm(turned) * self.outermost + np.linalg.norm(moved) <= self.reach:
+        if math.sqrt(np.vdot(turned, turned)) * self.outermost + math.sqrt(np.vdot(moved, moved)) <= self.reach:
             return False
         roots = self.roots.reshape(-1, 3, W).astype(np.float64)
         way = np.einsum("cd,bdk->bck", turned, roots) + moved[None, :, None]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..constants import W
-from ..scene.motion import Pose, multiply, rotate, solid_pose
+from ..scene.motion import Pose, rotate, solid_pose
 from .rules import collision, wind
 
 
@@ -74,17 +74,12 @@ class Surroundings:
         before = self._poses[1] if abs(self._poses[0] - past) <= 1e-9 * dt else {}
         after: dict[int, Pose] = {}
         for kind, mine in self._moving.items():
-            if not mine:
-                continue
-            columns, rows = solids.COLUMNS[kind], self._rows[kind]
-            packed = solids.pack(kind, mine, emitter, now, np.float64)
-            for i, one in enumerate(mine):
+            rows = self._rows[kind][len(self._kinds[kind]) - len(mine) :]
+            for row, one in zip(rows, mine, strict=True):
                 pose = after[id(one)] = solid_pose(one, emitter, now)
                 last = before.get(id(one)) or solid_pose(one, emitter, past)
-                (a, b, c), (x, y, z) = _between(last, pose)
-                row = rows[len(rows) - len(mine) + i]
-                row[:columns] = packed[i]
-                row[columns:] = (*a, *b, *c, x, y, z)
+                (a, b, c), moved = _between(last, pose)
+                row[:] = (*solids.numbers(one, pose), *a, *b, *c, *moved)
         self._poses = now, after
         return *self._rows.values(), self._whole
 
@@ -103,8 +98,7 @@ class Surroundings:
 
 def _between(last: Pose, pose: Pose) -> Pose:
     """The rigid motion that takes one pose to another."""
-    a, b, c = last.rotation
-    turn = multiply(pose.rotation, ((a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2])))
-    x, y, z = rotate(turn, last.translation)
+    a, b, c = (rotate(last.rotation, row) for row in pose.rotation)
+    x, y, z = rotate((a, b, c), last.translation)
     p = pose.translation
-    return Pose(turn, (p[0] - x, p[1] - y, p[2] - z))
+    return Pose((a, b, c), (p[0] - x, p[1] - y, p[2] - z))
