@@ -316,7 +316,7 @@ def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
         ("lights.2.intensity=3", "there is no entry 2 in this list; it has 2, counted from 0"),
         ("lights.key.intensity=3", "no entry of this list has the name 'key'"),
         ("solids.hed.radius=3", "no entry of this list has the name 'hed'; did you mean 'head'?"),
-        ("solids.head.size=[1, 1, 1]", "unknown key; the keys are kind, name, radius"),
+        ("solids.head.size=[1, 1, 1]", "unknown key; the keys are kind, name, position"),
         ("panels.0.label=a", "single panels are changed in the preset itself"),
         ("extends=hair", "unknown key"),
         ("seed=*a", "aliases are refused"),
