@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from cli_runs import Runner
 
+import strandcli
+from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline
-from strandcli.study.pictures.subject import changed, differences, knows
+from strandcli.study.pictures.subject import Subject, changed, differences, knows
 
 SMALL = """\
 title: a small brush
@@ -40,6 +42,29 @@ def test_differences_are_shares_of_the_mean() -> None:
     assert found["bias"] == pytest.approx(0.25)
     assert found["p99"] == pytest.approx(0.5)
     assert differences(image, 0 * reference)["rmse"] is None
+
+
+def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> None:
+    children = "children: {count: 4, cut: 0.5, clumps: [{size: 0.1, strength: 0.8}], waves: [{radius: 0.02}]}"
+    material = "material: {width: 0.01, colour_variation: 0.5}"
+    (tmp_path / "locks.yaml").write_text(f"{SMALL}{children}\n{material}\n")
+    scene = strandcli.load(str(tmp_path / "locks.yaml"), overrides=["image.aovs=linear"])
+    subject = Subject(Request(scene=scene, name="locks", frame=2))
+    subject.move()
+    found = subject.draw(subject.scene, draws=1)
+    frame = next(iter(strandcli.render(scene, frames=[2])))
+    assert found.counts["strands"] == frame.report["counts"]["strands"] == 240
+    np.testing.assert_allclose(found.image, frame.aovs["linear"], rtol=1e-5, atol=1e-7)
+
+
+def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(
+    run: Runner, tmp_path: Path
+) -> None:
+    (tmp_path / "locks.yaml").write_text(f"{SMALL}children: {{count: 4}}\n")
+    done = run("study", "locks.yaml", "--axis", "curves", "--strands", "70", "--set", "curves.mode=off", "--json")
+    found = json.loads(done.out)
+    assert found["reference"]["strands"] == 70
+    assert "70 of 240 strands" in found["title"]
 
 
 def test_points_on_curves_and_their_distance() -> None:

@@ -16,7 +16,9 @@ from ...draw.chiang import ChiangTables
 from ...draw.curves import Polylines
 from ...draw.marschner import MarschnerTables
 from ...draw.renderer import Renderer
+from ...draw.scratch import Scratch
 from ...errors import RefusedError, SimulationError, UsageError
+from ...groom.children import Children
 from ...groom.emit import emit
 from ...plan import available_memory
 from ...scene.fields import ChoiceSpec, settings_of
@@ -76,7 +78,9 @@ class LinearRenderer(Renderer):
 
 
 class Subject:
-    """The first strands of a preset at one frame.
+    """The first strands that a preset draws at one frame: those that are simulated, or their children.
+
+    Children are grown once; whatever is drawn of them afterwards is drawn as if they had been simulated.
 
     Lines of no width, a sample wide whatever the sampling, have no finer picture to be compared with: such strands are
     given the width in metres that the preset draws them with in the middle of the groom, at the size studied.
@@ -87,15 +91,17 @@ class Subject:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
-        scene = dataclasses.replace(scene, children=None)  # guides alone: what is studied is how strands are drawn
-        strands = min(request.strands or STRANDS, scene.emitter.strands)
-        scene = changed(scene, {"emitter.strands": strands, "image.size": request.size or _small(scene.image.size)})
+        self.all_strands = scene.drawn_strands
+        strands = min(request.strands or STRANDS, self.all_strands)
+        scene = changed(scene, {"image.size": request.size or _small(scene.image.size)})
+        drawn = changed(scene, {"children": None, "emitter.strands": strands})
+        self._guiding = drawn if scene.children is None else scene
         self.name, self.frame = request.name, request.frame
         if self.frame > scene.time.frames:
             raise UsageError(f"--frame {self.frame}: the film of {self.name} has {scene.time.frames} frames")
         self.at = (self.frame - 1) / scene.time.fps
-        self.groom = emit(scene.emitter, scene.seed, strands)
-        self.scene = scene
+        self.groom = emit(drawn.emitter, drawn.seed)
+        self.scene = drawn
         self.positions: NDArray[np.float32] = np.empty(0, np.float32)
         self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
         self.widened = scene.material.width == 0
@@ -104,11 +110,20 @@ class Subject:
         """Simulate up to the frame. Raises `SimulationError` where strands cannot be drawn."""
         from ...simulate import solver_of
 
-        solver = solver_of(self.scene)(self.scene, self.groom)
+        scene = self._guiding
+        guides = self.groom if scene.children is None else emit(scene.emitter, scene.seed)
+        solver = solver_of(scene)(scene, guides)
         solver.advance(self.frame)
         if not np.isfinite(solver.particles()).all():
             raise SimulationError(f"{self.name}: at frame {self.frame} strands are no longer finite; study another")
         self.positions, self.lengths = solver.positions, solver.lengths
+        if scene.children is not None:
+            children, strands = Children(scene, guides), self.groom.strands
+            tones, _ = children.select(solver.positions)
+            self.groom = dataclasses.replace(self.groom, tones=tones[:strands])
+            self.positions, self.lengths = children.grow(
+                solver.positions, solver.lengths, self.at, strands, Scratch()
+            )
         if self.widened:
             view = self.view(self.scene)
             low, high = self.bounds()
