@@ -56,7 +56,8 @@ class LinearRenderer(Renderer):
 
     def draw(self, *args: Any, **kwargs: Any) -> Any:
         """As in `Renderer`."""
-        self.shaded: list[tuple[Polylines, NDArray[np.float32]]] = []
+        self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
+        """By the first strand of a portion."""
         return super().draw(*args, **kwargs)
 
     def _develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
@@ -67,13 +68,19 @@ class LinearRenderer(Renderer):
         )
         return super()._develop(image, *rest)
 
-    def _shade(self, lines: Polylines, *args: Any, **kwargs: Any) -> NDArray[np.float32]:
+    def _shade(
+        self, lines: Polylines, marks: NDArray[np.uint8], begin: int, *args: Any, **kwargs: Any
+    ) -> NDArray[np.float32]:
         if not self.keep_shading:
-            return super()._shade(lines, *args, **kwargs)
+            return super()._shade(lines, marks, begin, *args, **kwargs)
         self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
-        colours = super()._shade(lines, *args, **kwargs)
-        self.shaded.append((dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy()),
-                            colours.copy()))  # fmt: skip
+        colours = super()._shade(lines, marks, begin, *args, **kwargs)
+        if begin in self.shaded:  # the picture's next rows show others of the same strands
+            kept = self.shaded[begin][1]
+            np.copyto(kept, colours, where=np.isnan(kept))
+        else:
+            lines = dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy())
+            self.shaded[begin] = lines, colours.copy()
         return colours
 
 
@@ -146,6 +153,12 @@ class Subject:
         """The camera of a scene at the frame, in its picture's own pixels."""
         return camera_view(scene.camera, self.at, *scene.image.size, self.bounds())
 
+    def needs_sorting(self, samples: int) -> bool:
+        """Whether strands show others through, or become thinner than one of so many samples along a pixel's side: a
+        z-buffer draws nothing thinner."""
+        material = self.scene.material
+        return material.opacity < 1 or self.pixels_wide() * (1 - material.taper) * samples < 1
+
     def pixels_wide(self) -> float:
         """Width of a strand at its root in pixels, in the middle of the groom."""
         view, (low, high) = self.view(self.scene), self.bounds()
@@ -179,7 +192,7 @@ class Subject:
             for stage, took in drawing.seconds.items():
                 seconds[stage] = min(took, seconds.get(stage, math.inf))
         assert renderer.linear is not None
-        return Picture(renderer.linear, seconds, dict(drawing.counts), renderer.shaded)
+        return Picture(renderer.linear, seconds, dict(drawing.counts), list(renderer.shaded.values()))
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:
@@ -194,7 +207,7 @@ def silhouette(scene: Scene) -> Scene:
              "eumelanin": None, "pheomelanin": None, "grey": 0.0}  # fmt: skip
     settings: dict[str, Any] = {f"material.{key}": value for key, value in plain.items()}
     settings |= {"image.background": (0.0, 0.0, 0.0), "image.horizon": None, "ambient": (1.0, 1.0, 1.0)}
-    settings |= {"lights": (), "solids": ()}
+    settings |= {"lights": (), "solids": (), "environment": None}
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
 
 
