@@ -9,7 +9,8 @@ strand id; `strandcli/draw/aovs.py` tells what they hold), `scene.yaml`, which d
 (--first), on any number of threads.
 
 Cameras follow OpenCV: a point X of the world, in metres, is seen at K (R X + t) / depth, x to the right and y down,
-pixel centres at .5; strands of the picture are those of `strand_id`, as emitted by the scene's seed.
+pixel centres at .5. `strand_id` numbers the strands that are drawn, of which the first are simulated and guide the
+others; with `depth` it tells which strand a point of space lies on.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -33,85 +35,100 @@ from strandcli.scene.dump import dump
 from strandcli.scene.model import Scene
 
 LAYERS = ("depth", "mask", "tangent", "orientation", "strand_id")
-COLOURS = ("#1a120d", "#2e1c12", "#4a2f1d", "#6b4a2c", "#8a5a32", "#b08a55", "#7a2f16", "#8f8c88")
+PIGMENTS = ("black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum")
+GUIDES = 20
+"""Strands that are drawn for each that is simulated."""
+WIDTH, USUAL = 0.00026, 20_000
+"""Metres, of so many strands; fewer are wider, more are thinner."""
+SKIN = ("skull", "face", "neck")
+CLOTHES = ("left_shoulder", "right_shoulder", "left_arm", "right_arm", "back")
 
 
 def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> Scene:
-    """A head with hair of a random cut, curl, colour and stiffness, from a random side, in random light."""
+    """The bust of the preset `hair` with hair of a random cut, parting, curl, colour and stiffness, from a random side,
+    in random light."""
     rng = np.random.default_rng([seed, index])
 
     def between(low: float, high: float) -> float:
         return float(rng.uniform(low, high))
 
-    length = float(np.exp(rng.uniform(math.log(0.06), math.log(0.5))))
+    length = math.exp(between(math.log(0.06), math.log(0.5)))
     azimuth, height = math.radians(between(-180, 180)), math.radians(between(-15, 40))
     away = between(0.9, 1.4)
-    target = [between(-0.03, 0.03), between(-0.12, 0.0), between(-0.03, 0.03)]
+    target = [between(-0.03, 0.03), between(-0.05, 0.0) - 0.25 * length, between(-0.03, 0.03)]
     eye = [
         target[0] + away * math.cos(height) * math.sin(azimuth),
         target[1] + away * math.sin(height),
         target[2] + away * math.cos(height) * math.cos(azimuth),
     ]
     lights: list[dict[str, Any]] = []
-    for power in (between(1.5, 3.5), between(0.3, 2.0), between(0.0, 1.0)):
+    for power in (between(2.5, 5), between(0.5, 3), between(0.0, 1.5)):
         turn, down = math.radians(between(0, 360)), between(-1.2, -0.1)
         lights.append({
             "kind": "directional",
             "direction": [math.sin(turn), down, math.cos(turn)],
             "intensity": power,
             "colour": [1.0, between(0.85, 1.0), between(0.7, 1.0)],
-            "shadow": {"size": 512},
+            "shadow": {"model": "opacity"},
         })  # fmt: skip
-    skin = {"follow": "emitter", "colour": [between(0.15, 0.5), 0.25, 0.2]}
+    tone = between(0.06, 0.55)
+    skin, cloth = [tone, 0.68 * tone, 0.54 * tone], [between(0.01, 0.4) for _ in range(3)]
     settings: dict[str, Any] = {
         "title": f"sample {index} of the data set with seed {seed}",
         "seed": int(rng.integers(2**31)),
-        "time": {"frames": 1, "preroll": 2.0},
-        "emitter": {
-            "shape": {"kind": "sphere", "radius": 0.1, "cap": between(70, 105)},
-            "strands": strands,
-            "particles": 16,
-            "length": length,
-            "length_variation": between(0.0, 0.5),
-            "direction": [between(-0.8, 0.8), 1.0, between(-1.0, 0.2)],
-            "jitter": between(5, 40),
-            "curl_turns": float(rng.choice([0.0, 0.0, between(1, 5)])),
-            "curl_angle": between(10, 35),
-            "rotation": [between(-25, -10), 0.0, 0.0],
+        "time.frames": 1,
+        "emitter.keys": [],
+        "emitter.rotation": [-36, 0, 0],
+        "emitter.strands": -(-strands // GUIDES),
+        "emitter.shape.cap": between(96, 108),
+        "emitter.length": length,
+        "emitter.length_variation": between(0.0, 0.3),
+        "emitter.comb": [between(0.2, 1.0), between(-0.6, 0.2), between(-1.0, 0.4)],
+        "emitter.parting": between(-0.05, 0.05) if rng.random() < 0.6 else None,
+        "emitter.lift": between(15, 50),
+        "emitter.jitter": between(4, 20),
+        "children": {
+            "count": GUIDES,
+            "cut": between(0.05, 0.5),
+            "clumps": [
+                {"size": between(0.015, 0.03), "strength": between(0.2, 0.7), "shape": between(0.8, 2)},
+                {"size": between(0.004, 0.009), "strength": between(0.3, 0.9)},
+            ],
+            "waves": [
+                _wave(str(rng.choice(["straight", "waves", "curls"])), between),
+                {"radius": between(0.0004, 0.0015), "length": 0.05, "round": 1, "disorder": 1},
+            ],
         },
-        "rules": [
-            {"gravity": {}},
-            {"wind": {"strength": between(0, 6), "direction": [between(-1, 1), 0.1, between(-1, 1)]}},
-            {"stiffness": {"strength": between(8, 50)}},
-            {"collision": {"segments": True}},
-            {"elasticity": {}},
-        ],
-        "solids": [
-            {"kind": "sphere", "name": "skull", "radius": 0.097, **skin},
-            {"kind": "capsule", "name": "face", "radius": 0.065, "length": 0.085, "position": [0, -0.0532, 0.0147],
-             "rotation": [16, 0, 0], **skin},
-            {"kind": "capsule", "name": "neck", "radius": 0.045, "length": 0.19, "position": [0, -0.155, -0.022],
-             "colour": skin["colour"]},
-        ],
+        "rod.radius": between(1.2e-4, 3e-4),
+        "wind.strength": between(0, 1.5),
+        "wind.direction": [between(-1, 1), between(-0.2, 0.3), between(-1, 1)],
+        **{f"solids.{name}.colour": skin for name in SKIN},
+        **{f"solids.{name}.colour": cloth for name in CLOTHES},
         "camera": {"position": eye, "target": target, "fov": between(20, 32)},
-        "image": {
-            "size": list(size),
-            "supersample": 2,
-            "background": [between(0, 0.6) for _ in range(3)],
-            "exposure": between(-0.5, 0.5),
-            "tone": str(rng.choice(["srgb", "filmic"])),
-            "aovs": list(LAYERS),
-        },
+        "image.size": list(size),
+        "image.background": [between(0, 0.6) for _ in range(3)],
+        "image.horizon": None,
+        "image.exposure": between(-0.5, 0.5),
+        "image.tone": str(rng.choice(["srgb", "filmic"])),
+        "image.aovs": list(LAYERS),
         "ambient": [between(0.05, 0.2)] * 3,
         "lights": lights,
-        "material": {
-            "colour": str(rng.choice(COLOURS)),
-            "tip_colour": str(rng.choice(COLOURS)),
-            "colour_variation": between(0, 0.5),
-            "beta": between(5, 12),
-        },
-    }  # fmt: skip
-    return strandcli.load("minimal", settings=settings)
+        "material.pigment": str(rng.choice(PIGMENTS)),
+        "material.grey": max(between(-0.5, 0.5), 0.0),
+        "material.colour_variation": between(0.1, 0.4),
+        "material.beta_m": between(0.15, 0.35),
+        "material.width": min(WIDTH * USUAL / max(strands, 1), 0.001),
+    }
+    return strandcli.load("hair", settings=settings)
+
+
+def _wave(style: str, between: Callable[[float, float], float]) -> dict[str, float]:
+    """How the strands of a lock wind together."""
+    if style == "curls":
+        return {"radius": between(0.006, 0.012), "length": between(0.03, 0.07), "round": 1, "onset": between(0.1, 0.4)}
+    if style == "waves":
+        return {"radius": between(0.004, 0.01), "length": between(0.09, 0.18), "round": between(0.3, 0.8), "onset": 0.5}
+    return {"radius": between(0.0, 0.002), "length": between(0.1, 0.2)}
 
 
 def matrices(view: View) -> dict[str, Any]:
@@ -143,7 +160,7 @@ def write_sample(folder: Path, scene: Scene, index: int, seed: int, threads: int
     write_layers(folder / name, 1, frame.aovs)
     write_pieces(folder / name / "frame_0001.png", encode(frame.image))
     share = float(np.mean(frame.aovs["mask"]))
-    return {"name": name, "seeds": seeds, "strands": scene.emitter.strands, "hair_share": round(share, 6)}
+    return {"name": name, "seeds": seeds, "strands": scene.drawn_strands, "hair_share": round(share, 6)}
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -153,7 +170,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first sample, to make a set in parts")
     parser.add_argument("--seed", type=int, default=0, help="seed of the whole set")
     parser.add_argument("--size", type=int, nargs=2, default=(512, 512), metavar=("W", "H"), help="pixels")
-    parser.add_argument("--strands", type=int, default=12_000, help="strands of each head")
+    parser.add_argument("--strands", type=int, default=12_000, help="strands of each head, about")
     parser.add_argument("--threads", type=int, help="threads (default: all cores)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/dataset"), metavar="DIR", help="folder")
     given = parser.parse_args(arguments)

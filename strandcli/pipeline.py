@@ -14,6 +14,7 @@ from . import runtime
 from .blocks import lanes, pack, unpack
 from .crew import in_order, share_out
 from .errors import SimulationError, UsageError
+from .groom.children import Children
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
 from .rehearsal import Rehearsal
@@ -173,6 +174,7 @@ class _Film:
 
         self.scene = scene
         self.groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
+        self.children = Children(scene, self.groom) if draw and scene.children is not None else None
         self.solver = solver_of(scene)(scene, self.groom)
         self.given = given
         self.draw = draw
@@ -268,7 +270,7 @@ class _Draughtsman:
 
         self._film = film
         before = rehearsal.wait if rehearsal is not None else lambda part: None
-        self._renderer = Renderer(film.scene, film.groom, before)
+        self._renderer = Renderer(film.scene, film.groom, before, film.children)
 
     def __call__(self, begun: _Begun) -> Frame:
         import numba

@@ -136,6 +136,19 @@ def test_every_ending_has_its_exit_code_and_one_line_at_most(
         assert isinstance(error, MemoryError) or "words" in result.error()
 
 
+@pytest.mark.parametrize("closed", [("stdout",), ("stderr",), ("stdout", "stderr")], ids=" and ".join)
+def test_a_run_without_anybody_to_talk_to_is_a_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, closed: tuple[str, ...]
+) -> None:
+    for name in closed:
+        monkeypatch.setattr(sys, name, None)
+    preset = tmp_path / "tiny.yaml"
+    preset.write_text(TINY)
+    assert module.main(["plan", str(preset)]) == 0
+    assert module.main(["simulate", str(preset), "-f", "1", "-o", str(tmp_path / "a")]) == 0
+    assert module.main(["plan", "nonesuch"]) == 2
+
+
 def test_a_bug_asks_to_be_reported_and_shows_itself_with_debug(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     raising(monkeypatch, ZeroDivisionError("of\ntwo lines"))
     result = run("schema")

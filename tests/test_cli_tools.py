@@ -214,6 +214,11 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert "simulate            1.50        1.25        2.00" in table
     assert "50.0 frames/s" in table
     assert "penetration_max" not in table
+    assert asked["overrides"] == ()
+    run("bench", "--set", "wind.strength=2", "--set", "material.width=0.001")
+    assert asked["overrides"] == ("wind.strength=2", "material.width=0.001")
+    refused = run("bench", "--set", "emitter.strands=5")
+    assert (refused.code, "write --strands" in refused.error()) == (2, True)
     assert run("bench", "--strands", "0").code == 2
     assert run("bench", "--frames", "0").code == 2
 
@@ -224,6 +229,7 @@ def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: 
     assert [(row["strands"], row["particles"]) for row in data["growth"]] == [(20, 4), (10, 8)]
     for row in data["growth"]:
         assert row["particle_step_ns"] == pytest.approx(row["ms"] * 1e6 / 80)
+    assert run("bench", "--growth", "--set", "wind.strenght=1").code == 2
     table = run("bench", "--growth").out.splitlines()
     assert table[0].startswith("thesis, ")
     assert table[3].split()[:2] == ["20", "4"]

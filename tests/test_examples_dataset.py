@@ -13,6 +13,8 @@ from PIL import Image
 
 import strandcli
 from strandcli.output.layers import read_layer
+from strandcli.study.axes import Request
+from strandcli.study.pictures.subject import Subject
 
 SCRIPT = Path(__file__).resolve().parent.parent / "examples" / "dataset.py"
 SMALL = ["--size", "64", "48", "--strands", "300"]
@@ -58,12 +60,13 @@ def check_sample(folder: Path, sample: dict[str, Any]) -> None:
     with Image.open(folder / "frame_0001.png") as image:
         np.testing.assert_array_equal(np.asarray(image), frame.image)
     # each pixel of a strand lies on the polyline of that strand, within what curves and pixels take
-    assert frame.positions is not None
+    subject = Subject(Request(scene, "sample", size=scene.image.size, strands=scene.drawn_strands))
+    subject.move()
     rows, columns = np.nonzero(ids >= 0)
     there = depth[rows, columns]
     pixels = np.stack([columns + 0.5, rows + 0.5, np.ones(len(rows))], 1)
     points = ((pixels @ np.linalg.inv(k).T) * there[:, None] - t) @ r
-    strands = frame.positions[ids[rows, columns]].astype(float)
+    strands = subject.points()[ids[rows, columns], 1:]
     off = np.min(np.linalg.norm(strands - points[:, None], axis=2), 1)
     spacing = np.linalg.norm(np.diff(strands, axis=1), axis=2).max(1)
     assert (off < 0.6 * spacing + 1.5 * there / k[0, 0]).all()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+from typing import Any
 
 import numba
 import numpy as np
@@ -13,6 +15,7 @@ from test_pipeline_extremes import EVERYTHING, UNLIT
 from strandcli import runtime
 from strandcli.constants import W
 from strandcli.errors import UsageError
+from strandcli.groom import children
 from strandcli.panels import GAP, fitting_size, join
 from strandcli.pipeline import Frame, render
 from strandcli.scene import Scene
@@ -91,6 +94,27 @@ def test_frames_come_once_and_in_order_and_nothing_depends_on_what_else_is_asked
     short = scene_of(UNLIT + "time: {frames: 4}\n")
     assert [frame.number for frame in render(short)] == [1, 2, 3, 4]
     assert list(render(short, [])) == []
+
+
+@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
+def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: list[int] = []
+
+    class Counted(children.Children):
+        @functools.cached_property
+        def family(self) -> Any:
+            found.append(self.count)
+            return super().family
+
+    monkeypatch.setattr("strandcli.pipeline.Children", Counted)
+    monkeypatch.setattr("strandcli.draw.renderer.Children", Counted)
+    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
+    scene = scene_of(UNLIT + "time: {frames: 6}\nchildren: {count: 3}\n")
+    frames = list(render(scene, threads=2))
+    assert [frame.number for frame in frames] == [1, 2, 3, 4, 5, 6]
+    assert found == [60]
 
 
 def test_frames_hold_what_was_asked_for(everything: Scene) -> None:

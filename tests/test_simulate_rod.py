@@ -113,6 +113,28 @@ def test_the_kernel_for_long_strands_agrees(monkeypatch: pytest.MonkeyPatch) -> 
     np.testing.assert_allclose(settled(one, 1 / 60, 2.0), short, atol=1e-5)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"rod": {"young": 1e13, "density": 1e-9, "radius": 1e9}},
+        {"emitter.length": 2e-5, "emitter.length_variation": 1.0, "emitter.strands": 300},
+    ],
+    ids=["hardest matter", "shortest strands"],
+)
+def test_rods_of_any_stiffness_stay_straight(changes: dict[str, Any]) -> None:
+    one = scene(10.0, **changes)
+    solver = RodSolver(one, emit(one.emitter, one.seed))
+    for i in range(5):
+        solver.step((i + 1) / 24, 1 / 24)
+    found = solver.errors(1)
+    assert found["nonfinite"] == 0
+    assert found["residual_max"] < 1e-5
+    strands = solver.particles().astype(float)
+    ways = strands[:, -1] - strands[:, 0]
+    assert (np.abs(ways[:, 1]) < 1e-4 * np.linalg.norm(ways, axis=1)).all()
+
+
 def test_any_number_of_threads_gives_the_same_bits() -> None:
     one = scene(10.0, **{"emitter.strands": 300, "emitter.jitter": 60.0})
     results = []

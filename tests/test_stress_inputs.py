@@ -129,6 +129,14 @@ def test_a_ball_smaller_than_a_segment_is_named_unless_segments_are_looked_at() 
     assert advice.warnings(scene_of(text.replace("SEG", "false").replace("0.2", "0.3")), groom_of(scene)) == []
 
 
+def test_strands_too_far_away_for_single_precision_are_told() -> None:
+    text = "emitter: {strands: 9, particles: 11, position: [0, -FAR, 5]}\n"
+    scene = scene_of(text.replace("FAR", "1000000"))
+    (words,) = advice.warnings(scene, groom_of(scene))
+    assert words.startswith("strands are 1e+06 m from the origin, where places are rounded to 0.062 m, 62 % of a segm")
+    assert advice.warnings(scene_of(text.replace("FAR", "1000")), groom_of(scene)) == []
+
+
 @pytest.mark.parametrize("solver", ["rod", "thesis"])
 def test_a_run_goes_on_with_its_roots_swallowed_and_says_so(command: Runner, solver: str) -> None:
     Path("p.yaml").write_text(

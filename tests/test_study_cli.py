@@ -74,8 +74,8 @@ def test_no_setting_under_an_error_is_exit_code_3(run: Runner) -> None:
 
 
 def test_what_is_told_of_a_study_that_found_nothing() -> None:
-    from strandcli.cli.study import _missed
     from strandcli.study.points import Point
+    from strandcli.study.remedy import why_missed
     from strandcli.study.sweep import Study
 
     limit = {"converges": True, "uncertainty": 0.02, "gaps": [0.1, 0.03], "order": 1.7}
@@ -88,7 +88,7 @@ def test_what_is_told_of_a_study_that_found_nothing() -> None:
     def told(bend: float | None) -> str:
         reference = {"limits": {"rod": limit, "thesis": lost, "foil": limit}, "bend": bend}
         study = Study("motion", "hair", "", "median", "of the length", reference, {}, points, [], [], [])
-        return _missed([study], 0.01)
+        return why_missed([study], 0.01)
 
     assert told(0.036) == (
         "no setting keeps under an error of 1 %: hair: thesis has no limit in sight (its last refinement moved strands "
@@ -167,7 +167,7 @@ def test_errors_that_are_none(run: Runner, command: str, given: str) -> None:
 
 @pytest.mark.parametrize("given", ["1%", "0.01", "1e-2", " 1 % ", "1.0%", ".01"])
 def test_errors_may_be_written_as_shares_or_percent(given: str) -> None:
-    from strandcli.cli.study import ErrorType
+    from strandcli.cli.values import ErrorType
 
     assert ErrorType().convert(given, None, None) == pytest.approx(0.01)
 

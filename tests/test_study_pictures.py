@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 from cli_runs import Runner
 
+import strandcli
+from strandcli.draw.coverage import BLOCK
+from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline
-from strandcli.study.pictures.subject import changed, differences, knows
+from strandcli.study.pictures.shadow import ShadowStudy
+from strandcli.study.pictures.subject import LinearRenderer, Subject, changed, differences, knows
 
 SMALL = """\
 title: a small brush
@@ -42,6 +46,29 @@ def test_differences_are_shares_of_the_mean() -> None:
     assert differences(image, 0 * reference)["rmse"] is None
 
 
+def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> None:
+    children = "children: {count: 4, cut: 0.5, clumps: [{size: 0.1, strength: 0.8}], waves: [{radius: 0.02}]}"
+    material = "material: {width: 0.01, colour_variation: 0.5}"
+    (tmp_path / "locks.yaml").write_text(f"{SMALL}{children}\n{material}\n")
+    scene = strandcli.load(str(tmp_path / "locks.yaml"), overrides=["image.aovs=linear"])
+    subject = Subject(Request(scene=scene, name="locks", frame=2))
+    subject.move()
+    found = subject.draw(subject.scene, draws=1)
+    frame = next(iter(strandcli.render(scene, frames=[2])))
+    assert found.counts["strands"] == frame.report["counts"]["strands"] == 240
+    np.testing.assert_allclose(found.image, frame.aovs["linear"], rtol=1e-5, atol=1e-7)
+
+
+def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(
+    run: Runner, tmp_path: Path
+) -> None:
+    (tmp_path / "locks.yaml").write_text(f"{SMALL}children: {{count: 4}}\n")
+    done = run("study", "locks.yaml", "--axis", "curves", "--strands", "70", "--set", "curves.mode=off", "--json")
+    found = json.loads(done.out)
+    assert found["reference"]["strands"] == 70
+    assert "70 of 240 strands" in found["title"]
+
+
 def test_points_on_curves_and_their_distance() -> None:
     straight = np.zeros((1, 5, 3))
     straight[0, :, 1] = [-1, 0, 1, 2, 3]
@@ -67,9 +94,40 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
 
 
-def test_settings_by_path() -> None:
-    import strandcli
+def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> None:
+    """Maps alone are judged: not light from strand to strand, nor an environment's."""
+    (tmp_path / "brush.yaml").write_text(SMALL)
+    (tmp_path / "sky.hdr").write_bytes(
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129] * 2)
+    )
+    found = []
+    for more in ([], ["material.scatter=dual", "material.diffuse=0", "environment.image=sky.hdr"]):
+        scene = strandcli.load(str(tmp_path / "brush.yaml"), overrides=["material.model=chiang", *more])
+        study = ShadowStudy(Request(scene=scene, name="brush"))
+        study.prepare(lambda text: None)
+        knobs = {"lights.0.shadow.model": "opacity", "lights.0.shadow.size": 64}
+        found.append((study.truth.mean(), study.errors(knobs, study.subject.draw(study.scene, draws=1))))
+    assert found[0] == found[1]
+    assert found[0][1]["transmittance"] < 0.1
 
+
+def test_light_at_vertices_is_the_same_however_many_bands_of_rows_a_picture_has(tmp_path: Path) -> None:
+    (tmp_path / "brush.yaml").write_text(SMALL)
+    scene = strandcli.load(str(tmp_path / "brush.yaml"), overrides=["image.resolver=sorted"])
+    subject = Subject(Request(scene=scene, name="brush"))
+    subject.move()
+    (one,) = subject.draw(subject.scene, draws=1, keep_shading=True).shaded
+    renderer = LinearRenderer(subject.scene, subject.groom)
+    assert renderer.coverage is not None
+    renderer.coverage.room = 8 * BLOCK
+    picture = subject.draw(subject.scene, draws=1, keep_shading=True, renderer=renderer)
+    assert picture.counts["fragments"] > 2 * renderer.coverage.room
+    (other,) = picture.shaded
+    assert np.isfinite(one[1]).any()
+    np.testing.assert_array_equal(one[1], other[1])
+
+
+def test_settings_by_path() -> None:
     scene = strandcli.load("hair")
     assert knows(scene, "lights.0.shadow.model", "minmax")
     assert not knows(scene, "lights.0.shadow.model", "painted")

@@ -7,8 +7,15 @@ from typing import Any
 
 import click
 
+from ..errors import UsageError
 from . import options
 from .progress import Progress
+
+OWN = {
+    "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",
+    "quality": "--quality", "curves.level": "--level", "time.frames": "--frames",
+}  # fmt: skip
+"""Settings that have options of their own here."""
 
 
 @click.command()
@@ -29,6 +36,7 @@ from .progress import Progress
     help="How finely the scene is drawn; preset: as it is written.",
 )
 @click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
+@options.overrides
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
@@ -40,6 +48,7 @@ def command(
     solver: str,
     quality: str,
     level: int | None,
+    overrides: tuple[str, ...],
     growth: bool,
     threads: int | None,
     as_json: bool,
@@ -52,6 +61,10 @@ def command(
     Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
+    for text in overrides:
+        path = text.partition("=")[0].strip()
+        if path in OWN:
+            raise UsageError(f"--set {path}: write {OWN[path]} for it")
     from .. import runtime
 
     with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
@@ -59,7 +72,7 @@ def command(
         from ..study import bench
 
         if growth:
-            rows = bench.time_growth(solver, progress.note)
+            rows = bench.time_growth(solver, overrides, progress.note)
             data = {"solver": solver, "growth": rows, "machine": runtime.machine()}
         else:
             data = bench.run(
@@ -71,6 +84,7 @@ def command(
                 solver=solver,
                 quality=quality,
                 level=level,
+                overrides=overrides,
                 notify=progress.note,
             )
     if as_json:

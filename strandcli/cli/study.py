@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -13,80 +12,11 @@ import click
 from ..errors import MismatchError, UsageError
 from . import options, signals
 from .progress import Progress
+from .values import ErrorType, ListType, count, integrator, step, word
 
 if TYPE_CHECKING:
     from ..study.axes import Axis, Request
     from ..study.sweep import Study
-
-
-class ErrorType(click.ParamType):
-    """An error as a share: ``1%`` or ``0.01``."""
-
-    name = "ERROR"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
-        match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)\s*(%?)\s*", str(value), re.ASCII)
-        if match is None:
-            self.fail(f"'{value}' is not an error, such as 1% or 0.01", param, ctx)
-        share = float(match[1]) / (100 if match[2] else 1)
-        if not (math.isfinite(share) and 0 < share <= 1):
-            self.fail(f"'{value}': an error is more than 0 and at most 100%", param, ctx)
-        return share
-
-
-class ListType(click.ParamType):
-    """Values separated by commas."""
-
-    def __init__(self, name: str, read: Callable[[str], Any], example: str) -> None:
-        self.name, self.read, self.example = name, read, example
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
-        if isinstance(value, tuple):
-            return value
-        found = []
-        for word in str(value).split(","):
-            try:
-                found.append(self.read(word.strip()))
-            except ValueError as error:
-                self.fail(f"{error}; write for instance {self.example}", param, ctx)
-        return tuple(dict.fromkeys(found))
-
-
-def count(low: int, high: int) -> Callable[[str], int]:
-    """A reader of whole numbers in a range."""
-
-    def read(word: str) -> int:
-        if not re.fullmatch(r"[0-9]{1,9}", word, re.ASCII) or not low <= int(word) <= high:
-            raise ValueError(f"'{word}' is not a whole number from {low} to {high}")
-        return int(word)
-
-    return read
-
-
-def step(word: str) -> float:
-    """A step in seconds: ``1/240`` or ``0.01``."""
-    match = re.fullmatch(r"([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)(?:/([0-9]*\.?[0-9]+))?", word, re.ASCII)
-    below = float(match[2]) if match and match[2] else 1.0
-    seconds = float(match[1]) / below if match and below > 0 else math.nan
-    if not (math.isfinite(seconds) and 1e-6 <= seconds <= 10):
-        raise ValueError(f"'{word}' is not a step from 1e-6 to 10 seconds")
-    return seconds
-
-
-def integrator(text: str) -> str:
-    """The name of an integrator."""
-    if text not in ("euler", "bdf2"):
-        raise ValueError(f"'{text}' is not an integrator; they are euler and bdf2")
-    return text
-
-
-def word(text: str) -> str:
-    """A name."""
-    if not text:
-        raise ValueError("an empty name")
-    return text
 
 
 max_error = click.option(
@@ -146,8 +76,8 @@ def command(
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
     far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
     for each of them and each solver. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest
-    setting under an error. A solver that cannot represent something
-    is told as not represented. Exit code 3: no setting keeps under --max-error.
+    setting under an error. A solver that cannot represent something is told as not represented. Exit code 3: no setting
+    keeps under --max-error.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
@@ -187,7 +117,9 @@ def command(
         click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)
     missed = [one for one in studies if one.offered and not one.recommended]
     if max_error is not None and missed:
-        raise MismatchError(_missed(missed, max_error))
+        from ..study.remedy import why_missed
+
+        raise MismatchError(why_missed(missed, max_error))
 
 
 def _requests(
@@ -291,48 +223,3 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     write_pieces(folder / f"{name}.svg", [drawing.svg().encode()])
     write_image(folder / f"{name}.png", drawing.picture())
     write_json(folder / f"{name}.json", _finite({**study.as_dict(), "machine": runtime.machine()}))
-
-
-def _missed(studies: list[Study], most: float) -> str:
-    """Why nothing could be recommended: how near each solver comes, and what to try."""
-    words = [f"{study.name}: {_nearest(study)}" for study in studies]
-    return f"no setting keeps under an error of {_share(most)}: {'; '.join(words)}; {_remedy(studies)}"
-
-
-def _nearest(study: Study) -> str:
-    """How near each solver that presets may ask for comes."""
-    found = []
-    for solver in dict.fromkeys(point.solver for point in study.offered):
-        limit = study.reference.get("limits", {}).get(solver)
-        if limit is not None and not limit["converges"]:
-            gap = limit["gaps"][1]
-            moved = f" (its last refinement moved strands by {_share(gap)})" if math.isfinite(gap) else ""
-            found.append(f"{solver} has no limit in sight{moved}")
-            continue
-        errors = [point.error.get(study.metric) for point in study.offered if point.solver == solver]
-        known = [error for error in errors if error is not None]
-        sure = f", its limit known to {_share(limit['uncertainty'])}" if limit is not None else ""
-        found.append(f"{solver} comes to {_share(min(known))}{sure}".strip() if known else f"{solver} has no error")
-    return ", ".join(found)
-
-
-def _remedy(studies: list[Study]) -> str:
-    """What to try: first of all segments as short as strands bend."""
-    if any(study.axis not in ("motion", "reference") for study in studies):
-        return "allow a greater error"
-    for study in studies:
-        bend = study.reference.get("bend")
-        tried = [point.knobs["emitter.particles"] for point in study.offered if "emitter.particles" in point.knobs]
-        if bend and tried and bend * (max(tried) - 1) < 1:
-            need = math.ceil(1 / bend) + 1
-            return (
-                f"strands bend within {_share(bend)} of their length, less than a segment: "
-                f"try --solver rod --particles {need},{2 * need - 1}"
-            )
-    return "try finer --substeps or --particles"
-
-
-def _share(value: float) -> str:
-    from ..study.chart import share
-
-    return share(value)

@@ -58,14 +58,20 @@ class Drawing:
 class Renderer:
     """Draws frames of one scene; holds what stays the same from frame to frame."""
 
-    def __init__(self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None) -> None:
-        """``before`` is called in each frame ahead of its "coverage", where strands are sorted, and of its "light"."""
+    def __init__(
+        self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None,
+        children: Children | None = None,
+    ) -> None:  # fmt: skip
+        """``before`` is called in each frame ahead of its "coverage", where strands are sorted, and of its "light";
+        ``children``: of this scene and groom, where somebody has them already."""
         self.scene = scene
         self._before = before
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
-        self.children = Children(scene, groom) if scene.children is not None else None
+        if children is None and scene.children is not None:
+            children = Children(scene, groom)
+        self.children = children
         self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -152,7 +158,7 @@ class Renderer:
         scene, scratch, at = self.scene, self.scratch, shot.at
         strands = min(needed(scene, at), len(self.tones))
         if self.children is not None:
-            positions, lengths = self.children.grow(positions, lengths, at, strands, scratch)
+            positions, lengths = self.children.grow(positions, lengths, at, strands, scratch, self.ids)
             self._lap("children")
         level = level_of(scene, at, positions, strands, self.ids, self._thins)
         bounds = bounds_of(positions, strands, None if level is None else level.fade)

@@ -73,14 +73,12 @@ class Children:
         self.steps: int = scene.children.steps(scene.emitter.segment)
         """Steps in which a guide's segment is drawn."""
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
-        self._alive: NDArray[np.intp] | None = None
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32] | None]:
         """The tones of all children whose guides (blocks, n + 1, 3 W) are finite, and which they are; None: all.
         Raises `SimulationError` where there are none."""
         family = self.family
         if np.isfinite(positions).all():
-            self._alive = None
             return family.tones, None
         rows = positions.reshape(*positions.shape[:2], 3, W)
         good = np.isfinite(rows).all((1, 2)).reshape(-1)[: self.groom.strands]
@@ -88,24 +86,25 @@ class Children:
         alive = sound & sound[family.middles].all(0)
         if not alive.any():
             raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
-        self._alive = np.flatnonzero(alive)
-        return family.tones[self._alive], self._alive.astype(np.int32)
+        ids = np.flatnonzero(alive)
+        return family.tones[ids], ids.astype(np.int32)
 
     def grow(
-        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """The first ``strands`` children at a time in seconds, as positions (blocks, rows, 3 W) and segment lengths
-        (blocks, W), from guides in the same layout."""
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any,
+        ids: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
+        """The first ``strands`` children at a time in seconds, or of those called ``ids``, as positions
+        (blocks, rows, 3 W) and segment lengths (blocks, W), from guides in the same layout."""
         from .kernels import children as kernel
 
-        family, steps, alive = self.family, self.steps, self._alive
+        family, steps = self.family, self.steps
         n = positions.shape[1] - 1
         guides = scratch.take("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
         kernel.refine(positions, np.int64(steps), guides)
         rests = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
         roots = (family.roots @ rotation.T + shift).astype(np.float32)
-        own = np.arange(strands, dtype=np.int32) if alive is None else alive[:strands].astype(np.int32)
+        own = np.arange(strands, dtype=np.int32) if ids is None else ids[:strands]
         m = guides.shape[1] - 1
         way = np.linspace(0.0, 1.0, m)
         ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)

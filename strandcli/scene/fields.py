@@ -46,6 +46,10 @@ class Range:
         """Whether ``value`` (finite) is allowed."""
         if abs(value) > max(LARGEST, abs(self.high or 0.0)) or (self.above == 0 and value < SMALLEST):
             return False
+        return self.spans(value)
+
+    def spans(self, value: float) -> bool:
+        """Whether ``value`` is within the limits, whatever single precision can hold."""
         return (
             (self.low is None or value >= self.low)
             and (self.above is None or value > self.above)
@@ -55,7 +59,12 @@ class Range:
 
     def __str__(self) -> str:
         parts = (("of at least", self.low), ("above", self.above), ("below", self.below), ("of at most", self.high))
-        return " and ".join(f"{word} {limit}" for word, limit in parts if limit is not None)
+        # a limit that is no whole number in Python's eyes is written as a person would: 1e+13
+        return " and ".join(
+            f"{word} {limit:.12g}" if isinstance(limit, float) else f"{word} {limit}"
+            for word, limit in parts
+            if limit is not None
+        )
 
 
 ANY = Range()
@@ -288,3 +297,9 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
         if "spec" in field.metadata
     )
     return MappingProxyType({setting.key: setting for setting in found})
+
+
+def why_absent(cls: type, key: str) -> str | None:
+    """Why a class has no setting of a name that people look for, where it says so in ``ABSENT``."""
+    reasons: Mapping[str, str] = getattr(cls, "ABSENT", {})
+    return reasons.get(key)

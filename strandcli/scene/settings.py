@@ -25,6 +25,7 @@ from .fields import (
     VectorSpec,
     WindowSpec,
     settings_of,
+    why_absent,
 )
 from .look import LOOKS
 from .model import Scene
@@ -147,7 +148,8 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         if specs is None:
             raise Unreachable(f"{shown(part)} cannot be reached: the kind of what holds it is not known")
         if part not in specs:
-            raise Unreachable(f"unknown key; {hint(part, specs, 'the keys are')}")
+            absent = why_absent(spec.model, part) if isinstance(spec, ModelSpec) else None
+            raise Unreachable(absent or f"unknown key; {hint(part, specs, 'the keys are')}")
         child = _place(specs[part], node.get(part), parts[1:], value, rules)
         if isinstance(spec, UnionSpec) and part == "kind":
             node = _of_kind(spec, node, child)

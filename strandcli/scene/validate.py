@@ -13,7 +13,6 @@ from typing import Any
 from .describe import wanted
 from .faults import Fault, Mark, fault_at, hint, shown
 from .fields import (
-    LARGEST,
     SMALLEST,
     BooleanSpec,
     ChoiceSpec,
@@ -32,6 +31,7 @@ from .fields import (
     VectorSpec,
     WindowSpec,
     settings_of,
+    why_absent,
 )
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of
@@ -43,10 +43,7 @@ MOST_HINTS = 200
 
 
 class Reader:
-    """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written.
-
-    A class may say in ``ABSENT`` why it has no setting of some name that people look for.
-    """
+    """Reads nodes by their specs. ``faults`` gathers what is wrong, ``marks`` where each path was written."""
 
     def __init__(self, rules: Mapping[str, RuleType]) -> None:
         self.rules = rules
@@ -79,8 +76,7 @@ class Reader:
             where = f"{path}.{key}" if path else key
             setting = settings.get(key)
             if setting is None:
-                absent: str | None = getattr(cls, "ABSENT", {}).get(key)
-                self.refuse(entry.mark, where, absent or self.unknown_key(key, settings, top=not path))
+                self.refuse(entry.mark, where, why_absent(cls, key) or self.unknown_key(key, settings, top=not path))
             elif not (isinstance(entry.node, Scalar) and entry.node.null):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         return cls(**values)
@@ -276,7 +272,7 @@ def _given(node: Node) -> str:
 
 def _in_range(value: float, limits: Range, node: Scalar) -> float:
     if not limits.holds(value):
-        beyond = "; single precision ends before that" if abs(value) > LARGEST or 0 < abs(value) < SMALLEST else ""
+        beyond = "; single precision ends before that" if limits.spans(value) else ""
         raise Refusal(f"not {shown(node.text)}{beyond}")
     return value
 

@@ -14,13 +14,16 @@ from .rules import collision
 
 DEEP = 1.0
 """Segments that a root must be below a surface for its strand not to get out: the next particle reaches no further."""
+COARSE = 0.01
+"""Of a segment: a step from one number of single precision to the next that shows in the shapes of strands."""
 SMALL = 0.5
 """Diameter of a ball or capsule, in segments, below which it slips through between two particles."""
 
 
 def warnings(scene: Any, groom: Groom) -> list[str]:
     """One line for each solid that swallows roots when the run begins, and for each that is too small to be noticed by
-    particles; and for a rule that the solver leaves out although it asks for something."""
+    particles; for a rule that the solver leaves out although it asks for something; and for strands so far from the
+    origin that their places are rounded."""
     found = []
     for use in scene.rules:
         if scene.solver == "rod" and use.name == "stiffness" and use.parameters.strength > 0:
@@ -34,6 +37,13 @@ def warnings(scene: Any, groom: Groom) -> list[str]:
     segment = groom.lengths.astype(np.float64) / max(scene.emitter.particles - 1, 1)
     turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
     roots = groom.roots.astype(np.float64) @ turn.T + moved
+    away = float(np.abs(roots).max())
+    step = float(np.spacing(np.float32(away)))
+    if step > COARSE * segment.max():
+        found.append(
+            f"strands are {away:.3g} m from the origin, where places are rounded to {step:.2g} m, "
+            f"{100 * step / segment.max():.2g} % of a segment: they become ragged; move the scene to the origin"
+        )
     for key, solid in touched.items():
         name = f"solids.{numbers[key]}" + (f" ({solid.name})" if solid.name else "")
         under = depth(roots, solid, scene.emitter)

@@ -55,6 +55,8 @@ MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
+STIFFEST = 1e30
+"""Rigidity of a joint in 1/s² beyond which no step of time sees a strand bend; single precision ends soon after."""
 
 
 def matter(rod: Rod) -> tuple[float, float, float]:
@@ -93,7 +95,7 @@ class RodSolver(Solver):
         self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if self.long or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
-        self.stiffness = lanes((rigidity(rod) / lengths**4)[:, None], self.dtype)
+        self.stiffness = lanes(np.minimum(rigidity(rod) / lengths**4, STIFFEST)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)

@@ -3,16 +3,15 @@
 The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.crew`), stages
 take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
-frames. Two more figures stand on their own, so that they can be compared with
-bounds for one loop alone: `rules` (six rules and two spheres) and `lines` (one-pixel lines with colours into a
-z-buffer).
+frames. Two more figures stand on their own, so that they can be compared with bounds for one loop alone: `rules` (six
+rules and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 """
 
 from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +43,11 @@ def run(
     solver: str = "thesis",
     quality: str = "preset",
     level: int | None = None,
+    overrides: Sequence[str] = (),
     notify: Notify | None = None,
 ) -> dict[str, Any]:
-    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says."""
+    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says.
+    ``overrides`` change other settings of the scene, as after ``--set``, but not what `rules` and `lines` time."""
     settings = {
         "emitter.strands": strands,
         "emitter.particles": particles,
@@ -57,7 +58,7 @@ def run(
     }
     if level is not None:
         settings["curves.level"] = level
-    scene = load("headline", settings=settings)
+    scene = load("headline", overrides=overrides, settings=settings)
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:
@@ -74,6 +75,7 @@ def run(
         "threads": runtime.machine()["threads"],
         "quality": quality,
         "level": scene.curves.level,
+        "set": list(overrides),
         "compile_seconds": runtime.compile_seconds(),
         "frames_at_once": at_once,
         "stages": stages,
@@ -129,7 +131,9 @@ def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, flo
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
 
 
-def time_growth(solver: str, notify: Notify | None = None, repeats: int = 5) -> list[dict[str, float]]:
+def time_growth(
+    solver: str, overrides: Sequence[str] = (), notify: Notify | None = None, repeats: int = 5
+) -> list[dict[str, float]]:
     """How the cost of a particle and step grows with strands, of 10 particles each, and with the particles of a strand,
     at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place."""
     from ..groom.emit import emit
@@ -140,7 +144,7 @@ def time_growth(solver: str, notify: Notify | None = None, repeats: int = 5) -> 
         if notify is not None:
             notify(f"{strands:,} strands x {particles:,} particles")
         settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
-        scene = load("headline", settings=settings)
+        scene = load("headline", overrides=overrides, settings=settings)
         one = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
         one.advance(1)
         took = median_seconds(lambda j, one=one: one.advance(j + 2), repeats)  # type: ignore[misc]

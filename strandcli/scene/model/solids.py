@@ -11,66 +11,53 @@ from .pose import PoseKey
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class SphereSolid:
+class _Solid:
+    """What all have; `kind` tells them apart."""
+
+    kind: str = ""
+    name: str = text("", doc="name for a collision rule's `with`")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
+    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SphereSolid(_Solid):
     """A ball."""
 
     kind: str = choice("sphere", ("sphere",))
-    name: str = text("", doc="name for a collision rule's `with`")
     radius: float = number(1.0, above=0, unit="m", doc="radius")
-    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
-    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
-    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
-    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
-    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
-    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class CapsuleSolid:
+class CapsuleSolid(_Solid):
     """A rounded cylinder along its own y axis."""
 
     kind: str = choice("capsule", ("capsule",))
-    name: str = text("", doc="name for a collision rule's `with`")
     radius: float = number(1.0, above=0, unit="m", doc="radius")
     length: float = number(1.0, low=0, unit="m", doc="distance between the centres of its two round ends")
-    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
-    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
-    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
-    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
-    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
-    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class PlaneSolid:
+class PlaneSolid(_Solid):
     """Everything below a plane through `position`, whose normal is its own +y axis: a ground."""
 
     kind: str = choice("plane", ("plane",))
-    name: str = text("", doc="name for a collision rule's `with`")
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="a point of the plane")
-    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
-    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
-    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
-    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     fade: float = number(
         0.0, low=0, unit="m", doc="distance from `position` over which it fades into the background; 0: never"
     )
-    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class BoxSolid:
+class BoxSolid(_Solid):
     """A cuboid."""
 
     kind: str = choice("box", ("box",))
-    name: str = text("", doc="name for a collision rule's `with`")
     size: Vector = vector((1.0, 1.0, 1.0), above=0, unit="m", doc="whole extents along its own axes")
-    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
-    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
-    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
-    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
-    colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
-    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
 Solid = SphereSolid | CapsuleSolid | PlaneSolid | BoxSolid

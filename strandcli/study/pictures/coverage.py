@@ -8,7 +8,7 @@ from ..axes import Axis
 from ..points import Knobs, Point
 from .experiment import Pictures
 from .occupancy import SLABS, SLICES, OccupancyRenderer
-from .subject import Picture, changed, knows, silhouette
+from .subject import Picture, changed, silhouette
 
 SAMPLES = 16
 """Of the reference, along each side of a pixel."""
@@ -54,13 +54,9 @@ class CoverageStudy(Pictures):
         return str(knobs.get("foil", knobs.get("image.resolver", "zbuffer")))
 
     def reference(self) -> dict[str, Any]:
-        """Opaque strands need no more than who is in front; those that let light through are sorted."""
-        fine: dict[str, Any] = {"image.supersample": SAMPLES}
-        if knows(self.scene, "image.resolver"):
-            clear = knows(self.scene, "material.opacity") and getattr(self.scene.material, "opacity", 1.0) < 1
-            thin = self.subject.pixels_wide() * SAMPLES < 1  # a z-buffer draws nothing thinner than a sample
-            fine["image.resolver"] = "sorted" if clear or thin else "zbuffer"
-        scene = changed(self.scene, fine)
+        """Opaque strands need no more than who is in front; others are sorted."""
+        resolver = "sorted" if self.subject.needs_sorting(SAMPLES) else "zbuffer"
+        scene = changed(self.scene, {"image.supersample": SAMPLES, "image.resolver": resolver})
         self.fine = self.subject.draw(scene, draws=1)
         self.covered = self.subject.draw(silhouette(scene), draws=1)
         return {"what": f"{SAMPLES}×{SAMPLES} samples a pixel", "mean": float(self.fine.image.mean()),

@@ -50,8 +50,7 @@ class WholeStudy(Pictures):
         for i in shadowed(scene):
             fine |= {f"lights.{i}.shadow.model": "opacity", f"lights.{i}.shadow.layers": LAYERS}
             fine |= {f"lights.{i}.shadow.size": TEXELS}
-        thin = self.subject.pixels_wide() * SAMPLES < 1
-        fine["image.resolver"] = "sorted" if thin or scene.material.opacity < 1 else "zbuffer"
+        fine["image.resolver"] = "sorted" if self.subject.needs_sorting(SAMPLES) else "zbuffer"
         self.fine = self.subject.draw(changed(scene, fine), draws=1)
         words = (f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} "
                  "layers")  # fmt: skip

@@ -28,7 +28,9 @@ class Pictures(ABC):
         self.subject = Subject(request)
         scene = self.subject.scene
         size = "×".join(map(str, scene.image.size))
-        self.title = f"{request.name}, {scene.emitter.strands} strands at {size}: {self.axis}"
+        strands, every = scene.emitter.strands, self.subject.all_strands
+        of_all = "" if strands == every else f" of {every}"
+        self.title = f"{request.name}, {strands}{of_all} strands at {size}: {self.axis}"
 
     @property
     def scene(self) -> Scene:

@@ -173,9 +173,9 @@ def alone(scene: Scene, light: int) -> Scene:
 def matt(scene: Scene) -> Scene:
     """A scene whose strands scatter what reaches them evenly and colourlessly, and are lit by lamps alone."""
     settings = {"material.colour": (1.0, 1.0, 1.0), "material.tip_colour": None, "material.colour_variation": 0.0,
-                "material.specular": 0.0, "material.diffuse": 1.0, "ambient": (0.0, 0.0, 0.0),
+                "material.specular": 0.0, "material.scatter": "diffuse", "material.diffuse": 1.0,
                 "material.pigment": "rgb", "material.eumelanin": None, "material.pheomelanin": None,
-                "material.grey": 0.0}  # fmt: skip
+                "material.grey": 0.0, "ambient": (0.0, 0.0, 0.0), "environment": None}  # fmt: skip
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
 
 

@@ -16,7 +16,9 @@ from ...draw.chiang import ChiangTables
 from ...draw.curves import Polylines
 from ...draw.marschner import MarschnerTables
 from ...draw.renderer import Renderer
+from ...draw.scratch import Scratch
 from ...errors import RefusedError, SimulationError, UsageError
+from ...groom.children import Children
 from ...groom.emit import emit
 from ...plan import available_memory
 from ...scene.fields import ChoiceSpec, settings_of
@@ -54,7 +56,8 @@ class LinearRenderer(Renderer):
 
     def draw(self, *args: Any, **kwargs: Any) -> Any:
         """As in `Renderer`."""
-        self.shaded: list[tuple[Polylines, NDArray[np.float32]]] = []
+        self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
+        """By the first strand of a portion."""
         return super().draw(*args, **kwargs)
 
     def _develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
@@ -65,18 +68,26 @@ class LinearRenderer(Renderer):
         )
         return super()._develop(image, *rest)
 
-    def _shade(self, lines: Polylines, *args: Any, **kwargs: Any) -> NDArray[np.float32]:
+    def _shade(
+        self, lines: Polylines, marks: NDArray[np.uint8], begin: int, *args: Any, **kwargs: Any
+    ) -> NDArray[np.float32]:
         if not self.keep_shading:
-            return super()._shade(lines, *args, **kwargs)
+            return super()._shade(lines, marks, begin, *args, **kwargs)
         self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
-        colours = super()._shade(lines, *args, **kwargs)
-        self.shaded.append((dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy()),
-                            colours.copy()))  # fmt: skip
+        colours = super()._shade(lines, marks, begin, *args, **kwargs)
+        if begin in self.shaded:  # the picture's next rows show others of the same strands
+            kept = self.shaded[begin][1]
+            np.copyto(kept, colours, where=np.isnan(kept))
+        else:
+            lines = dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy())
+            self.shaded[begin] = lines, colours.copy()
         return colours
 
 
 class Subject:
-    """The first strands of a preset at one frame.
+    """The first strands that a preset draws at one frame: those that are simulated, or their children.
+
+    Children are grown once; whatever is drawn of them afterwards is drawn as if they had been simulated.
 
     Lines of no width, a sample wide whatever the sampling, have no finer picture to be compared with: such strands are
     given the width in metres that the preset draws them with in the middle of the groom, at the size studied.
@@ -87,15 +98,17 @@ class Subject:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
-        scene = dataclasses.replace(scene, children=None)  # guides alone: what is studied is how strands are drawn
-        strands = min(request.strands or STRANDS, scene.emitter.strands)
-        scene = changed(scene, {"emitter.strands": strands, "image.size": request.size or _small(scene.image.size)})
+        self.all_strands = scene.drawn_strands
+        strands = min(request.strands or STRANDS, self.all_strands)
+        scene = changed(scene, {"image.size": request.size or _small(scene.image.size)})
+        drawn = changed(scene, {"children": None, "emitter.strands": strands})
+        self._guiding = drawn if scene.children is None else scene
         self.name, self.frame = request.name, request.frame
         if self.frame > scene.time.frames:
             raise UsageError(f"--frame {self.frame}: the film of {self.name} has {scene.time.frames} frames")
         self.at = (self.frame - 1) / scene.time.fps
-        self.groom = emit(scene.emitter, scene.seed, strands)
-        self.scene = scene
+        self.groom = emit(drawn.emitter, drawn.seed)
+        self.scene = drawn
         self.positions: NDArray[np.float32] = np.empty(0, np.float32)
         self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
         self.widened = scene.material.width == 0
@@ -104,11 +117,20 @@ class Subject:
         """Simulate up to the frame. Raises `SimulationError` where strands cannot be drawn."""
         from ...simulate import solver_of
 
-        solver = solver_of(self.scene)(self.scene, self.groom)
+        scene = self._guiding
+        guides = self.groom if scene.children is None else emit(scene.emitter, scene.seed)
+        solver = solver_of(scene)(scene, guides)
         solver.advance(self.frame)
         if not np.isfinite(solver.particles()).all():
             raise SimulationError(f"{self.name}: at frame {self.frame} strands are no longer finite; study another")
         self.positions, self.lengths = solver.positions, solver.lengths
+        if scene.children is not None:
+            children, strands = Children(scene, guides), self.groom.strands
+            tones, _ = children.select(solver.positions)
+            self.groom = dataclasses.replace(self.groom, tones=tones[:strands])
+            self.positions, self.lengths = children.grow(
+                solver.positions, solver.lengths, self.at, strands, Scratch()
+            )
         if self.widened:
             view = self.view(self.scene)
             low, high = self.bounds()
@@ -130,6 +152,12 @@ class Subject:
     def view(self, scene: Scene) -> View:
         """The camera of a scene at the frame, in its picture's own pixels."""
         return camera_view(scene.camera, self.at, *scene.image.size, self.bounds())
+
+    def needs_sorting(self, samples: int) -> bool:
+        """Whether strands show others through, or become thinner than one of so many samples along a pixel's side: a
+        z-buffer draws nothing thinner."""
+        material = self.scene.material
+        return material.opacity < 1 or self.pixels_wide() * (1 - material.taper) * samples < 1
 
     def pixels_wide(self) -> float:
         """Width of a strand at its root in pixels, in the middle of the groom."""
@@ -164,7 +192,7 @@ class Subject:
             for stage, took in drawing.seconds.items():
                 seconds[stage] = min(took, seconds.get(stage, math.inf))
         assert renderer.linear is not None
-        return Picture(renderer.linear, seconds, dict(drawing.counts), renderer.shaded)
+        return Picture(renderer.linear, seconds, dict(drawing.counts), list(renderer.shaded.values()))
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:
@@ -179,7 +207,7 @@ def silhouette(scene: Scene) -> Scene:
              "eumelanin": None, "pheomelanin": None, "grey": 0.0}  # fmt: skip
     settings: dict[str, Any] = {f"material.{key}": value for key, value in plain.items()}
     settings |= {"image.background": (0.0, 0.0, 0.0), "image.horizon": None, "ambient": (1.0, 1.0, 1.0)}
-    settings |= {"lights": (), "solids": ()}
+    settings |= {"lights": (), "solids": (), "environment": None}
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
 
 

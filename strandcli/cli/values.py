@@ -1,0 +1,80 @@
+"""Values of options of `strandcli study`: errors, steps, and lists."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+
+class ErrorType(click.ParamType):
+    """An error as a share: ``1%`` or ``0.01``."""
+
+    name = "ERROR"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)\s*(%?)\s*", str(value), re.ASCII)
+        if match is None:
+            self.fail(f"'{value}' is not an error, such as 1% or 0.01", param, ctx)
+        share = float(match[1]) / (100 if match[2] else 1)
+        if not (math.isfinite(share) and 0 < share <= 1):
+            self.fail(f"'{value}': an error is more than 0 and at most 100%", param, ctx)
+        return share
+
+
+class ListType(click.ParamType):
+    """Values separated by commas."""
+
+    def __init__(self, name: str, read: Callable[[str], Any], example: str) -> None:
+        self.name, self.read, self.example = name, read, example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
+        if isinstance(value, tuple):
+            return value
+        found = []
+        for word in str(value).split(","):
+            try:
+                found.append(self.read(word.strip()))
+            except ValueError as error:
+                self.fail(f"{error}; write for instance {self.example}", param, ctx)
+        return tuple(dict.fromkeys(found))
+
+
+def count(low: int, high: int) -> Callable[[str], int]:
+    """A reader of whole numbers in a range."""
+
+    def read(word: str) -> int:
+        if not re.fullmatch(r"[0-9]{1,9}", word, re.ASCII) or not low <= int(word) <= high:
+            raise ValueError(f"'{word}' is not a whole number from {low} to {high}")
+        return int(word)
+
+    return read
+
+
+def step(word: str) -> float:
+    """A step in seconds: ``1/240`` or ``0.01``."""
+    match = re.fullmatch(r"([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)(?:/([0-9]*\.?[0-9]+))?", word, re.ASCII)
+    below = float(match[2]) if match and match[2] else 1.0
+    seconds = float(match[1]) / below if match and below > 0 else math.nan
+    if not (math.isfinite(seconds) and 1e-6 <= seconds <= 10):
+        raise ValueError(f"'{word}' is not a step from 1e-6 to 10 seconds")
+    return seconds
+
+
+def integrator(text: str) -> str:
+    """The name of an integrator."""
+    if text not in ("euler", "bdf2"):
+        raise ValueError(f"'{text}' is not an integrator; they are euler and bdf2")
+    return text
+
+
+def word(text: str) -> str:
+    """A name."""
+    if not text:
+        raise ValueError("an empty name")
+    return text
