@@ -183,7 +183,7 @@ class _Film:
         self._done = 0
         self._wrong = False
         if given is None:
-            for words in warnings(scene, self.groom):
+            for words in [*warnings(scene, self.groom), *self.solver.warnings]:
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
         self.snapshots = False
         """Whether strands move on while a frame is drawn."""

@@ -24,6 +24,7 @@ from ..errors import UsageError
 from ..groom.emit import Groom, frame
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
+from . import sag_free
 from .kernels import rod_dense, rod_long, rod_step
 from .solver import Solver
 from .surroundings import Surroundings, gravity
@@ -245,7 +246,7 @@ class RodSolver(Solver):
         edges = np.stack(begun)  # (N, strands, 3), the emitter's frame
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
         if rod.rest == "sag_free":
-            bends = bends - self._sag(edges, lengths)
+            bends = bends - self._hold(edges, lengths)
         rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
         first = frame(axes)[0]
         rows[:, 0] = lanes(first, self.dtype)
@@ -261,26 +262,25 @@ class RodSolver(Solver):
             t = e
         return rows
 
-    def _sag(self, edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N, strands, 3) bend beyond rest that carries gravity in this shape, joint by joint from the tip: the force
-        F_j of all that hangs on edge j is its tension and the difference of the moments b at its ends,
-        F_j = τ_j e_j + b_j − b_{j+1}. Where a joint would have to be bent by more than 1.5 it is not, and the strand
-        sags after all: a straight level one holds still up to Γ = 6 N."""
+    def _hold(self, edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, strands, 3) bends beyond rest that hold these edges still under gravity; tension begins as it will be,
+        and strands that are too soft become stiffer, and say so."""
         pull = self.pose[0].T @ self.surroundings.gravity
-        out = np.zeros_like(edges)
-        moment = np.zeros_like(edges[0])
-        weight = np.zeros_like(edges[0])
-        kappa = (rigidity(self.scene.rod) / lengths**4)[:, None]
-        for j in reversed(range(len(edges))):
-            weight = weight + float(self.mass[j]) * pull / lengths[:, None]
-            force = weight + moment
-            tension = (force * edges[j]).sum(1, keepdims=True)
-            self.tension[:, j] = lanes(tension, self.dtype)
-            moment = force - tension * edges[j]
-            bend = moment / np.maximum(kappa * float(self.joint[j]), 1e-300)
-            size = np.linalg.norm(bend, axis=1, keepdims=True)
-            out[j] = bend * np.minimum(1, 1.5 / np.maximum(size, 1e-300))
-        return out
+        own = rigidity(self.scene.rod) / lengths**4
+        # of numbers as the kernel reads them: what they are rounded by would be a load
+        given = (self.mass.astype(np.float64), self.joint.astype(np.float64), own, pull / lengths[:, None])
+        held = sag_free.hold(edges, *given)
+        for j, tension in enumerate(held.tension):
+            self.tension[:, j] = lanes(tension[:, None], self.dtype)
+        stiffer = held.stiffness > own
+        if stiffer.any():
+            self.stiffness = lanes(held.stiffness[:, None], self.dtype)
+            self.warnings.append(
+                f"rod.rest: sag_free: {int(stiffer.sum()):,} of {self.strands:,} strands are too soft to stay as they "
+                f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
+                "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
+            )
+        return held.bends
 
     def place_roots(self, frame_number: int) -> None:
         """By the emitter's pose at a frame."""

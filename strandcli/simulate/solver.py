@@ -22,13 +22,15 @@ class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
     ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
-    ``lengths`` (blocks, W) are the rest lengths of segments. Raises `UsageError` for a groom that `check` refuses.
+    ``lengths`` (blocks, W) are the rest lengths of segments; ``warnings`` are what a person should know of how this
+    solver takes the scene. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         check(groom)
         self.scene = scene
         self.strands = groom.strands
+        self.warnings: list[str] = []
         n = scene.emitter.particles
         rest_length = groom.lengths.astype(np.float64) / (n - 1)
         rotation, translation = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))

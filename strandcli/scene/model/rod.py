@@ -34,7 +34,7 @@ class Rod:
         "shape",
         ("straight", "shape", "sag_free"),
         doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still "
-        "under gravity",
+        "under gravity, for which strands that are too soft are made stiffer",
     )
     drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
