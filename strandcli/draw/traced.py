@@ -4,12 +4,13 @@ A map blurs the shadows of single strands, which is right where a pixel shows ma
 each strand is held against all others; what is averaged is averaged over a part of a strand's length, no more than a
 sample of the picture shows or than lies between two of its lit vertices. A strand does not shade itself.
 
-A grid over each of a light's views lists the strands in each of its cells; its cells are half as wide as the pieces of
-strands are long, which was fastest, and become wider where their lists would take more than `ROOM` bytes.
+A grid over each of a light's views lists the pieces of strands in each of its cells: some `LIST`, which was fastest,
+and more where the lists would take more than `ROOM` bytes.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +25,10 @@ from .raster import into_bands, to_screen
 from .scratch import Scratch
 from .shadow import Thickness, light_views, texel_of
 
-CELL = 0.5
-"""Side of a cell, in pieces of strands."""
+LIST = 48.0
+"""Pieces that touch a cell, about."""
+COARSE = 64
+"""Cells along a side of the grid by which the area is found that strands cover."""
 FINEST = 2048
 """Cells along a side of a grid at most."""
 ROOM = 1_000_000_000
@@ -77,8 +80,10 @@ def grid_of(
     piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
     margin = piece + thickness.width
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
-    texel = max(texel_of(view, wider) for view in light_views(light, FINEST, wider))
-    size = int(np.clip(FINEST * texel / max(CELL * piece, thickness.width), 8, FINEST))
+    fine = light_views(light, FINEST, wider)
+    texel = max(texel_of(view, wider) for view in fine)
+    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece, scratch)
+    size = int(np.clip(FINEST * texel / max(cell, thickness.width), 8, FINEST))
     while True:
         views = light_views(light, size, wider)
         sides = [_bands_of(lines, view, thickness, scratch) for view in views]
@@ -109,6 +114,20 @@ def _mean_piece(lines: Polylines) -> float:
     steps[lines.first[1:-1] - 1] = 0
     total = float(np.sqrt((steps**2).sum(1)).sum(dtype=np.float64))
     return total / max(lines.segments, 1)
+
+
+def _cell(lines: Polylines, views: list[View], texel: float, piece: float, scratch: Scratch) -> float:
+    """Side of cells that some `LIST` pieces touch, metres: of pieces of length l that begin evenly over an area, a cell
+    of side c is touched by those that begin in an area of c (c + 4 l / π). ``views``: of `COARSE` cells a side, which
+    are ``texel`` metres wide."""
+    covered = 0
+    for view in views:
+        screen = to_screen(lines, view, scratch, "light_screen")
+        there = screen[screen[:, 2] > 0, :2].astype(np.int64).clip(0, COARSE - 1)
+        covered += int(np.count_nonzero(np.bincount(there[:, 1] * COARSE + there[:, 0])))
+    area = LIST * max(covered, 1) * texel**2 / max(lines.segments, 1)
+    reach = 4 / math.pi * piece
+    return (math.sqrt(reach**2 + 4 * area) - reach) / 2
 
 
 def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:

@@ -1,10 +1,9 @@
 """Exact shadows of strands on strands: what of a strand's length other strands leave in the light.
 
 Seen from the light a piece of a strand is a flat band, and a strand that is lit is a line. A band that crosses the line
-in front of it takes a part of its length away, of which three pairs of linear inequalities tell the ends: within the
-band's width, between the band's ends, nearer to the light than the line. No ray is cast and nothing is sampled; there
-is only the union of those parts to be formed, and for that each piece is cut into `PARTS`. A part that is covered whole
-stays so whatever else covers it; of what covers it in part the places are taken as independent.
+in front of it darkens a part of its length, of which three pairs of linear inequalities tell the ends: within the
+band's width, between the band's ends, nearer to the light than the line. No ray is cast and nothing is sampled: the
+light along a piece of the line is a function of steps, kept as such.
 
 Bands are listed in the square cells of a grid over the light's view that they touch, nearest first, as keys: the depth
 number, complemented so that nearer is smaller, above the index of the piece's first vertex. A line is followed from
@@ -24,9 +23,10 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
-PARTS = np.int64(8)
-"""Parts of a piece."""
-PER = ONE / np.float32(PARTS)
+STEPS = 96
+"""Steps of the light along a piece at most; in those that there are then, parts are taken to darken the whole."""
+SLIVER = np.float32(1e-5)
+"""Part of a piece that is not worth a step."""
 DARK = np.float32(1 / 512)
 """What gets less light than this is not looked at any further."""
 MOST = np.int64(32)
@@ -37,6 +37,7 @@ LOW = np.int64(0xFFFFFFFF)
 NEAREST = np.int64(0x7FFFFFFF)
 """No less than the bits of any number that is not negative."""
 SHIFT = np.int64(32)
+LEVEL, SPARE = STEPS, 2 * STEPS
 BATCH = 64
 """Bands that are held against a line at once."""
 # Rows of numbers, one for each band of a cell: how far aside a point of the cell lies, in half widths; how far along,
@@ -168,9 +169,10 @@ def visibility(
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
-        clear = np.empty((most + 1) * PARTS, np.float32)
+        sums = np.empty(2 * (most + 1), np.float32)
         wanted = np.empty(most + 1, np.uint8)
         cuts = np.empty(2 * BATCH, np.float32)
+        steps = np.empty(4 * STEPS, np.float32)
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             a = first[s]
             n = first[s + 1] - a - 1
@@ -179,18 +181,21 @@ def visibility(
             for p in range(n):
                 if wanted[p] == 0:
                     continue
-                for k in range(p * PARTS, (p + 1) * PARTS):
-                    clear[k] = ONE
                 low = max(p - apart, 0) + a
                 high = min(p + apart, n - 1) + a
+                steps[0] = ZERO
+                steps[1] = ONE
+                steps[LEVEL] = ONE
+                parts = np.int64(1)
                 for one in range(views.shape[0]):
-                    piece(
-                        world, a + p, p * PARTS, views, one, sizes[one], cells[one], begin, keys, lines, low, high,
-                        opacity, bias, cuts, clear,
+                    parts = piece(
+                        world, a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, opacity, bias,
+                        cuts, steps, parts,
                     )  # fmt: skip
+                add_up(steps, parts, sums, p)
             for v in range(0, n + 1, stride):
                 if marks[a + v] != 0:
-                    out[a + v] = mean(clear, v, n, reach(screen, a, v, n, stride))
+                    out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
 
 
 @inner
@@ -219,26 +224,43 @@ def reach(screen, a, v, n, stride):
 
 
 @inner
-def mean(clear, v, n, far):
+def add_up(steps, parts, sums, p):
+    """Mean light of piece p, and what it comes to where it counts the more the nearer it is to the piece's end."""
+    plain = ZERO
+    toward = ZERO
+    for i in range(parts):
+        light = steps[LEVEL + i] * (steps[i + 1] - steps[i])
+        plain += light
+        toward += light * HALF * (steps[i + 1] + steps[i])
+    sums[2 * p] = plain
+    sums[2 * p + 1] = toward
+
+
+@inner
+def mean(sums, v, n, far):
     """What of the light is left about vertex v of n pieces, weighted by a hat that reaches over `far` pieces."""
     total = ZERO
     weights = ZERO
     per = ONE / np.float32(far)
-    for k in range(max(v - far, 0) * PARTS, min(v + far, n) * PARTS):
-        weight = ONE - abs((np.float32(k) + HALF) * PER - np.float32(v)) * per
-        total += weight * clear[k]
-        weights += weight
+    for p in range(max(v - far, 0), v):
+        first = ONE - np.float32(v - p) * per
+        total += first * sums[2 * p] + per * sums[2 * p + 1]
+        weights += first + HALF * per
+    for p in range(v, min(v + far, n)):
+        first = ONE - np.float32(p - v) * per
+        total += first * sums[2 * p] - per * sums[2 * p + 1]
+        weights += first - HALF * per
     return total / weights if weights > ZERO else ONE
 
 
 @inner
-def piece(world, v, at, views, one, size, cells, begin, keys, lines, low, high, opacity, bias, cuts, clear):
-    """Darken the parts of the piece after vertex v, from place `at` on, by what one view shows in front of them; not by
-    the pieces after the vertices from `low` to `high`."""
+def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, opacity, bias, cuts, steps, parts):
+    """Darken the piece after vertex v by what one view shows in front of it, but not by the pieces after the vertices
+    from `low` to `high`; how many parts of one light it is of then."""
     x0, y0, q0 = seen(world, v, views, one, bias)
     x1, y1, q1 = seen(world, v + 1, views, one, bias)
     if q0 <= ZERO or q1 <= ZERO:
-        return
+        return parts
     dx = x1 - x0
     dy = y1 - y0
     dq = q1 - q0
@@ -249,7 +271,7 @@ def piece(world, v, at, views, one, size, cells, begin, keys, lines, low, high, 
     since, until = between(since, until, y0 - edge, dy)
     since, until = between(since, until, np.float32(size) - edge - y0, -dy)
     if since >= until:
-        return
+        return parts
     for row in range(whole(min(y0, y1), 0, size), whole(max(y0, y1) + ONE, 0, size)):
         left, right = columns(x0, y0, x1, y1, ZERO, row)
         above, under = between(since, until, y0 - np.float32(row), dy)
@@ -261,10 +283,11 @@ def piece(world, v, at, views, one, size, cells, begin, keys, lines, low, high, 
             if a < b and begin[cell] < begin[cell + 1]:
                 x = x0 - np.float32(column)
                 y = y0 - np.float32(row)
-                cross(
+                parts = cross(
                     x + a * dx, y + a * dy, q0 + a * dq, x + b * dx, y + b * dy, q0 + b * dq, a, b, begin[cell],
-                    begin[cell + 1], keys, lines, low, high, opacity, at, cuts, clear,
+                    begin[cell + 1], keys, lines, low, high, opacity, cuts, steps, parts,
                 )  # fmt: skip
+    return parts
 
 
 @inlined
@@ -287,7 +310,8 @@ def seen(world, v, views, one, bias):
 
 @inlined
 def between(a, b, value, slope):
-    """The part of a <= t <= b where value + slope · t >= 0; one that ends where it begins, or before, if there is none."""
+    """The part of a <= t <= b where value + slope · t >= 0; where there is none it ends before it
+    begins, or there."""
     root = -value / slope  # where the slope is 0 this is not used
     low = max(a, root) if slope > ZERO else a
     high = min(b, root) if slope < ZERO else b
@@ -295,16 +319,14 @@ def between(a, b, value, slope):
 
 
 @inner
-def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, low, high, opacity, at, cuts, clear):
-    """Darken the parts of a line between its places a and b, points (xa, ya) and (xb, yb) of one cell, by the bands in
-    front of it there: those of the keys from i to before last."""
+def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, low, high, opacity, cuts, steps, parts):
+    """Darken a line between its places a and b, points (xa, ya) and (xb, yb) of one cell, by the bands in front of it
+    there: those of the keys from i to before last. How many parts of one light it is of then."""
     n = last - i
     behind = nearness(min(qa, qb))
-    begin = a * np.float32(PARTS)
-    size = b * np.float32(PARTS) - begin
     for k in range(0, n, BATCH):
         if keys[i + k] >= behind:
-            return
+            break
         count = min(n - k, BATCH)
         cut(lines, ROWS * i + k, n, count, xa, ya, qa, xb, yb, qb, cuts)
         covered = False
@@ -312,18 +334,56 @@ def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, low, high, opacity
             if cuts[m] < cuts[BATCH + m]:
                 v = keys[i + k + m] & LOW
                 if v < low or v > high:
-                    since = begin + cuts[m] * size
-                    until = begin + cuts[BATCH + m] * size
-                    for p in range(np.int64(since), min(np.int64(math.ceil(until)), PARTS)):
-                        share = min(until, np.float32(p + 1)) - max(since, np.float32(p))
-                        clear[at + p] *= ONE - opacity * max(share, ZERO)
+                    parts = darken(steps, parts, a + cuts[m] * (b - a), a + cuts[BATCH + m] * (b - a), opacity)
                     covered = True
-        if covered:
-            lit = False
-            for p in range(np.int64(begin), min(np.int64(math.ceil(begin + size)), PARTS)):
-                lit |= clear[at + p] > DARK
-            if not lit:
-                return
+        if covered and not lit(steps, parts, a, b):
+            break
+    return parts
+
+
+@inner
+def lit(steps, parts, a, b):
+    """Whether anything is left of the light between two places."""
+    found = False
+    for i in range(parts):
+        found |= steps[LEVEL + i] > DARK and min(steps[i + 1], b) - max(steps[i], a) > SLIVER
+    return found
+
+
+@inner
+def darken(steps, parts, since, until, opacity):
+    """Darken what is between two places; how many parts there are then. The parts begin and end at the first `parts` +
+    1 numbers of steps and have so much light as is told from number `LEVEL` on; beyond `SPARE` are places for as many.
+    """
+    n = np.int64(0)
+    last = -ONE
+    room = parts + 2 < STEPS
+    for i in range(parts):
+        begin = steps[i]
+        end = steps[i + 1]
+        level = steps[LEVEL + i]
+        low = min(max(since, begin), end)
+        high = min(max(until, begin), end)
+        if not room:
+            level *= ONE - opacity * (high - low) / (end - begin)
+            high = low = begin
+        for third in range(3):
+            value = level * (ONE - opacity) if third == 1 else level
+            left = begin if third == 0 else (low if third == 1 else high)
+            right = low if third == 0 else (high if third == 1 else end)
+            if right - left > SLIVER and value != last:
+                steps[SPARE + n] = left
+                steps[SPARE + LEVEL + n] = value
+                last = value
+                n += 1
+    n = max(n, 1)
+    steps[0] = ZERO
+    steps[LEVEL] = steps[SPARE + LEVEL]
+    for i in range(1, n):
+        steps[i] = steps[SPARE + i]
+        steps[LEVEL + i] = steps[SPARE + LEVEL + i]
+    steps[n] = ONE
+    return n
 
 
 @inner
