@@ -35,8 +35,9 @@ from .film import curve_of, gradient
 from .kernels import detail, film, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
+from .shadow import ShadowMaps, Thickness, is_traced, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
+from .traced import Grid, grid_of
 
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """The pixels of a picture lie where they belong."""
@@ -68,7 +69,7 @@ class Renderer:
         self._before = before
         self.tones = groom.tones
         self.scratch = Scratch()
-        deep = any(light.shadow.model == "opacity" and wants_map(light) for light in scene.lights)
+        deep = any(light.shadow.model in ("opacity", "traced") and wants_map(light) for light in scene.lights)
         if children is None and scene.children is not None:
             children = Children(scene, groom)
         self.children = children
@@ -79,6 +80,8 @@ class Renderer:
         """Of each strand its index in the groom, where some are left out."""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
+        self._traced = [light for light in scene.lights if is_traced(light)]
+        self._counts = bool(self.visible) or self.palette.dual is not None or "shadow" in scene.image.aovs
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
@@ -167,7 +170,7 @@ class Renderer:
 
         spacing = self._spacing if level is None else self._spacing / math.sqrt(level.share)
         thickness = thickness_of(scene.material, view, bounds)
-        maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
+        maps = made or plan_maps(scene.lights, bounds, scratch, thickness, spacing, self._counts)
         fresh = maps is not None and made is None
         self._lap("shadow")
         if maps is not None and fresh and len(portions) > 1:
@@ -192,10 +195,15 @@ class Renderer:
         front: NDArray[np.uint64] | None = None
         lights = pack_lights(scene.lights, maps, bounds)
         for begin, end in portions:
-            lines = self._flatten(positions, lengths, begin, end, view, maps is not None, level)
+            casts = maps is not None or bool(self._traced)
+            lines = self._flatten(positions, lengths, begin, end, view, casts, level)
             if maps is not None and fresh and len(portions) == 1:
                 maps.build(lines, workers, scratch)
-                self._lap("shadow")
+            grids = [
+                grid_of(light, lines, thickness, scene.material.opacity, bounds, workers, scratch, number)
+                for number, light in enumerate(self._traced)
+            ]
+            self._lap("shadow")
             screen = raster.to_screen(lines, view, scratch)
             least = 1.0 if self.coverage is None else 0.0
             widths = widths_of(lines, screen, view, scene.material, least, self._thins, scratch)
@@ -214,7 +222,8 @@ class Renderer:
                         shade = partial(self._surfaces, view, lights, maps, packed, at)
                         shade(keys, *self.size, NO_SPOTS, image)
                         edges.lay(shade, image, self._backdrop)
-                    colours = self._shade(lines, layer.marks, begin, end, view, lights, maps, packed, body)
+                    clear = self._trace(grids, lines, layer.marks, screen)
+                    colours = self._shade(lines, layer.marks, begin, end, view, lights, clear, maps, packed, body)
                     self._lap("shade")
                     layer.compose(colours, image)
                     if body is not None:
@@ -231,7 +240,8 @@ class Renderer:
             self._lap("raster")
             self._before("light")
             marks = self._mark(lines, keys, base)
-            colours = self._shade(lines, marks, begin, end, view, lights, maps, packed, body)
+            clear = self._trace(grids, lines, marks, screen)
+            colours = self._shade(lines, marks, begin, end, view, lights, clear, maps, packed, body)
             self._lap("shade")
             film.colours(keys, base, screen, lines.per, lines.stride, colours, image)
             if body is not None:
@@ -252,6 +262,8 @@ class Renderer:
         }
         if self.coverage is not None:
             self._drawing.counts["fragment_bytes"] = self.coverage.most
+        if self._traced:
+            self._drawing.counts["grid_bytes"] = sum(grid.nbytes for grid in grids)
         self._lap("film")
         return image, maps
 
@@ -284,7 +296,8 @@ class Renderer:
         image = self._backdrop.copy()
         packed = self._solids(0.0)
         marks = self._mark(lines, keys, 0) if self.coverage is None else np.zeros(1, np.uint8)
-        colours = self._shade(lines, marks, 0, 1, view, lights, maps, packed)
+        clear = np.ones((len(self._traced), 1), np.float32) if self._traced else None
+        colours = self._shade(lines, marks, 0, 1, view, lights, clear, maps, packed)
         if self.coverage is None:
             film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
         else:
@@ -326,8 +339,9 @@ class Renderer:
         self._clock = now
 
     def _portions(self, strands: int, n: int) -> list[tuple[int, int]]:
-        """Ranges of strands, whole blocks each, that hold at most `PORTION` vertices; all in one to be sorted."""
-        if self.coverage is not None:
+        """Ranges of strands, whole blocks each, that hold at most `PORTION` vertices; all in one to be sorted, and to
+        be held against each other."""
+        if self.coverage is not None or self._traced:
             return [(0, strands)]
         vertices = (n - 1) * greatest_pieces(self.scene.curves) + 1
         step = max(PORTION // vertices // W, 1) * W
@@ -346,6 +360,8 @@ class Renderer:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self._thins:
                 detail.shorten(lines.first, lines.world, fade)
+        if self._traced:  # shadows of single strands are finer than half a segment
+            lines = replace(lines, stride=1)
         if lines.error is not None:
             self._drawing.curve_px_max = max(lines.error, self._drawing.curve_px_max or 0.0)
         self._lap("curves")
@@ -370,10 +386,23 @@ class Renderer:
         self._seen = film.mark(keys, base, count, lines.per, lines.stride, marks)
         return marks
 
+    def _trace(
+        self, grids: list[Grid], lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32]
+    ) -> NDArray[np.float32] | None:
+        """(lights, V) what strands leave of each light with exact shadows at the vertices that are marked; None where
+        there is no such light."""
+        if not grids:
+            return None
+        clear = self.scratch.take("clear", (len(grids), len(lines.world)), np.float32)
+        for row, grid in zip(clear, grids, strict=True):
+            grid.visibility(lines, marks, screen, row)
+        self._lap("shadow")
+        return clear
+
     def _shade(
         self, lines: Polylines, marks: NDArray[np.uint8], begin: int, end: int, view: View,
-        lights: NDArray[np.float32], maps: ShadowMaps | None, packed: list[NDArray[np.float32]] | None,
-        body: Body | None = None,
+        lights: NDArray[np.float32], clear: NDArray[np.float32] | None, maps: ShadowMaps | None,
+        packed: list[NDArray[np.float32]] | None, body: Body | None = None,
     ) -> NDArray[np.float32]:  # fmt: skip
         """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others."""
         colours = self.scratch.take("colours", (len(lines.world), 3), np.float32)
@@ -381,7 +410,7 @@ class Renderer:
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
             np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
-            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
+            p.dual_scale, lights, clear, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
             *((None,) * 3 if body is None else (body.slots, p.columns, body.profile)), colours,
         )  # fmt: skip
         return colours

@@ -16,7 +16,7 @@ from .dual import build_tables as build_dual
 from .marschner import MarschnerTables, azimuthal_beta
 from .marschner import build_tables as build_marschner
 from .pigment import colour_of, tint, varies
-from .shadow import ShadowMaps, default_bias
+from .shadow import ShadowMaps, default_bias, is_traced
 
 ALONG = 17
 TONES, TONES_GREY = 9, 65
@@ -70,6 +70,7 @@ def tint_table(material: Material, roughness: float, base: NDArray[np.float64] |
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
     """(n, 16) float32 as in `kernels.shade_strands.strands`; lights that are dark are left out."""
     rows: list[list[Any]] = []
+    traced = 0
     for i, light in enumerate(lights):
         if light.intensity <= 0 or not any(light.colour):
             continue
@@ -86,5 +87,7 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
             bias = default_bias(maps.views[first], bounds)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
-        rows.append([kind, *where, *power, first, count, bias, layers, *[0.0] * 5])
+        traced += is_traced(light)
+        number = traced if is_traced(light) else 0
+        rows.append([kind, *where, *power, first, count, bias, layers, number, *[0.0] * 4])
     return np.array(rows, np.float32).reshape(-1, 16)

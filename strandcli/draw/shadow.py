@@ -73,7 +73,7 @@ class ShadowMaps:
         """When all strands have been added: layers between the nearest and the farthest."""
         for number, layers in enumerate(self.layers):
             if layers:
-                least = np.float32(_texel(self.views[number]))
+                least = np.float32(texel_of(self.views[number]))
                 opacity.divide(self.extents[number], layers, least, self._stack(number))
 
     def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
@@ -129,20 +129,22 @@ def plan_maps(
     scratch: Scratch,
     thickness: Thickness = Thickness(),
     spacing: float = 0.0,
+    counts: bool = True,
 ) -> ShadowMaps | None:
     """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
 
-    ``spacing``: metres between neighbouring strands, for the texels of opacity maps.
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counts``: whether lights with
+    exact shadows have an opacity map too, for solids and for all that counts strands.
     """
     views: list[View] = []
     layers: list[int] = []
     owners = []
     for light in lights:
         before = len(views)
-        if wants_map(light):
-            deep = light.shadow.model == "opacity"
+        if wants_map(light) and (counts or not is_traced(light)):
+            deep = light.shadow.model != "minmax"
             size = light.shadow.size
-            found = _views(light, size, bounds)
+            found = light_views(light, size, bounds)
             if deep:
                 wanted = light.shadow.texel or max(TEXEL * spacing, thickness.width)
                 found = _coarser(light, size, bounds, found, wanted)
@@ -181,7 +183,8 @@ def plan_maps(
     )
 
 
-def _views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
+def light_views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
+    """What a light sees of the box ``bounds``, ``size`` texels a side."""
     if isinstance(light, DirectionalLight):
         return [parallel_view(light.direction, size, bounds)]
     return point_views(light.position, size, bounds)
@@ -189,16 +192,16 @@ def _views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
 
 def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[View], wanted: float) -> list[View]:
     """The light's views with texels of ``wanted`` metres at the groom's middle, ``size`` a side at most."""
-    texel = max(_texel(view, bounds) for view in views)
+    texel = max(texel_of(view, bounds) for view in views)
     if texel >= wanted:
         return views
     # as many texels as it takes and not a part of one more, so that maps do not jump with their number of texels
-    views = _views(light, max(math.ceil(size * texel / wanted), 8), bounds)
-    wider = max(wanted / max(_texel(view, bounds) for view in views), 1.0)
+    views = light_views(light, max(math.ceil(size * texel / wanted), 8), bounds)
+    wider = max(wanted / max(texel_of(view, bounds) for view in views), 1.0)
     return [replace(view, focal=view.focal / wider) for view in views]
 
 
-def _texel(view: View, bounds: NDArray[np.float64] | None = None) -> float:
+def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
     """Metres that a texel covers: at the middle of ``bounds``, or of the view."""
     if not view.perspective:
         return 1.0 / view.focal
@@ -237,6 +240,11 @@ def coarseness(lines: Polylines, view: View) -> int:
 def wants_map(light: Any) -> bool:
     """Whether a light has a shadow map at all: one that is dark needs none."""
     return bool(light.shadow.model != "off" and light.intensity > 0 and any(light.colour))
+
+
+def is_traced(light: Light) -> bool:
+    """Whether a light's shadows of strands on strands are exact ones (see `strandcli.draw.traced`)."""
+    return light.shadow.model == "traced" and wants_map(light)
 
 
 def default_bias(view: View, bounds: NDArray[np.float64]) -> float:

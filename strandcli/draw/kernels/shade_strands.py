@@ -56,8 +56,8 @@ STRANDS = 128
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
-    scale, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots, columns, profile,
-    out,
+    scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots, columns,
+    profile, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
@@ -67,8 +67,10 @@ def strands(
     lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;
     twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
-    or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`); maps (T, 2) and stacks,
-    each None where there is no map of its kind; starts, sizes (M,), views (M, 24); solids packed, `skin` metres;
+    or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
+    the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
+    only count strands; maps (T, 2) and stacks, like clear each None where there is none of its kind; starts, sizes
+    (M,), views (M, 24); solids packed, `skin` metres;
     spheres None where no solid casts shadows; slots, columns, profile: of `strandcli.draw.body`, None where no strand
     is wide; out (V, 3).
     """
@@ -92,14 +94,14 @@ def strands(
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+                        work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
                         maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
                         which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+            work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
             which, slots, columns, profile,
         )  # fmt: skip
@@ -136,7 +138,7 @@ def scatter(work, which, n, out):
 
 @inner
 def batch(
-    work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights,
+    work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
     maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
@@ -163,7 +165,12 @@ def batch(
                     beyond(work, n, stacks, np.int64(lights[i, 10]), starts[one], sizes[one])
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
-                work[ARRIVES + k] *= exp(-work[PASSED + k])
+            if clear is None or lights[i, 11] == ZERO:
+                for k in range(n):
+                    work[ARRIVES + k] *= exp(-work[PASSED + k])
+        if clear is not None and lights[i, 11] > ZERO:
+            for k in range(n):
+                work[ARRIVES + k] *= clear[np.int64(lights[i, 11]) - 1, which[k]]
         if slots is not None:
             body.remember(work)
         if twice is not None and lights[i, 10] > ZERO:

@@ -11,12 +11,14 @@ from ..fields import Colour, Vector, choice, colour, integer, model, number, tex
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Shadow:
-    """The strands' shadow map of one light: the source's (thesis §3, corrected) or a deep opacity map."""
+    """Strands' shadows on strands in one light: by the source's map (thesis §3, corrected), a deep opacity map, or
+    exactly."""
 
     model: str = choice(
         "minmax",
-        ("minmax", "opacity", "off"),
-        doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; off: built for nobody",
+        ("minmax", "opacity", "traced", "off"),
+        doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; traced: every strand "
+        "against all others, and on solids as opacity; off: built for nobody",
     )
     size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
     layers: int = integer(13, low=1, high=61, doc="layers of opacity")

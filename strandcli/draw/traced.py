@@ -1,0 +1,152 @@
+"""Lights with exact shadows of strands on strands (`shadow: {model: traced}`).
+
+A map blurs the shadows of single strands, which is right where a pixel shows many and seen where it shows few. Here
+each strand is held against all others; what is averaged is averaged over a part of a strand's length, no more than a
+sample of the picture shows or than lies between two of its lit vertices. A strand does not shade itself.
+
+A grid over each of a light's views lists the pieces of strands in each of its cells: some `LIST`, which was fastest,
+and more where the lists would take more than `ROOM` bytes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.model import Light
+from .camera import View, ball
+from .curves import Polylines
+from .kernels import project
+from .kernels import traced as kernel
+from .raster import into_bands, to_screen
+from .scratch import Scratch
+from .shadow import Thickness, light_views, texel_of
+
+LIST = 48.0
+"""Pieces that touch a cell, about."""
+COARSE = 64
+"""Cells along a side of the grid by which the area is found that strands cover."""
+FINEST = 2048
+"""Cells along a side of a grid at most."""
+ROOM = 1_000_000_000
+"""Bytes for the lists of a light's cells, about."""
+LISTED = 8 + 4 * kernel.ROWS
+"""Bytes that a strand's piece takes in each cell it touches."""
+APART = 2.0
+"""Widths along a strand within which it does not shade itself."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Strands as one light sees them, sorted into cells, as `kernels.traced.visibility` reads them."""
+
+    views: NDArray[np.float32]
+    sizes: NDArray[np.int64]
+    cells: NDArray[np.int64]
+    begin: NDArray[np.int64]
+    keys: NDArray[np.int64]
+    rows: NDArray[np.float32]
+    opacity: np.float32
+    bias: np.float32
+    apart: int
+    """Pieces to each side of one that it is not shaded by."""
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes."""
+        return self.begin.nbytes + self.keys.nbytes + self.rows.nbytes
+
+    def visibility(
+        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32]
+    ) -> None:
+        """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
+        camera sees at ``screen`` (V, 3)."""
+        most = int(np.diff(lines.first).max(initial=1))
+        kernel.visibility(
+            lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
+            self.keys, self.rows, self.opacity, self.bias, self.apart, out,
+        )  # fmt: skip
+
+
+def grid_of(
+    light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
+    scratch: Scratch, number: int = 0, room: int = ROOM,
+) -> Grid:  # fmt: skip
+    """A light's grid of all strands, which are within the box ``bounds`` (2, 3); ``number``: of the light among those
+    that have one."""
+    piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
+    margin = piece + thickness.width
+    wider = np.stack([bounds[0] - margin, bounds[1] + margin])
+    fine = light_views(light, FINEST, wider)
+    texel = max(texel_of(view, wider) for view in fine)
+    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece, scratch)
+    size = int(np.clip(FINEST * texel / max(cell, thickness.width), 8, FINEST))
+    while True:
+        views = light_views(light, size, wider)
+        sides = [_bands_of(lines, view, thickness, scratch) for view in views]
+        begin = np.zeros(len(views) * size * size + 1, np.int64)
+        for side, bands in enumerate(sides):
+            here = slice(1 + side * size * size, 1 + (side + 1) * size * size)
+            _list(lines, bands, size, workers, scratch, begin[here], None)
+        np.cumsum(begin, out=begin)
+        if LISTED * int(begin[-1]) <= room or size <= 8:
+            break
+        size = max(size // 2, 8)
+    keys = scratch.take(f"grid_keys_{number}", int(begin[-1]), np.int64)
+    rows = scratch.take(f"grid_rows_{number}", kernel.ROWS * int(begin[-1]), np.float32)
+    for side, bands in enumerate(sides):
+        ends = begin[side * size * size : (side + 1) * size * size + 1]
+        _list(lines, bands, size, workers, scratch, ends[:-1].copy(), keys)
+        kernel.order(ends, size, bands, keys, rows)
+    return Grid(
+        np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
+        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, np.float32(opacity),
+        np.float32(light.shadow.bias), 1 + int(min(np.ceil(APART * thickness.width / piece), 1e6)),
+    )  # fmt: skip
+
+
+def _mean_piece(lines: Polylines) -> float:
+    """Mean length of the pieces, metres."""
+    steps = np.diff(lines.world, axis=0)
+    steps[lines.first[1:-1] - 1] = 0
+    total = float(np.sqrt((steps**2).sum(1)).sum(dtype=np.float64))
+    return total / max(lines.segments, 1)
+
+
+def _cell(lines: Polylines, views: list[View], texel: float, piece: float, scratch: Scratch) -> float:
+    """Side of cells that some `LIST` pieces touch, metres: of pieces of length l that begin evenly over an area, a cell
+    of side c is touched by those that begin in an area of c (c + 4 l / π). ``views``: of `COARSE` cells a side, which
+    are ``texel`` metres wide."""
+    covered = 0
+    for view in views:
+        screen = to_screen(lines, view, scratch, "light_screen")
+        there = screen[screen[:, 2] > 0, :2].astype(np.int64).clip(0, COARSE - 1)
+        covered += int(np.count_nonzero(np.bincount(there[:, 1] * COARSE + there[:, 0])))
+    area = LIST * max(covered, 1) * texel**2 / max(lines.segments, 1)
+    reach = 4 / math.pi * piece
+    return (math.sqrt(reach**2 + 4 * area) - reach) / 2
+
+
+def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
+    """(V, 4) as in `kernels.traced.list_bands`."""
+    screen = to_screen(lines, view, scratch, "light_screen")
+    widths = scratch.take("light_widths", len(screen), np.float32)
+    project.widths(
+        lines.first, screen, view.pack(), np.float32(thickness.width), np.float32(thickness.taper), lines.scale,
+        np.float32(0.0), widths,
+    )  # fmt: skip
+    out = np.empty((len(screen), 4), np.float32)
+    out[:, :3] = screen
+    np.multiply(widths, np.float32(0.5), out=out[:, 3])
+    return out
+
+
+def _list(
+    lines: Polylines, bands: NDArray[np.float32], size: int, workers: int, scratch: Scratch, at: NDArray[np.int64],
+    keys: NDArray[np.int64] | None,
+) -> None:  # fmt: skip
+    rows = into_bands(lines.first, bands, size, float(bands[:, 3].max(initial=0.0)) + 1.0, workers, scratch)
+    kernel.list_bands(lines.first, bands, rows.members, rows.begin, size, rows.rows, workers, at, keys)
