@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +44,11 @@ def run(
     solver: str = "thesis",
     quality: str = "preset",
     level: int | None = None,
+    overrides: Sequence[str] = (),
     notify: Notify | None = None,
 ) -> dict[str, Any]:
-    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says."""
+    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says;
+    ``overrides``: of the headline scene, as for `strandcli.load`."""
     settings = {
         "emitter.strands": strands,
         "emitter.particles": particles,
@@ -57,7 +59,7 @@ def run(
     }
     if level is not None:
         settings["curves.level"] = level
-    scene = load("headline", settings=settings)
+    scene = load("headline", overrides, settings)
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:
@@ -74,11 +76,12 @@ def run(
         "threads": runtime.machine()["threads"],
         "quality": quality,
         "level": scene.curves.level,
+        "set": list(overrides),
         "compile_seconds": runtime.compile_seconds(),
         "frames_at_once": at_once,
         "stages": stages,
         "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
-        "counts": {"segments": counts["segments"], "fragments": counts["fragments"]},
+        "counts": {name: counts[name] for name in ("segments", "fragments", "fragment_bytes") if name in counts},
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
