@@ -80,7 +80,7 @@ def run(
         "frames_at_once": at_once,
         "stages": stages,
         "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
-        "counts": {"segments": counts["segments"], "fragments": counts["fragments"]},
+        "counts": {name: counts[name] for name in ("segments", "fragments", "fragment_bytes") if name in counts},
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],

@@ -27,7 +27,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inlined, inner
-from . import tiles
+from .tiles import IN_BLOCK, PIXEL_BITS, SHIFT, key_of, link
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -43,42 +43,90 @@ CELLS = 128
 # within the cell, half the band's height; the lowest row that it touches, and what it covers of that and the next two.
 DEPTH, MIDDLE, AREA, RISE, H, ROW, COVERED = (i * CELLS for i in range(7))
 ROWS = 9
-# Column or row of the cell, whether the piece follows x, index of its first vertex, place as in `tiles`; cells chosen.
-CELL, FLAT_WAY, VERTEX, PLACE, CHOSEN = (i * CELLS for i in range(5))
-INTEGERS = 7
-IN_CELLS, CELL_BITS = np.int64(CELLS - 1), np.int64(7)
+# Column or row of the cell, −1 where the piece follows x and 0 where y, index of its first vertex, place as in `tiles`;
+# for each of the three rows the tile, the pixel within, and the pixel of the picture; those chosen.
+CELL, FLAT_WAY, VERTEX, PLACE = (i * CELLS for i in range(4))
+TILE, PIXEL, SPOT, CHOSEN = (i * CELLS for i in range(4, 16, 3))
+INTEGERS = 16
+IN_CELLS = np.int64(CELLS - 1)
 
 
 @inner
-def fragments(work, cells, n, top, bottom, width, hides, ready, places):
-    """What the first n cells cover of the rows top <= y < bottom, as fragments in ready and places (see
-    `tiles.append`), but for those that a solid hides. Returns how many.
+def fragments(work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task):
+    """Append what the first n cells cover of the rows top <= y < bottom, but for what a solid hides.
 
-    hides (height * width,) float32: depth number in front of which nothing is hidden, or None. Which fragments stay is
-    hard to guess: each is written, and kept or not.
+    across: tiles side by side; hides (height * width,) float32: depth number in front of which nothing is hidden, or
+    None; the rest as in `tiles.append`. Which pixels stay is hard to guess: each is written, and kept or not.
     """
     cover(work, n)
-    chosen = choose(work, cells, n)
-    m = np.int64(0)
-    for i in range(chosen):
-        which = np.int64(cells[CHOSEN + i])
-        k = which & IN_CELLS
-        row = np.int64(work[ROW + k]) + (which >> CELL_BITS)
-        cell = np.int64(cells[CELL + k])
-        flat = cells[FLAT_WAY + k] != 0
-        x = cell if flat else row
-        y = row if flat else cell
-        places[tiles.X + m] = x
-        places[tiles.Y + m] = y
-        places[tiles.VERTEX + m] = cells[VERTEX + k]
-        places[tiles.PLACE + m] = cells[PLACE + k]
-        q = work[DEPTH + k]
-        ready[tiles.DEPTH + m] = q
-        ready[tiles.ALPHA + m] = work[COVERED + which]
-        kept = (x >= 0) & (x < width) & (y >= top) & (y < bottom)
-        if hides is not None:
-            kept &= q >= hides[np.uint64(y * width + x if kept else 0)]
-        m += np.int64(kept)
+    locate(work, cells, n, top, bottom, width, across)
+    m = choose(work, cells, n)
+    if hides is not None:
+        m = look_past(work, cells, m, hides)
+    for i in range(np.uint64(m)):
+        which = np.uint64(cells[np.uint64(CHOSEN) + i])
+        k = which & np.uint64(IN_CELLS)
+        tile = np.uint64(cells[np.uint64(TILE) + which])
+        slot = fills[task, tile]
+        if slot & IN_BLOCK == 0:
+            slot = link(slot, tile, links, heads, used, begin, last, task)
+        fills[task, tile] = slot + 1
+        pool[slot, 0] = key_of(work[np.uint64(DEPTH) + k], np.int64(cells[np.uint64(VERTEX) + k]))
+        alpha = np.int64(np.float32(work[np.uint64(COVERED) + which]).view(np.uint32))
+        place = np.int64(cells[np.uint64(PLACE) + k])
+        pool[slot, 1] = alpha << SHIFT | place << PIXEL_BITS | np.int64(cells[np.uint64(PIXEL) + which])
+
+
+@inner
+def locate(work, cells, n, top, bottom, width, across):
+    """Where the three pixels of each of the first n cells lie; those outside the picture are not covered."""
+    right = np.uint32(width)
+    tall = np.uint32(bottom - top)
+    top = np.int32(top)
+    side = np.int32(across)
+    for k in range(n):
+        along = cells[CELL + k]
+        way = cells[FLAT_WAY + k]
+        over = np.int32(work[ROW + k])
+        tile, pixel, spot, inside = lie(along, over, way, top, right, tall, side)
+        cells[TILE + k] = tile
+        cells[PIXEL + k] = pixel
+        cells[SPOT + k] = spot
+        work[COVERED + k] = work[COVERED + k] if inside else ZERO
+        tile, pixel, spot, inside = lie(along, np.int32(over + np.int32(1)), way, top, right, tall, side)
+        cells[TILE + CELLS + k] = tile
+        cells[PIXEL + CELLS + k] = pixel
+        cells[SPOT + CELLS + k] = spot
+        work[COVERED + CELLS + k] = work[COVERED + CELLS + k] if inside else ZERO
+        tile, pixel, spot, inside = lie(along, np.int32(over + np.int32(2)), way, top, right, tall, side)
+        cells[TILE + 2 * CELLS + k] = tile
+        cells[PIXEL + 2 * CELLS + k] = pixel
+        cells[SPOT + 2 * CELLS + k] = spot
+        work[COVERED + 2 * CELLS + k] = work[COVERED + 2 * CELLS + k] if inside else ZERO
+
+
+@inlined
+def lie(along, over, way, top, right, tall, side):
+    """Tile, pixel within, pixel of the picture, and whether it is inside, of column and row or the other way about."""
+    swap = np.int32((along ^ over) & way)
+    x = np.int32(over ^ swap)
+    y = np.int32(along ^ swap)
+    down = np.int32(y - top)
+    tile = np.int32(np.int32(np.int32(down >> np.int32(4)) * side) + np.int32(x >> np.int32(6)))
+    pixel = np.int32(np.int32(np.int32(down & np.int32(15)) << np.int32(6)) | np.int32(x & np.int32(63)))
+    spot = np.int32(np.int32(y * np.int32(right)) + x)
+    return tile, pixel, spot, (np.uint32(x) < right) & (np.uint32(down) < tall)
+
+
+@inner
+def look_past(work, cells, n, hides):
+    """Of the n chosen places, those that no solid hides."""
+    m = np.uint64(0)
+    for i in range(np.uint64(n)):
+        which = np.uint64(cells[np.uint64(CHOSEN) + i])
+        cells[np.uint64(CHOSEN) + m] = np.int32(which)
+        spot = np.uint64(cells[np.uint64(SPOT) + which])
+        m += np.uint64(work[np.uint64(DEPTH) + (which & np.uint64(IN_CELLS))] >= hides[spot])
     return m
 
 

@@ -27,7 +27,7 @@ from .coverage import (
     whole,
 )
 from .ribbon import ribbon
-from .tiles import READY, TILE_WIDTH, append, fixed
+from .tiles import READY, TILE_WIDTH, append
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
@@ -141,15 +141,14 @@ def strands(
                 n = thin(
                     screen, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
                     top, bottom, width, across, hides,
-                    pool, links, heads, fills, used, begin, last, task, work, cells, ready, places, n,
+                    pool, links, heads, fills, used, begin, last, task, work, cells, n,
                 )  # fmt: skip
             if way != run:
                 start = x0 if abs(way) == 1 else y0
                 start = start if way > 0 else -start
                 run = way
             v = after
-    n = fragments(work, cells, n, top, bottom, width, hides, ready, places)
-    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+    fragments(work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task)
 
 
 @inner
@@ -180,7 +179,7 @@ def solids(
 @inlined
 def thin(
     screen, widths, opacity, v, lit_past, bits, run, start, closing, top, bottom, width, across, hides,
-    pool, links, heads, fills, used, begin, last, task, work, cells, ready, places, n,
+    pool, links, heads, fills, used, begin, last, task, work, cells, n,
 ):  # fmt: skip
     """List the cells that the piece from vertex v − 1 to v leaves behind, and, `closing`, the one that its run ends in;
     covers those listed so far where there are too many.
@@ -210,26 +209,34 @@ def thin(
     stretch = math.sqrt(ONE + slope * slope)
     h = max(HALF * stretch * max(w0, widths[v]), THIN)
     stretch *= opacity
+    most = np.int32(np.int64(1) << bits) - np.int32(1)
+    fine = np.float32(most) + ONE
+    lit = np.int32(lit_past << bits)
+    way = np.int32(-1 if flat else 0)
+    turned = np.int32(0 if run > 0 else -1)
+    rises = abs(slope)
     while cell < stop:
         if n == CELLS:
-            n = fragments(work, cells, n, top, bottom, width, hides, ready, places)
-            append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+            fragments(
+                work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task
+            )
             n = np.int64(0)
         here = min(stop, cell + CELLS - n)
         for c in range(cell, here):
+            k = np.uint64(n)
             enter = max(np.float32(c), start)
             length = min(np.float32(c + 1), u1) - enter
             past = enter + HALF * length - u0
             t = min(max(past * per, ZERO), ONE)
-            work[DEPTH + n] = q0 + rise * t
-            work[MIDDLE + n] = v0 + slope * past
-            work[AREA + n] = stretch * length * (w0 + t * wider)
-            work[RISE + n] = abs(slope) * length
-            work[H + n] = h
-            cells[PLACE + n] = fixed(t, lit_past, bits)
-            cells[CELL + n] = c if run > 0 else -1 - c
-            cells[VERTEX + n] = v - 1
-            cells[FLAT_WAY + n] = flat
+            work[np.uint64(DEPTH) + k] = q0 + rise * t
+            work[np.uint64(MIDDLE) + k] = v0 + slope * past
+            work[np.uint64(AREA) + k] = stretch * length * (w0 + t * wider)
+            work[np.uint64(RISE) + k] = rises * length
+            work[np.uint64(H) + k] = h
+            cells[np.uint64(PLACE) + k] = lit + min(np.int32(t * fine), most)
+            cells[np.uint64(CELL) + k] = c ^ turned
+            cells[np.uint64(VERTEX) + k] = v - 1
+            cells[np.uint64(FLAT_WAY) + k] = way
             n += 1
         cell = here
     return n

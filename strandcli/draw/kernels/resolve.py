@@ -5,17 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from .tiles import BLOCK, IN_BLOCK, IN_PIXEL, LOW, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT, opacity_of, place_of
+from ...simulate.kernels.simd import get, lay, put, spread, where, width
+from .tiles import BLOCK, IN_BLOCK, IN_PIXEL, LOW, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT, depth_of, opacity_of, place_of
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """What lies behind where less light than this gets through is left out."""
-STEP = 16
-"""Lists begin at multiples of that in their tile's memory, so that loops over them have no rest."""
 RUN = 64
 """Lists no longer than this are sorted by counting."""
-LAST = np.int64(2**63 - 1)
 FAR_OFF = np.int64(-9)
 
 
@@ -57,37 +55,30 @@ def resolve(
     tiles = begin.shape[0] - 1
     for one in prange(tasks):
         task = np.int64(one)
-        keys = np.empty(most + STEP * PIXELS, np.int64)
-        loads = np.empty(most + STEP * PIXELS, np.int64)
-        order = np.empty(most + STEP, np.int64)
-        spare = np.empty(most + STEP, np.int64)
+        depths = np.empty(most + RUN, np.float32)
+        slots = np.empty(most, np.uint32)
+        order = np.empty(most, np.uint32)
         counts = np.empty(PIXELS, np.int64)
-        ends = np.empty(PIXELS, np.int64)
+        starts = np.empty(PIXELS, np.int64)
         for tile in range(task, tiles, tasks):
             base = tile * PIXELS
             if begin[tile + 1] == begin[tile]:
                 kept[base : base + PIXELS] = 0
                 continue
-            share_out(pool, links, heads, fills, tile, counts, ends, keys, loads)
-            o = begin[tile]
-            for p in range(PIXELS):
-                n = counts[p]
-                if n > 0:
-                    first = ends[p] - n
-                    rank(keys, first, n, order, spare)
-                    n = weigh(
-                        keys, loads, first, n, order, nearest, vertices, stride, bits, o, place, weight, along, marks
-                    )
-                    o += n
-                kept[base + p] = n
+            share_out(pool, links, heads, fills, tile, counts, starts, depths, slots)
+            rank(pool, counts, starts, depths, slots, order)
+            weigh(
+                pool, counts, order, nearest, vertices, stride, bits, begin[tile], base, kept, place, weight, along,
+                marks,
+            )  # fmt: skip
 
 
 @inner
-def share_out(pool, links, heads, fills, tile, counts, ends, keys, loads):
+def share_out(pool, links, heads, fills, tile, counts, starts, depths, slots):
     """List a tile's fragments pixel by pixel.
 
-    counts, ends (PIXELS,): length of each pixel's list in keys and loads, and where it ends; up to the next multiple of
-    `STEP` there are keys beyond all others.
+    counts, starts (PIXELS,): length of each pixel's list and where it begins; depths: their depth numbers; slots: their
+    places in the pool.
     """
     workers = heads.shape[0]
     counts[:] = 0
@@ -96,45 +87,83 @@ def share_out(pool, links, heads, fills, tile, counts, ends, keys, loads):
         end = fills[one, tile]
         while end > 0:
             final = block == (end - 1) // BLOCK
-            for slot in range(block * BLOCK, end if final else block * BLOCK + BLOCK):
-                counts[pool[slot, 1] & IN_PIXEL] += 1
+            for slot in range(np.uint64(block * BLOCK), np.uint64(end if final else block * BLOCK + BLOCK)):
+                counts[np.uint64(pool[slot, 1] & IN_PIXEL)] += 1
             if final:
                 break
             block = links[block]
     total = np.int64(0)
     for p in range(PIXELS):
-        ends[p] = total
-        total += (counts[p] + (STEP - 1)) // STEP * STEP
-    keys[:total] = LAST
+        starts[p] = total
+        total += counts[p]
     for one in range(workers):
         block = heads[one, tile]
         end = fills[one, tile]
         while end > 0:
             final = block == (end - 1) // BLOCK
-            for slot in range(block * BLOCK, end if final else block * BLOCK + BLOCK):
-                load = pool[slot, 1]
-                p = load & IN_PIXEL
-                i = ends[p]
-                ends[p] = i + 1
-                keys[i] = pool[slot, 0]
-                loads[i] = load
+            for slot in range(np.uint64(block * BLOCK), np.uint64(end if final else block * BLOCK + BLOCK)):
+                p = np.uint64(pool[slot, 1] & IN_PIXEL)
+                i = np.uint64(starts[p])
+                starts[p] += 1
+                depths[i] = depth_of(pool[slot, 0])
+                slots[i] = np.uint32(slot)
             if final:
                 break
             block = links[block]
 
 
-@inlined
-def rank(keys, first, n, order, spare):
-    """Sort the n keys from place `first` on, which differ: `order` becomes their places. Each goes behind as many as
-    are smaller: counting them takes more comparisons than other ways, but none that has to be guessed, and vector code.
-    Long lists are sorted in runs of `RUN` that are merged.
+@inner
+def rank(pool, counts, starts, depths, slots, order):
+    """Sort each pixel's list, which ends where `starts` says by now: `order` becomes its slots, nearest first, ties by
+    index.
+
+    Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
+    be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
-    for low in range(0, n, RUN):
-        size = min(n - low, RUN)
-        begin = first + low
-        whole = (size + (STEP - 1)) // STEP * STEP
-        for i in range(size):
-            order[low + smaller(keys, begin, whole, keys[begin + i])] = begin + i
+    rows = lay(depths)
+    behind = np.empty(RUN, np.float32)
+    ranks = lay(behind)
+    spare = np.empty(0, np.uint32)
+    for p in range(PIXELS):
+        n = counts[p]
+        first = starts[p] - n
+        for low in range(first, first + n, RUN):
+            size = min(first + n - low, RUN)
+            for some in range(0, size, width(rows)):
+                own = get(rows, low + some)
+                rank_ = spread(rows, ZERO)
+                for j in range(low, low + size):
+                    rank_ = where(own < rows[j], rank_ + ONE, rank_)
+                put(ranks, some, rank_)
+            before = np.int64(0)
+            for i in range(np.uint64(size)):
+                o = np.int64(behind[i])
+                before += o
+                order[np.uint64(low + o)] = slots[np.uint64(low) + i]
+            if before != size * (size - 1) // 2:  # some are equally far, and have one place together
+                insert(pool, slots, low, size, order)
+        if n > RUN:
+            if len(spare) < n:
+                spare = np.empty(n, np.uint32)
+            merge(pool, first, n, order, spare)
+
+
+@inner
+def insert(pool, slots, first, n, order):
+    """Sort a list by whole keys, which differ: each goes before all that come before it in the list and belong
+    after it."""
+    for i in range(first, first + n):
+        slot = slots[i]
+        j = i
+        while j > first and pool[order[j - 1], 0] > pool[slot, 0]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = slot
+
+
+@inner
+def merge(pool, first, n, order, spare):
+    """Sort n slots from place `first` on, runs of `RUN` of which are."""
     size = RUN
     while size < n:
         for low in range(0, n, 2 * size):
@@ -143,58 +172,61 @@ def rank(keys, first, n, order, spare):
             i = low
             j = middle
             for o in range(low, high):
-                take = i < middle and (j >= high or keys[order[i]] < keys[order[j]])
-                spare[o] = order[i] if take else order[j]
+                take = i < middle and (
+                    j >= high or pool[order[first + i], 0] < pool[order[first + j], 0]
+                )
+                spare[o] = order[first + i] if take else order[first + j]
                 i += np.int64(take)
                 j += np.int64(not take)
         for o in range(n):
-            order[o] = spare[o]
+            order[first + o] = spare[o]
         size *= 2
 
 
-@inlined
-def smaller(keys, begin, n, key):
-    """How many of n keys are smaller than one."""
-    count = np.int64(0)
-    for j in range(np.uint64(begin), np.uint64(begin + n)):
-        count += np.int64(keys[j] < key)
-    return count
-
-
-@inlined
-def weigh(keys, loads, first, n, order, nearest, vertices, stride, bits, o, place, weight, along, marks):
-    """All that `resolve` does with one sorted list, written from place `o` on; returns how many are kept."""
-    through = ONE
-    front = ONE
-    room = ONE
-    before = FAR_OFF
-    m = np.int64(0)
-    while (m < n) & (through >= OPAQUE):
-        i = order[m]
-        identity = keys[i] & LOW
-        alpha = opacity_of(loads[i])
-        t = place_of(loads[i])
-        m += 1
-        if m == nearest:  # the last one takes in what would be behind it
-            for rest in range(m, n):
-                alpha += (ONE - alpha) * opacity_of(loads[order[rest]])
-            n = m
-        if abs(identity - before) > 1:
-            front = through
-            room = ONE
-        before = identity
-        alpha = min(alpha, room)
-        room -= alpha
-        through = front * room
-        if identity < vertices:
-            identity -= t >> bits
-            marks[identity] = 1
-            marks[identity + stride] = 1
-        place[o] = np.uint32(identity)
-        weight[o] = front * alpha
-        along[o] = np.float32(t) * UNIT
-        o += 1
-    return m
+@inner
+def weigh(
+    pool, counts, order, nearest, vertices, stride, bits, o, base, kept, place, weight, along, marks
+):  # fmt: skip
+    """What `resolve` makes of a tile's sorted lists, written from place `o` on."""
+    last = np.int64(0)
+    for p in range(PIXELS):
+        m = last
+        last += counts[p]
+        through = ONE
+        front = ONE
+        room = ONE
+        before = FAR_OFF
+        end = last
+        begin = o
+        most = m + nearest
+        while (m < end) & (through >= OPAQUE):
+            slot = np.uint64(order[np.uint64(m)])
+            load = pool[slot, 1]
+            identity = pool[slot, 0] & LOW
+            alpha = opacity_of(load)
+            t = place_of(load)
+            m += 1
+            if m == most:  # the last one takes in what would be behind it
+                for rest in range(m, end):
+                    alpha += (ONE - alpha) * opacity_of(pool[np.uint64(order[rest]), 1])
+                end = m
+            if abs(identity - before) > 1:
+                front = through
+                room = ONE
+            before = identity
+            alpha = min(alpha, room)
+            room -= alpha
+            through = front * room
+            if identity < vertices:
+                identity -= t >> bits
+                marks[np.uint64(identity)] = 1
+                marks[np.uint64(identity + stride)] = 1
+            to = np.uint64(o)
+            place[to] = np.uint32(identity)
+            weight[to] = front * alpha
+            along[to] = np.float32(t) * UNIT
+            o += 1
+        kept[base + p] = o - begin
 
 
 @parallel

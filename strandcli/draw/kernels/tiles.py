@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, inner
+from ...jit import function, inlined, inner
 
 TILE_WIDTH = 64
 TILE_HEIGHT = 16
@@ -61,20 +61,39 @@ def append(ready, places, n, top, across, pool, links, heads, fills, used, begin
         tile = (y >> ROW_BITS) * across + (x >> COLUMN_BITS)
         slot = fills[task, tile]
         if slot & IN_BLOCK == 0:
-            block = min(begin + used[task], last)
-            used[task] += 1
-            if slot == 0:
-                heads[task, tile] = block
-            else:
-                links[(slot - 1) >> BLOCK_BITS] = block
-            slot = block << BLOCK_BITS
-        # rounding may take a depth number below zero, whose bits would pass for near
-        depth = np.int64(np.float32(max(ready[DEPTH + i], ZERO)).view(np.uint32))
-        pool[slot, 0] = ((NEAREST - depth) << SHIFT) | np.int64(places[VERTEX + i])
+            slot = link(slot, tile, links, heads, used, begin, last, task)
+        fills[task, tile] = slot + 1
+        pool[slot, 0] = key_of(ready[DEPTH + i], np.int64(places[VERTEX + i]))
         pixel = (y & IN_COLUMN) << COLUMN_BITS | x & IN_ROW
         alpha = np.int64(np.float32(ready[ALPHA + i]).view(np.uint32))
         pool[slot, 1] = alpha << SHIFT | np.int64(places[PLACE + i]) << PIXEL_BITS | pixel
-        fills[task, tile] = slot + 1
+
+
+@inner
+def link(slot, tile, links, heads, used, begin, last, task):
+    """The first slot of another block for a worker's chain in a tile, where the last one is full; all as in `append`.
+    A function of its own: what is handed arrays counts references, which a fragment cannot afford."""
+    block = min(begin + used[task], last)
+    used[task] += 1
+    if slot == 0:
+        heads[task, tile] = block
+    else:
+        links[(slot - 1) >> BLOCK_BITS] = block
+    return block << BLOCK_BITS
+
+
+@inlined
+def key_of(depth, index):
+    """What a fragment is sorted by."""
+    # rounding may take a depth number below zero, whose bits would pass for near
+    number = np.int64(np.float32(depth if depth > ZERO else ZERO).view(np.uint32))
+    return (NEAREST - number) << SHIFT | index
+
+
+@inner
+def depth_of(key):
+    """A fragment's depth number."""
+    return np.uint32(NEAREST - (key >> SHIFT)).view(np.float32)
 
 
 @inner
