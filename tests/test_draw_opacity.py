@@ -163,7 +163,7 @@ def test_spacing_is_the_side_of_a_strands_own_square() -> None:
 
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
 def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> None:
-    """Mean error under .03 on a groom of three thousand strands; a min/max map is off by more than ten times that."""
+    """Mean error under .03 on a groom of three thousand strands; a min/max map is off by some ten times that."""
     lines = straight(3000, 7)
     thickness, spacing = Thickness(0.008, 0.3), 0.04
     rng = np.random.default_rng(0)
@@ -176,7 +176,7 @@ def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> Non
     assert np.abs(deep).mean() < 0.03
     assert abs(deep.mean()) < 0.015
     flat = off_by(lines, replace(light, shadow=Shadow(size=128)), points, truth, thickness, spacing)
-    assert np.abs(flat).mean() > 0.1
+    assert np.abs(flat).mean() > 0.25
 
 
 def test_the_rays_own_answers_are_right() -> None:

@@ -66,8 +66,8 @@ def grown(children: Children, guides: np.ndarray, rest: np.ndarray, strands: int
     """(strands, rows, 3) without the row before the root, and segment lengths (strands,)."""
     strands = strands or children.count
     packed = pack(guides)
-    children.select(packed)
-    out, lengths = children.grow(packed, lanes(rest[:, None]), 0.0, strands, Scratch())
+    _, ids = children.select(packed)
+    out, lengths = children.grow(packed, lanes(rest[:, None]), 0.0, strands, Scratch(), ids)
     return unpack(out, strands)[:, 1:].astype(float), lengths.reshape(-1)[:strands].astype(float)
 
 
@@ -274,7 +274,7 @@ def test_children_of_a_guide_that_is_lost_are_left_out_and_no_others() -> None:
     assert 5 not in ids
     assert 0.3 * children.count < len(ids) < children.count
     left, _ = grown(children, guides, rest, len(ids))
-    assert np.isfinite(children.grow(pack(guides), lanes(rest[:, None]), 0.0, len(ids), Scratch())[0]).all()
+    assert np.isfinite(children.grow(pack(guides), lanes(rest[:, None]), 0.0, len(ids), Scratch(), ids)[0]).all()
     np.testing.assert_array_equal(left, whole[ids])
     np.testing.assert_array_equal(tones, children.family.tones[ids])
 

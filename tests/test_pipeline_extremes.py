@@ -171,6 +171,56 @@ def test_a_picture_of_sorted_strands_comes_of_it(
     assert frame.report["counts"]["fragment_bytes"] == FRAGMENT_BYTES * frame.report["counts"]["fragments"]
 
 
+FINE: dict[str, Any] = {
+    "solver": "rod",
+    "rules": ["emitter_motion", "gravity", "wind", {"collision": {"segments": True}}],
+    "image.resolver": "sorted",
+    "image.aovs": ["depth", "mask", "tangent", "orientation", "strand_id", "shadow", "linear"],
+    "lights.0.shadow.model": "opacity",
+    "lights.1.shadow.model": "opacity",
+    "material.model": "chiang",
+    "material.pigment": "blond",
+    "material.grey": 0.2,
+    "material.scatter": "dual",
+    "material.width": 0.004,
+    "children": {
+        "count": 4, "cut": 0.4, "undercoat": 0.2,
+        "clumps": [{"size": 0.2, "strength": 0.7}], "waves": [{"radius": 0.02, "length": 0.2, "round": 1}],
+    },
+}  # fmt: skip
+"""Everything that the source has not."""
+FINE_CHANGES: dict[str, dict[str, Any]] = {
+    "smooth as glass": {"material.beta_m": 0.001, "material.beta_n": 0.001},
+    "matt": {"material.beta_m": 1, "material.beta_n": 1},
+    "without pigment": {"material.pigment": "white"},
+    "blacker than black": {"material.eumelanin": 50, "material.pheomelanin": 50},
+    "without any opacity": {"material.opacity": 0},
+    "tips of no width": {"material.taper": 1},
+    "maps of one layer and of many": {"lights.0.shadow.layers": 1, "lights.1.shadow.layers": 61},
+    "texels of no size": {"lights.0.shadow.texel": 1e-9, "lights.1.shadow.texel": 1e9},
+    "hardly a strand left": {"detail": {"pixels": 100}},
+    "an open lens and shutter": {"camera.aperture": 0.1, "camera.shutter": 0.5, "camera.samples": 3},
+    "locks of a strand each": {"children.clumps": [{"size": 1e-6, "strength": 1}]},
+    "one lock": {"children.clumps": [{"size": 1e9, "strength": 1}]},
+    "waves beyond all bounds": {"children.waves": [{"radius": 1e6, "length": 1e-6, "round": 1}]},
+    "strands cut to nothing": {"children.cut": 0.999, "children.undercoat": 1, "children.undercoat_length": 0.001},
+}
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("changes", [*CHANGES.values(), *FINE_CHANGES.values()], ids=[*CHANGES, *FINE_CHANGES])
+def test_a_picture_of_the_finer_look_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
+    (frame,) = frames_of(scene_of(EVERYTHING, FINE | changes), 3, threads=1)
+    assert frame.image is not None
+    assert np.isfinite(linear[0]).all()
+    assert (linear[0] >= 0).all()
+    for name, layer in frame.aovs.items():
+        if name == "depth":  # infinite where there is nothing
+            assert (layer > 0).all()
+        elif layer.dtype.kind == "f":
+            assert np.isfinite(layer).all()
+
+
 def test_sorted_strands_are_the_same_on_any_number_of_threads() -> None:
     scene = scene_of(EVERYTHING, {"image.resolver": "sorted", "image.size": [90, 70], "material.width": 0.01})
     one, two = (frames_of(scene, 3, threads=threads)[0] for threads in (1, 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ NAMES = [name for name, _ in list_presets()]
 FIGURES = [f"figures/fig{number:02d}" for number in range(2, 15)]
 PAIRED = ["04", "07", "08", "10", "11", "12", "13", "14"]
 GOLDEN = Path(__file__).parent / "golden"
+README = Path(__file__).parent.parent / "README.md"
 SMALL = {"image.size": (64, 48), "image.supersample": 1}
 
 
@@ -30,6 +32,15 @@ def small(name: str, **settings: Any) -> Scene:
     given = {key.replace("__", "."): value for key, value in settings.items()}
     fewer = {} if "/fig09" in name else {"emitter.strands": 2000 if name == "grass" else 400}
     return strandcli.load(name, settings={**SMALL, **fewer, **given})
+
+
+def test_presets_of_the_readme_are_valid(tmp_path: Path) -> None:
+    found = re.findall(r"```yaml\n(.*?)```", README.read_text("utf-8"), re.DOTALL)
+    assert len(found) > 1
+    for number, text in enumerate(found):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(text)
+        assert strandcli.load(str(path)) != strandcli.load("minimal")
 
 
 def last(scene: Scene, draw: bool = True) -> pipeline.Frame:

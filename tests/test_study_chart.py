@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from study_kit import made
 
-from strandcli.study.chart import Scale, chart, order_words, step
+from strandcli.study.chart import Scale, chart, order_words, step, styles_of
 from strandcli.study.drawing import Drawing, Patch, Stroke, Text, dashes, marker, spelled
+from strandcli.study.points import Point
 from strandcli.study.tables import to_csv, to_text
 
 
@@ -46,6 +47,13 @@ def test_the_chart_shows_every_point_front_and_wish() -> None:
     pixels = drawing.picture(1.0)
     assert pixels.shape == (drawing.height, drawing.width, 3)
     assert (pixels.reshape(-1, 3).min(1) < 250).mean() > 0.01
+
+
+def test_no_two_lines_of_a_chart_look_the_same() -> None:
+    names = ["thesis", "rod", "foil", *"abcdefghijkl"]
+    styles = styles_of([Point({}, 1.0, {}, name) for name in names])
+    assert list(styles) == names
+    assert len(set(styles.values())) == len(names)
 
 
 def test_a_chart_without_a_point_says_so() -> None:

@@ -76,14 +76,14 @@ def refusal(error: OSError, path: Path) -> RefusedError:
         errno.ENOSPC: "the disk is full; free some space, then run again with --resume",
         errno.EDQUOT: "the disk quota is used up; free some space, then run again with --resume",
         errno.EFBIG: "the file is larger than this file system or its limits allow",
-        errno.EROFS: "the file system is read-only; choose another place with -o",
-        errno.EACCES: "no permission to write there; choose another place with -o",
-        errno.EPERM: "no permission to write there; choose another place with -o",
+        errno.EROFS: "the file system is read-only; choose another place",
+        errno.EACCES: "no permission to write there; choose another place",
+        errno.EPERM: "no permission to write there; choose another place",
         errno.ENAMETOOLONG: "the name is too long",
-        errno.ENOTDIR: "a part of this path is a file, not a folder; choose another place with -o",
+        errno.ENOTDIR: "a part of this path is a file, not a folder; choose another place",
         errno.EISDIR: "it is a folder",
     }
-    reason = reasons.get(error.errno or 0, f"{error.strerror or error}; choose another place with -o")
+    reason = reasons.get(error.errno or 0, f"{error.strerror or error}; choose another place")
     return RefusedError(f"{path}: cannot be written: {reason}")
 
 

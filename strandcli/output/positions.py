@@ -129,8 +129,9 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
         raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
+        others = f" ({int(bad.sum())} such strands)" if bad.sum() > 1 else ""
         raise UsageError(
-            f"{path}: positions of strand {int(np.argmax(bad))} are not finite ({int(bad.sum())} strands); "
+            f"{path}: positions of strand {int(np.argmax(bad))} are not finite{others}; "
             "simulate them anew, or draw the others with --keep-going"
         )
     return positions

@@ -21,8 +21,6 @@ from .model import Camera, CameraKey, Emitter, PoseKey, Solid
 Matrix = tuple[Vector, Vector, Vector]
 """Three rows."""
 
-IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 
 class Pose(NamedTuple):
     """A rigid motion: x -> rotation · x + translation (metres)."""

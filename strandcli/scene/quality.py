@@ -1,23 +1,24 @@
 """What `quality: draft | default | best` stands for: one table, for presets, `--set` and `strandcli bench`.
 
 The settings are points of the fronts that `strandcli study PRESET --axis end-to-end` finds over resolver, shadow model,
-samples, tolerance and level of detail: one frame of 2,000 strands at most, without children, and some 30,000 pixels,
-the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel, curves within 1/20 of a sample and
-opacity maps of 29 layers; time, and root mean square error as a share of the picture's mean.
+samples, tolerance and level of detail: one frame of the first 2,000 of the strands that are drawn, children included,
+and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel, curves
+within 1/20 of a sample and opacity maps of 29 layers; time, and root mean square error as a share of the picture's
+mean.
 
 | quality | `hair` | `portrait` | `fur` | `grass` |
 |---|---|---|---|---|
-| draft | 21 ms, 30 % | 22 ms, 29 % | 18 ms, 5.1 % | 11 ms, 3.3 % |
-| default | 38 ms, 8.8 % | 49 ms, 5.0 % | 21 ms, 2.6 % | 10 ms, 3.0 % |
-| best | 124 ms, 4.8 % | 121 ms, 3.5 % | 89 ms, 1.6 % | 56 ms, 2.7 % |
+| draft | 62 ms, 21 % | 59 ms, 31 % | 27 ms, 3.2 % | 13 ms, 1.3 % |
+| default | 149 ms, 5.9 % | 208 ms, 5.3 % | 46 ms, 1.6 % | 13 ms, 1.1 % |
+| best | 268 ms, 3.8 % | 323 ms, 4.2 % | 148 ms, 0.4 % | 59 ms, 0.7 % |
 
-All sort and have opacity maps. A z-buffer draws strands as thin as these far too wide: 136 % in `hair` in no less time
-than a draft, and 29 % with 6×6 samples, in twice the time of best. Min/max maps save nothing that shows, and leave 15 %
-in `hair` and 30 % in `portrait` however fine all else is. A draft thins out what is less than a quarter of a sample
-wide; at half a sample errors are 38 % and 44 % for a tenth less time. A tolerance of 4 in place of 1/4 saves a tenth of
-the time and leaves 21 % of `hair` at any number of samples. 2×2 samples stand between the last two: 5.9 % and 4.0 %,
-half the time of best. Lines of no width become thinner with more samples and are never thinned out; give strands a
-`material.width`, as the study does.
+All sort and have opacity maps. A z-buffer draws strands as thin as these far too wide: 111 % in `hair`, and 33 % with
+6×6 samples, in more time than best. Min/max maps save nothing that shows, and leave 24 % in `hair` and 55 % in
+`portrait` however fine all else is. A draft thins out what is less than a quarter of a sample wide; at half a sample
+errors are 36 % and 49 % for a third less time. Children are bent so finely that a tolerance of 4 in place of 1/4
+hardly adds to their error: most in `grass`, 1.3 % in place of 1.1 %. 2×2 samples stand between the last two: 4.4 % and
+4.7 %. Lines of no width become thinner with more samples and are never thinned out; give strands a `material.width`,
+as the study does.
 """
 
 from __future__ import annotations

@@ -20,12 +20,8 @@ from numpy.typing import NDArray
 
 from .. import load, runtime
 from ..scene.model import Scene
-from ..scene.quality import QUALITIES
 
 Notify = Callable[[str], None]
-
-QUALITY = ("preset", *QUALITIES)
-"""The headline scene as it is written, and by the table of `scene.quality`."""
 
 GROWTH = (
     *((strands, 10) for strands in (1_000, 10_000, 100_000, 1_000_000)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Any
 
 from .drawing import XY, Drawing, Patch, Stroke, Text, marker
@@ -20,7 +21,9 @@ STYLES = {
     "rod bdf2": ("#009e73", "square"),
     "foil": ("#b0589a", "triangle"),
 }
-OTHERS = (("#e69f00", "disc"), ("#56b4e9", "square"), ("#5c6066", "triangle"), ("#8b5a2b", "diamond"))
+COLOURS = ("#e69f00", "#56b4e9", "#5c6066", "#8b5a2b", "#117733", "#882255")
+OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]) for i in range(12))
+"""Of lines without a style of their own; no two look the same."""
 SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it"}
 KEY = "n: particles, sub: steps a frame, it: iterations"
 
@@ -88,7 +91,7 @@ def chart(study: Study, max_error: float | None = None) -> Drawing:
 
 def styles_of(points: Sequence[Point]) -> dict[str, tuple[str, str]]:
     """Colour and shape of each line of points."""
-    others = iter(OTHERS * 8)
+    others = cycle(OTHERS)
     return {line: STYLES[line] if line in STYLES else next(others) for line in by_line(points)}
 
 
