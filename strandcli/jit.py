@@ -19,8 +19,8 @@ parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 
 _lean: dict[str, Any] = {"nogil": True, "cache": True, "error_model": "numpy", "_nrt": False}
 function: Any = njit(**_lean)
-"""A function that kernels call. Here and below references to arrays are not counted, which would take an atomic step for
-each array at each call: the kernel keeps them. Memory is therefore taken by kernels alone, and handed on."""
+"""A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
+each array and call: the kernel keeps them. So kernels alone take memory, and hand it on."""
 
 _bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner: Any = njit(**_lean, **_bare)

@@ -1,9 +1,10 @@
 """What strands cover of each pixel, and in which order: the resolvers `sorted` and `kbuffer`.
 
 A picture goes through in bands of rows, as few as keep the fragments within `FRAGMENTS`. Each band is a `Layer`: parts
-of strands are shared out to tiles, the fragments of each tile are found and sorted; then the light is computed where they
-can be seen; then they are laid over the picture. `kbuffer` goes the same way and keeps the nearest fragments of a pixel alone, so that fewer places are lit and
-laid over the picture: the last one kept has the opacity of all behind it too.
+of strands are shared out to tiles, and the fragments of each tile found and sorted; then the light is computed where
+they can be seen; then they are laid over the picture. `kbuffer` goes the same way and keeps the nearest fragments of a
+pixel alone, so that fewer places are lit and laid over the picture: the last one kept has the opacity of all behind it
+too.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import FRAGMENT_BYTES, FRAGMENTS
+from ..constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
 from ..errors import RefusedError
 from .body import Body
 from .curves import Polylines
@@ -82,7 +83,7 @@ class Coverage:
         self.fragments = 0
         """In the last frame."""
         self.most = 0
-        """Bytes that the fragments of its fullest layer took."""
+        """Bytes that the fragments of its fullest layer took, with the parts of strands that they come from."""
 
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
@@ -124,7 +125,6 @@ class Coverage:
             elif bottom < self.size[1]:
                 lit = marks.copy()
             self.fragments += found
-            self.most = max(self.most, found * FRAGMENT_BYTES)
             yield layer
 
     def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
@@ -202,6 +202,7 @@ class Coverage:
         if found.min() < 0:
             return None, held
         self._note(found, top, bottom)
+        self.most = max(self.most, held * SORTED_BYTES + int(used.sum()) * parts.BLOCK * PART_BYTES)
         light = NONE if edges is None else edges.light
         return Layer(
             begin, kept, place, weight, along, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks

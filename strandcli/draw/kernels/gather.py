@@ -1,4 +1,4 @@
-"""From parts of strands to the fragments of a tile: their pieces in runs, and cells of which many are covered at once."""
+"""From parts of strands to a tile's fragments: their pieces in runs, and cells of which many are covered at once."""
 
 from __future__ import annotations
 
@@ -84,11 +84,12 @@ def gather(
                         )  # fmt: skip
                         if way == NO_WAY:
                             continue
-                    if (run != RIBBON) & (run != BEHIND):
-                        n, m = thin(
-                            points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
-                            top, bottom, left, right, veil, work, cells, n, found, counts, m,
-                        )  # fmt: skip
+                    if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+                        if (run != RIBBON) & (run != BEHIND):
+                            n, m = thin(
+                                points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
+                                top, bottom, left, right, veil, work, cells, n, found, counts, m,
+                            )  # fmt: skip
                     if after > high:
                         break
                     if way == RIBBON:

@@ -1,8 +1,8 @@
 """Which parts of strands lie in which tile: chains of blocks out of one pool.
 
-Each worker has its share of the pool and a chain of its own in every tile, so nobody waits for anybody. A part is a row of
-pieces of one strand, as two 64-bit numbers: where the run of its first piece began (see `coverage`), above the vertex
-that this piece ends in; and the strand, above the vertex that its last piece ends in.
+Each worker has its share of the pool and a chain of its own in every tile, so nobody waits for anybody. A part is a row
+of pieces of one strand, as two 64-bit numbers: where the run of its first piece began (see `coverage`), above the
+vertex that this piece ends in; and the strand, above the vertex that its last piece ends in.
 """
 
 from __future__ import annotations
@@ -173,8 +173,9 @@ def within(x, low, high):
 
 @inlined
 def way_of(x0, y0, q0, x1, y1, q1, wide):
-    """How a piece goes from (x0, y0) to (x1, y1), of depth numbers q0 and q1, and where it begins: 1 along x, 2 along y,
-    negative against the axis, with its first coordinate in this direction; or `RIBBON` if `wide`, `BEHIND`, `NO_WAY`."""
+    """How a piece goes from (x0, y0) to (x1, y1), of depth numbers q0 and q1, and where it begins: 1 along x, 2 along
+    y, negative against the axis, with its first coordinate in this direction; or `RIBBON` if `wide`, `BEHIND`,
+    `NO_WAY`."""
     dx = x1 - x0
     dy = y1 - y0
     flat = abs(dx) >= abs(dy)

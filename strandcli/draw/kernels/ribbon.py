@@ -25,9 +25,7 @@ TINY = np.float32(1e-30)
 
 
 @inner
-def ribbon(
-    screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m
-):
+def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m):
     """Add what the piece from vertex v − 1 to v of the strand a … end − 1 covers to the m fragments found before;
     returns how many there are then.
 

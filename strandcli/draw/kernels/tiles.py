@@ -1,12 +1,13 @@
 """Tiles of a picture, and the fragments that a strand leaves in one.
 
-A tile is `TILE_HEIGHT` rows of `TILE_WIDTH` pixels, few enough for all its fragments to stay in a core's own cache while
-they are found, sorted and weighed: written to memory by the million and read again they would take longer than all that
-is computed. What goes to the tiles first is which parts of strands lie in each.
+A tile is `TILE_HEIGHT` rows of `TILE_WIDTH` pixels, few enough for all its fragments to stay in a core's own cache
+while they are found, sorted and weighed: written to memory by the million and read again, they take as long as half of
+what is computed. What goes to the tiles first is which parts of strands lie in each.
 
-A fragment is four 32-bit numbers: the bits of its depth number and of its opacity, the index of its piece's first vertex,
-and its place along the piece above its pixel within the tile. A piece touches a pixel once, so that depth and index
-differ within a pixel, and neither the order in which fragments are found nor the number of workers can change a picture.
+A fragment is four 32-bit numbers: the bits of its depth number and of its opacity, the index of its piece's first
+vertex, and its place along the piece above its pixel within the tile. A piece touches a pixel once, so that depth and
+index differ within a pixel, and neither the order in which fragments are found nor the number of workers can change a
+picture.
 """
 
 from __future__ import annotations
