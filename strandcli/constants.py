@@ -9,8 +9,14 @@ PORTION = 6_000_000
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 
-FRAGMENT_BYTES = 28
-"""A fragment: depth, index, opacity, place and pixel as it is found; vertex, weight and place once it is sorted."""
+SORTED_BYTES = 12
+"""A fragment once it is sorted: vertex, weight and place."""
+
+PART_BYTES = 16
+"""A part of a strand in a tile: strand, first and last vertex, and where its run began."""
+
+FRAGMENT_BYTES = 2 * SORTED_BYTES + PART_BYTES
+"""At most: threads do not find the same number, and a part may leave no more than one fragment."""
 
 VECTOR = 64
 """Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""

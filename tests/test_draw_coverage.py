@@ -36,7 +36,7 @@ def drawn(
 ) -> np.ndarray:
     """(height, width, 3) of polylines, each (vertices, 3) of x, y and depth number; by default white ones on black."""
     first = np.cumsum([0, *map(len, strands)])
-    screen = np.concatenate(strands).astype(np.float32).reshape(-1, 3)
+    screen = np.ascontiguousarray(np.concatenate(strands), np.float32).reshape(-1, 3)
     wide = None if widths is None else np.concatenate(widths).astype(np.float32)
     vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
     image = np.full((size[1], size[0], 3), behind, np.float32)

@@ -1,9 +1,10 @@
 """What strands cover of each pixel, and in which order: the resolvers `sorted` and `kbuffer`.
 
-A picture goes through in bands of rows, as few as keep the fragments within `FRAGMENTS`. Each band is a `Layer`: its
-fragments are gathered and sorted; then the light is computed where they can be seen; then they are laid over the
-picture. `kbuffer` goes the same way and keeps the nearest fragments of a pixel alone, so that fewer places are lit and
-laid over the picture: the last one kept has the opacity of all behind it too.
+A picture goes through in bands of rows, as few as keep the fragments within `FRAGMENTS`. Each band is a `Layer`: parts
+of strands are shared out to tiles, and the fragments of each tile found and sorted; then the light is computed where
+they can be seen; then they are laid over the picture. `kbuffer` goes the same way and keeps the nearest fragments of a
+pixel alone, so that fewer places are lit and laid over the picture: the last one kept has the opacity of all behind it
+too.
 """
 
 from __future__ import annotations
@@ -16,30 +17,22 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import FRAGMENT_BYTES, FRAGMENTS
+from ..constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
 from ..errors import RefusedError
 from .body import Body
 from .curves import Polylines
 from .edges import Edges
-from .kernels import gather, resolve
+from .kernels import parts, resolve
 from .kernels.body import over_fragments
-from .kernels.tiles import BLOCK, PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
+from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
 from .scratch import Scratch
 
 TASKS_A_WORKER = 16
 NONE = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NOWHERE = np.zeros(0, np.int64)
-
-
-@dataclass(frozen=True)
-class Tiles:
-    """The fragments of some rows as `kernels.gather` leaves them: chains of blocks, one for each worker and tile."""
-
-    pool: NDArray[np.int64]
-    links: NDArray[np.int64]
-    heads: NDArray[np.int64]
-    fills: NDArray[np.int64]
+LAST = 1 << 40
+"""A fragment that no pixel has."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +83,11 @@ class Coverage:
         self.fragments = 0
         """In the last frame."""
         self.most = 0
-        """Bytes that the fragments of its fullest layer took."""
+        """Bytes that the fragments of its fullest layer took, with the parts of strands that they come from."""
 
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
-        return Layer(np.zeros(2, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
+        return Layer(np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
                      NONE, 0, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
 
     def layers(
@@ -114,64 +107,36 @@ class Coverage:
         self.fragments = self.most = 0
         marks = scratch.take("marks", len(screen), np.uint8)
         lit = None
-        for top, bottom, tiles in self._bands(lines, screen, widths, edges, workers, scratch):
-            begin = np.zeros(tiles.heads.shape[1] + 1, np.int64)
-            resolve.sizes(tiles.heads, tiles.fills, tiles.links, begin)
-            most = int(begin.max())
-            self._note(begin, top, bottom)
-            np.cumsum(begin, out=begin)
-            held = int(begin[-1])
-            self.fragments += held
-            self.most = max(self.most, held * FRAGMENT_BYTES)
+        # a mitre reaches out by the square root of two
+        margin = 2.0 + (1.0 if widths is None or not len(widths) else float(widths.max()))
+        rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
+        parts.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
+        ahead = self._cuts()[::-1]
+        while ahead:
+            top, bottom = ahead.pop()
             marks.fill(0)
-            kept = scratch.take("kept", (len(begin) - 1) * PIXELS, np.uint32)
-            place = scratch.take("fragment_places", held, np.uint32)
-            weight = scratch.take("fragment_weights", held, np.float32)
-            along = scratch.take("fragment_along", held, np.float32)
-            resolve.resolve(
-                tiles.pool, tiles.links, tiles.heads, tiles.fills, begin, most, self.nearest or held + 1, len(screen),
-                lines.stride, _bits(lines), TASKS_A_WORKER * workers, kept, place, weight, along, marks,
-            )  # fmt: skip
+            layer, found = self._layer(lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks)
+            if layer is None:
+                ahead += self._finer(top, bottom, found)[::-1]
+                continue
             if lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
                 lit |= marks
             elif bottom < self.size[1]:
                 lit = marks.copy()
-            light = NONE if edges is None else edges.light
-            yield Layer(
-                begin, kept, place, weight, along, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
-            )
+            self.fragments += found
+            yield layer
 
-    def _bands(
-        self,
-        lines: Polylines,
-        screen: NDArray[np.float32],
-        widths: NDArray[np.float32] | None,
-        edges: Edges | None,
-        workers: int,
-        scratch: Scratch,
-    ) -> Iterator[tuple[int, int, Tiles]]:
-        """Rows from top to bottom with their fragments, cut finer where they hold too much."""
-        # a mitre reaches out by the square root of two
-        margin = 2.0 + (1.0 if widths is None or not len(widths) else float(widths.max()))
-        rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
-        gather.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
-        ahead = self._cuts()[::-1]
-        while ahead:
-            top, bottom = ahead.pop()
-            found = self._tiles(lines, screen, widths, rows, edges, top, bottom, workers, scratch)
-            if isinstance(found, Tiles):
-                yield top, bottom, found
-            elif bottom - top > 1:
-                parts = min(max(math.ceil(1.3 * found / self.room), 2), bottom - top)
-                cuts = [top + (bottom - top) * i // parts for i in range(parts + 1)]
-                ahead += list(pairwise(cuts))[::-1]
-            else:
-                raise RefusedError(
-                    f"row {top} of the picture holds about {found:,} fragments of strands, and there is room for "
-                    f"{self.room:,} ({self.room * FRAGMENT_BYTES / 1e6:,.0f} MB): use fewer --strands, a smaller "
-                    "material.width, or image.resolver: zbuffer"
-                )
+    def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
+        """Rows that hold too many fragments, cut so that there is room."""
+        if bottom - top == 1:
+            raise RefusedError(
+                f"row {top} of the picture holds about {found:,} fragments of strands, and there is room for "
+                f"{self.room:,} ({self.room * FRAGMENT_BYTES / 1e6:,.0f} MB): use fewer --strands, a smaller "
+                "material.width, or image.resolver: zbuffer"
+            )
+        pieces = min(max(math.ceil(1.3 * found / self.room), 2), bottom - top)
+        return list(pairwise(top + (bottom - top) * i // pieces for i in range(pieces + 1)))
 
     def _cuts(self) -> list[tuple[int, int]]:
         """Rows from top to bottom that fit in memory as far as the last frame tells."""
@@ -181,13 +146,13 @@ class Coverage:
         return list(pairwise(cuts))
 
     def _note(self, found: NDArray[np.int64], top: int, bottom: int) -> None:
-        """Note fragments by rows, from those (1 + tiles,) of tiles, the first number being none."""
+        """Note fragments by rows, from those (tiles,) of tiles."""
         across = -(-self.size[0] // TILE_WIDTH)
-        for i, count in enumerate(found[1:].reshape(-1, across).sum(1)):
+        for i, count in enumerate(found.reshape(-1, across).sum(1)):
             here = slice(top + i * TILE_HEIGHT, min(top + (i + 1) * TILE_HEIGHT, bottom))
             self._rows[here] = count / (here.stop - here.start)
 
-    def _tiles(
+    def _layer(
         self,
         lines: Polylines,
         screen: NDArray[np.float32],
@@ -198,28 +163,50 @@ class Coverage:
         bottom: int,
         workers: int,
         scratch: Scratch,
-    ) -> Tiles | int:
-        """The fragments of the rows top <= y < bottom, or about how many there are where that is too many."""
-        blocks = self.room // BLOCK + 1
+        marks: NDArray[np.uint8],
+    ) -> tuple[Layer | None, int]:
+        """The rows top <= y < bottom, or None where they hold too much, and about how many fragments they hold."""
+        blocks = self.room // parts.BLOCK + 1
         # where it is one row that has to fit, one worker has all the room
         workers = 1 if bottom - top == 1 else min(workers, max(blocks // 4, 1))
         tiles = -(-self.size[0] // TILE_WIDTH) * -(-(bottom - top) // TILE_HEIGHT)
-        pool = scratch.take("fragments", (blocks * BLOCK, 2), np.int64)
+        pool = scratch.take("parts", (blocks * parts.BLOCK, 2), np.int64)
         links = scratch.take("links", blocks, np.int64)
         heads = scratch.take("heads", (workers, tiles), np.int64)
         fills = scratch.take("fills", (workers, tiles), np.int64)
         used = np.zeros(workers, np.int64)
         fills.fill(0)
+        parts.share_out(
+            lines.first, screen, widths, rows, top, bottom, self.size[0], workers, pool, links, heads, fills, used
+        )
+        if used.max() >= blocks // workers:
+            return None, max(int(used.sum()), int(used.max()) * workers) * parts.BLOCK
+        # tasks that come to less than others leave room unused, which is never touched
+        tasks = 1 if workers == 1 else TASKS_A_WORKER * workers
+        room = self.room if workers == 1 else 2 * self.room
+        begin = scratch.take("tiles_begin", tiles, np.int64)
+        kept = scratch.take("kept", tiles * PIXELS, np.uint32)
+        found = scratch.take("found", tiles, np.int64)
+        place = scratch.take("fragment_places", room, np.uint32)
+        weight = scratch.take("fragment_weights", room, np.float32)
+        along = scratch.take("fragment_along", room, np.float32)
         hides, pixels, depth, cover = None, NOWHERE, NOTHING, NOTHING
         if edges is not None:
             hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
-        gather.gather(
-            lines.first, screen, widths, self.opacity, lines.stride, _bits(lines), rows, top, bottom, self.size[0],
-            hides, pixels, depth, cover, workers, pool, links, heads, fills, used,
+        resolve.resolve(
+            lines.first, screen, widths, self.opacity, lines.stride, _bits(lines), hides, pixels, depth, cover,
+            pool, links, heads, fills, self.nearest or LAST, top, bottom, self.size[0], tasks,
+            begin, kept, found, place, weight, along, marks,
         )  # fmt: skip
-        if used.max() >= blocks // workers:
-            return max(int(used.sum()), int(used.max()) * workers) * BLOCK
-        return Tiles(pool, links, heads, fills)
+        held = int(np.abs(found).sum())
+        if found.min() < 0:
+            return None, held
+        self._note(found, top, bottom)
+        self.most = max(self.most, held * SORTED_BYTES + int(used.sum()) * parts.BLOCK * PART_BYTES)
+        light = NONE if edges is None else edges.light
+        return Layer(
+            begin, kept, place, weight, along, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
+        ), held
 
 
 def _bits(lines: Polylines) -> int:

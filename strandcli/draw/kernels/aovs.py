@@ -48,7 +48,7 @@ def front(begin, kept, place, weight, along, stride, vertices, screen, width, to
     strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
     """
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
-    for one in prange(begin.shape[0] - 1):
+    for one in prange(begin.shape[0]):
         tile = np.int64(one)
         o = begin[tile]
         left = tile % across * TILE_WIDTH

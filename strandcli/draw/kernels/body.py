@@ -236,10 +236,10 @@ def over_fragments(
     """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; the rest as above."""
     width = image.shape[1]
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
-    for one in prange(begin.shape[0] - 1):
+    for one in prange(begin.shape[0]):
         tile = np.int64(one)
         i = begin[tile]
-        if begin[tile + 1] == i:
+        if i < 0:
             continue
         y = top + tile // across * TILE_HEIGHT
         x = tile % across * TILE_WIDTH

@@ -27,7 +27,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inlined, inner
-from .tiles import IN_BLOCK, PIXEL_BITS, SHIFT, key_of, link
+from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -44,89 +44,77 @@ CELLS = 128
 DEPTH, MIDDLE, AREA, RISE, H, ROW, COVERED = (i * CELLS for i in range(7))
 ROWS = 9
 # Column or row of the cell, −1 where the piece follows x and 0 where y, index of its first vertex, place as in `tiles`;
-# for each of the three rows the tile, the pixel within, and the pixel of the picture; those chosen.
+# for each of the three rows the pixel within the tile; those chosen.
 CELL, FLAT_WAY, VERTEX, PLACE = (i * CELLS for i in range(4))
-TILE, PIXEL, SPOT, CHOSEN = (i * CELLS for i in range(4, 16, 3))
-INTEGERS = 16
-IN_CELLS = np.int64(CELLS - 1)
+PIXEL, CHOSEN = 4 * CELLS, 7 * CELLS
+INTEGERS = 10
+IN_CELLS = np.uint64(CELLS - 1)
 
 
 @inner
-def fragments(work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task):
-    """Append what the first n cells cover of the rows top <= y < bottom, but for what a solid hides.
+def fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m):
+    """Add what the first n cells cover of a tile, but for what a solid hides, to the m fragments found before; returns
+    how many there are then. veil (PIXELS,) float32: depth number in front of which nothing is hidden; the rest as in
+    `gather.gather`.
 
-    across: tiles side by side; hides (height * width,) float32: depth number in front of which nothing is hidden, or
-    None; the rest as in `tiles.append`. Which pixels stay is hard to guess: each is written, and kept or not.
+    Which pixels stay is hard to guess: each is written, and kept or not.
     """
     cover(work, n)
-    locate(work, cells, n, top, bottom, width, across)
-    m = choose(work, cells, n)
-    if hides is not None:
-        m = look_past(work, cells, m, hides)
-    for i in range(np.uint64(m)):
+    locate(work, cells, n, top, bottom, left, right)
+    chosen = look_past(work, cells, choose(work, cells, n), veil)
+    room = np.uint64(found.shape[0] // NUMBERS - 1)
+    for i in range(np.uint64(chosen)):
         which = np.uint64(cells[np.uint64(CHOSEN) + i])
-        k = which & np.uint64(IN_CELLS)
-        tile = np.uint64(cells[np.uint64(TILE) + which])
-        slot = fills[task, tile]
-        if slot & IN_BLOCK == 0:
-            slot = link(slot, tile, links, heads, used, begin, last, task)
-        fills[task, tile] = slot + 1
-        pool[slot, 0] = key_of(work[np.uint64(DEPTH) + k], np.int64(cells[np.uint64(VERTEX) + k]))
-        alpha = np.int64(np.float32(work[np.uint64(COVERED) + which]).view(np.uint32))
-        place = np.int64(cells[np.uint64(PLACE) + k])
-        pool[slot, 1] = alpha << SHIFT | place << PIXEL_BITS | np.int64(cells[np.uint64(PIXEL) + which])
+        k = which & IN_CELLS
+        pixel = cells[np.uint64(PIXEL) + which]
+        o = min(np.uint64(m) + i, room) * np.uint64(NUMBERS)
+        found[o] = np.float32(work[np.uint64(DEPTH) + k]).view(np.int32)
+        found[o + np.uint64(1)] = np.float32(work[np.uint64(COVERED) + which]).view(np.int32)
+        found[o + np.uint64(2)] = cells[np.uint64(VERTEX) + k]
+        found[o + np.uint64(3)] = cells[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
+        counts[np.uint64(pixel)] += 1
+    return m + np.int64(chosen)
 
 
 @inner
-def locate(work, cells, n, top, bottom, width, across):
-    """Where the three pixels of each of the first n cells lie; those outside the picture are not covered."""
-    right = np.uint32(width)
+def locate(work, cells, n, top, bottom, left, right):
+    """Where in the tile the three pixels of each of the first n cells lie; those outside of it are not covered."""
+    wide = np.uint32(right - left)
     tall = np.uint32(bottom - top)
+    left = np.int32(left)
     top = np.int32(top)
-    side = np.int32(across)
     for k in range(n):
         along = cells[CELL + k]
         way = cells[FLAT_WAY + k]
         over = np.int32(work[ROW + k])
-        tile, pixel, spot, inside = lie(along, over, way, top, right, tall, side)
-        cells[TILE + k] = tile
-        cells[PIXEL + k] = pixel
-        cells[SPOT + k] = spot
+        cells[PIXEL + k], inside = lie(along, over, way, left, top, wide, tall)
         work[COVERED + k] = work[COVERED + k] if inside else ZERO
-        tile, pixel, spot, inside = lie(along, np.int32(over + np.int32(1)), way, top, right, tall, side)
-        cells[TILE + CELLS + k] = tile
-        cells[PIXEL + CELLS + k] = pixel
-        cells[SPOT + CELLS + k] = spot
+        over = np.int32(over + np.int32(1))
+        cells[PIXEL + CELLS + k], inside = lie(along, over, way, left, top, wide, tall)
         work[COVERED + CELLS + k] = work[COVERED + CELLS + k] if inside else ZERO
-        tile, pixel, spot, inside = lie(along, np.int32(over + np.int32(2)), way, top, right, tall, side)
-        cells[TILE + 2 * CELLS + k] = tile
-        cells[PIXEL + 2 * CELLS + k] = pixel
-        cells[SPOT + 2 * CELLS + k] = spot
+        over = np.int32(over + np.int32(1))
+        cells[PIXEL + 2 * CELLS + k], inside = lie(along, over, way, left, top, wide, tall)
         work[COVERED + 2 * CELLS + k] = work[COVERED + 2 * CELLS + k] if inside else ZERO
 
 
 @inlined
-def lie(along, over, way, top, right, tall, side):
-    """Tile, pixel within, pixel of the picture, and whether it is inside, of column and row or the other way about."""
+def lie(along, over, way, left, top, wide, tall):
+    """A pixel of the tile and whether it is inside, by column and row or the other way about."""
     swap = np.int32((along ^ over) & way)
-    x = np.int32(over ^ swap)
-    y = np.int32(along ^ swap)
-    down = np.int32(y - top)
-    tile = np.int32(np.int32(np.int32(down >> np.int32(4)) * side) + np.int32(x >> np.int32(6)))
-    pixel = np.int32(np.int32(np.int32(down & np.int32(15)) << np.int32(6)) | np.int32(x & np.int32(63)))
-    spot = np.int32(np.int32(y * np.int32(right)) + x)
-    return tile, pixel, spot, (np.uint32(x) < right) & (np.uint32(down) < tall)
+    x = np.int32(np.int32(over ^ swap) - left)
+    y = np.int32(np.int32(along ^ swap) - top)
+    return np.int32(np.int32(y << np.int32(ROW_BITS)) | x), (np.uint32(x) < wide) & (np.uint32(y) < tall)
 
 
 @inner
-def look_past(work, cells, n, hides):
+def look_past(work, cells, n, veil):
     """Of the n chosen places, those that no solid hides."""
     m = np.uint64(0)
     for i in range(np.uint64(n)):
         which = np.uint64(cells[np.uint64(CHOSEN) + i])
         cells[np.uint64(CHOSEN) + m] = np.int32(which)
-        spot = np.uint64(cells[np.uint64(SPOT) + which])
-        m += np.uint64(work[np.uint64(DEPTH) + (which & np.uint64(IN_CELLS))] >= hides[spot])
+        depth = work[np.uint64(DEPTH) + (which & IN_CELLS)]
+        m += np.uint64(depth >= veil[np.uint64(cells[np.uint64(PIXEL) + which])])
     return m
 
 

@@ -1,4 +1,4 @@
-"""From strands to fragments: their pieces sorted into runs, and into cells of which many are covered at once."""
+"""From parts of strands to a tile's fragments: their pieces in runs, and cells of which many are covered at once."""
 
 from __future__ import annotations
 
@@ -6,19 +6,17 @@ import math
 
 import numpy as np
 
-from ...jit import inlined, inner, parallel, prange
-from . import tiles
+from ...jit import inlined, inner
+from ...simulate.kernels.simd import lay
 from .coverage import (
     AREA,
     CELL,
     CELLS,
     DEPTH,
     FLAT_WAY,
-    INTEGERS,
     MIDDLE,
     PLACE,
     RISE,
-    ROWS,
     THIN,
     VERTEX,
     ZERO,
@@ -26,184 +24,136 @@ from .coverage import (
     fragments,
     whole,
 )
+from .parts import BEHIND, BLOCK, LOW, NO_WAY, RIBBON, SHIFT, WIDE, way_of
 from .ribbon import ribbon
-from .tiles import READY, TILE_WIDTH, append
+from .tiles import NUMBERS, ROW_BITS
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-WIDE = np.float32(0.7)
-"""Pixels. Narrower than that, a cell of a piece touches three rows at the most."""
-POINT = np.float32(1e-6)
-"""Pixels. What is shorter is a point, and draws nothing."""
 
 
-@parallel
-def spans(first, screen, margin, width, out):
-    """The rows of the screen that each strand can touch.
-
-    first (S + 1,) int64; screen (V, 3); margin: how far it reaches beyond its vertices, pixels; width of the screen;
-    out (S, 2) float32: least and greatest y, inf and −inf for a strand that is not there.
-    """
-    for s in prange(first.shape[0] - 1):
-        low = np.float32(np.inf)
-        high = np.float32(-np.inf)
-        left = np.float32(np.inf)
-        right = np.float32(-np.inf)
-        for v in range(first[s], first[s + 1]):
-            if screen[v, 2] > ZERO:
-                left = min(left, screen[v, 0])
-                right = max(right, screen[v, 0])
-                low = min(low, screen[v, 1])
-                high = max(high, screen[v, 1])
-        there = (right + margin >= ZERO) & (left - margin < np.float32(width))
-        out[s, 0] = low - margin if there else np.float32(np.inf)
-        out[s, 1] = high + margin if there else np.float32(-np.inf)
-
-
-@parallel
+@inner
 def gather(
-    first, screen, widths, opacity, stride, bits, rows, top, bottom, width, hides, edges, depth, cover, workers,
-    pool, links, heads, fills, used,
+    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
+    top, bottom, left, right, width, work, cells, veil, found, counts,
 ):  # fmt: skip
-    """Append the fragments of the rows top <= y < bottom to the chains of their tiles, which begin at row `top`.
+    """Find a tile's fragments: those of its parts of strands, and of solids.
 
-    first (S + 1,) int64; screen (V, 3) float32 as from `project.points`; widths (V,) float32 pixels, or None for lines
-    one pixel wide; opacity: of the material; every `stride`-th vertex is lit, 2^(PLACES − bits); rows (S, 2): as from
-    `spans`; hides: as in `coverage.fragments`; edges (E,) int64, depth, cover (E,) float32: pixels that a solid covers
-    in part, its depth number and share, which become fragments too, number V + e; pool, links, heads, fills, used: as
-    in `tiles.append`, fills and used zero before. The `workers` share strands and blocks evenly; one that used more
-    than its share but one had no room for all, and then no chain holds.
+    first, screen, widths: as in `parts.share_out`; opacity: of the material; every `stride`-th vertex is lit,
+    2^(PLACES − bits); hides (height * width,) float32: depth number in front of which nothing is hidden, or None;
+    edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
+    number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
+    them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
+    work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
+    what the last tile left;
+    found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
+    how many there are.
     """
-    share = links.shape[0] // workers
-    strands_ = first.shape[0] - 1
-    for one in prange(workers):
-        task = np.int64(one)  # the index is unsigned, and would make floats of what it is added to
-        strands(
-            task * strands_ // workers, (task + 1) * strands_ // workers, first, screen, widths, opacity,
-            stride, bits, rows, top, bottom, width, hides,
-            pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task,
-        )  # fmt: skip
-        count = edges.shape[0]
-        solids(
-            task * count // workers, (task + 1) * count // workers, edges, depth, cover, screen.shape[0],
-            top, bottom, width, pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task,
-        )  # fmt: skip
-
-
-@inner
-def strands(
-    low, high, first, screen, widths, opacity, stride, bits, rows, top, bottom, width, hides,
-    pool, links, heads, fills, used, begin, last, task,
-):  # fmt: skip
-    """What `gather` does for one worker, with the strands from `low` to before `high`."""
-    work = np.empty(ROWS * CELLS, np.float32)
-    cells = np.empty(INTEGERS * CELLS, np.int32)
-    ready = np.empty(2 * READY, np.float32)
-    places = np.empty(4 * READY, np.int32)
-    across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
+    counts[:] = 0
+    if hides is not None:
+        for y in range(top, bottom):
+            for x in range(left, right):
+                veil[(y - top) << ROW_BITS | (x - left)] = hides[y * width + x]
+    points = lay(screen)
     n = np.int64(0)
-    for s in range(low, high):
-        if not (rows[s, 0] < np.float32(bottom) and rows[s, 1] >= np.float32(top)):
-            continue
-        a = first[s]
-        end = first[s + 1]
-        run = np.int64(0)  # a literal would have `thin` compiled twice
-        start = ZERO
-        v = a
-        for after in range(a + 1, end + 1):
-            # what the piece before `after` is: whether the run of the piece before `v` goes on with it
-            way = 0
-            x0 = ZERO
-            y0 = ZERO
-            if after < end:
-                x0 = screen[after - 1, 0]
-                y0 = screen[after - 1, 1]
-                dx = screen[after, 0] - x0
-                dy = screen[after, 1] - y0
-                flat = abs(dx) >= abs(dy)
-                du = dx if flat else dy
-                if screen[after - 1, 2] > ZERO and screen[after, 2] > ZERO:
-                    if abs(du) < POINT:
-                        continue
-                    if widths is None or max(widths[after - 1], widths[after]) > WIDE:
-                        ribbon(
-                            screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
-                            top, bottom, width, across, hides,
-                            pool, links, heads, fills, used, begin, last, task, ready, places,
+    m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
+    for one in range(heads.shape[0]):
+        block = heads[one, tile]
+        stop = fills[one, tile]
+        while stop > 0:
+            final = block == (stop - 1) // BLOCK
+            for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
+                s = pool[slot, 1] >> SHIFT
+                a = first[s]
+                end = first[s + 1]
+                low = pool[slot, 0] & LOW
+                high = pool[slot, 1] & LOW
+                start = np.uint32(pool[slot, 0] >> SHIFT).view(np.float32)
+                run = RIBBON
+                v = low - 1
+                for after in range(low, end + 1):
+                    # what the piece before `after` is: whether the run of the piece before `v` goes on with it
+                    way = BEHIND
+                    begun = ZERO
+                    if after < end:
+                        way, begun = way_of(
+                            points[3 * after - 3], points[3 * after - 2], points[3 * after - 1],
+                            points[3 * after], points[3 * after + 1], points[3 * after + 2],
+                            widths is None or max(widths[after - 1], widths[after]) > WIDE,
                         )  # fmt: skip
-                    else:
-                        way = 1 if flat else 2
-                        way = way if du > ZERO else -way
-            if widths is None:
-                continue
-            if run != 0:
-                n = thin(
-                    screen, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
-                    top, bottom, width, across, hides,
-                    pool, links, heads, fills, used, begin, last, task, work, cells, n,
-                )  # fmt: skip
-            if way != run:
-                start = x0 if abs(way) == 1 else y0
-                start = start if way > 0 else -start
-                run = way
-            v = after
-    fragments(work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task)
+                        if way == NO_WAY:
+                            continue
+                    if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+                        if (run != RIBBON) & (run != BEHIND):
+                            n, m = thin(
+                                points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
+                                top, bottom, left, right, veil, work, cells, n, found, counts, m,
+                            )  # fmt: skip
+                    if after > high:
+                        break
+                    if way == RIBBON:
+                        m = ribbon(
+                            screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
+                            top, bottom, left, right, veil, found, counts, m,
+                        )  # fmt: skip
+                    if way != run:
+                        start = begun if v >= low else start
+                        run = way
+                    v = after
+            if final:
+                break
+            block = links[block]
+    return fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
 
 
 @inner
-def solids(
-    low, high, edges, depth, cover, base, top, bottom, width, pool, links, heads, fills, used, begin, last, task
-):
-    """Append what solids cover of the pixels number `low` to before `high` of those that they cover in part."""
-    ready = np.empty(2 * READY, np.float32)
-    places = np.empty(4 * READY, np.int32)
-    across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
-    n = np.int64(0)
-    for e in range(low, high):
-        y = edges[e] // width
-        if top <= y < bottom and cover[e] > ZERO:
-            places[tiles.X + n] = edges[e] % width
-            places[tiles.Y + n] = y
-            places[tiles.VERTEX + n] = base + e
-            places[tiles.PLACE + n] = 0
-            ready[tiles.DEPTH + n] = depth[e]
-            ready[tiles.ALPHA + n] = cover[e]
-            n += 1
-            if n == READY:
-                append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
-                n = np.int64(0)
-    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+def solids(edges, depth, cover, base, top, bottom, left, right, width, found, counts):
+    """What solids cover of the tile's pixels that they cover in part; returns how many these are."""
+    m = np.int64(0)
+    room = np.int64(found.shape[0] // NUMBERS - 1)
+    for e in range(np.searchsorted(edges, top * width), np.searchsorted(edges, bottom * width)):
+        x = edges[e] % width
+        if left <= x < right and cover[e] > ZERO:
+            pixel = (edges[e] // width - top) << ROW_BITS | (x - left)
+            o = min(m, room) * NUMBERS
+            found[o] = np.int32(np.float32(depth[e]).view(np.int32))
+            found[o + 1] = np.int32(np.float32(cover[e]).view(np.int32))
+            found[o + 2] = base + e
+            found[o + 3] = pixel
+            counts[pixel] += 1
+            m += 1
+    return m
 
 
 @inlined
 def thin(
-    screen, widths, opacity, v, lit_past, bits, run, start, closing, top, bottom, width, across, hides,
-    pool, links, heads, fills, used, begin, last, task, work, cells, n,
+    points, widths, opacity, v, lit_past, bits, run, start, closing, top, bottom, left, right, veil, work, cells, n,
+    found, counts, m,
 ):  # fmt: skip
     """List the cells that the piece from vertex v − 1 to v leaves behind, and, `closing`, the one that its run ends in;
     covers those listed so far where there are too many.
 
     run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel; n:
-    cells listed before. Returns how many there are then.
+    cells listed before; m: fragments found before. Returns how many there are then.
     """
-    y0 = screen[v - 1, 1]
-    y1 = screen[v, 1]
+    x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
+    x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
     seen = (max(y0, y1) + TWO >= np.float32(top)) & (min(y0, y1) - TWO < np.float32(bottom))
+    seen &= (max(x0, x1) + TWO >= np.float32(left)) & (min(x0, x1) - TWO < np.float32(right))
     flat = abs(run) == 1
     sign = ONE if run > 0 else -ONE
-    u0 = sign * (screen[v - 1, 0] if flat else y0)
-    u1 = sign * (screen[v, 0] if flat else y1)
-    v0 = y0 if flat else screen[v - 1, 0]
-    v1 = y1 if flat else screen[v, 0]
-    low = 0 if flat else top
-    high = width if flat else bottom
+    u0 = sign * (x0 if flat else y0)
+    u1 = sign * (x1 if flat else y1)
+    v0 = y0 if flat else x0
+    v1 = y1 if flat else x1
+    low = left if flat else top
+    high = right if flat else bottom
     cell = max(whole(u0), low if run > 0 else -high)
     stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low) if seen else cell
     per = ONE / (u1 - u0)
     slope = (v1 - v0) * per
-    q0 = screen[v - 1, 2]
-    rise = screen[v, 2] - q0
+    rise = q1 - q0
     w0 = widths[v - 1]
     wider = widths[v] - w0
     stretch = math.sqrt(ONE + slope * slope)
@@ -217,9 +167,7 @@ def thin(
     rises = abs(slope)
     while cell < stop:
         if n == CELLS:
-            fragments(
-                work, cells, n, top, bottom, width, across, hides, pool, links, heads, fills, used, begin, last, task
-            )
+            m = fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
             n = np.int64(0)
         here = min(stop, cell + CELLS - n)
         for c in range(cell, here):
@@ -239,4 +187,4 @@ def thin(
             cells[np.uint64(FLAT_WAY) + k] = way
             n += 1
         cell = here
-    return n
+    return n, m

@@ -1,12 +1,14 @@
-"""From tiles of fragments to the picture: listed by pixel, sorted by depth, laid over what is there, front to back."""
+"""From parts of strands to the picture: fragments found, listed by pixel, sorted by depth, laid over what is there."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...jit import inlined, inner, parallel, prange
+from ...jit import inner, parallel, prange
 from ...simulate.kernels.simd import get, lay, put, spread, where, width
-from .tiles import BLOCK, IN_BLOCK, IN_PIXEL, LOW, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT, depth_of, opacity_of, place_of
+from .coverage import CELLS, INTEGERS, ROWS
+from .gather import gather
+from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -15,167 +17,171 @@ OPAQUE = np.float32(1 / 512)
 RUN = 64
 """Lists no longer than this are sorted by counting."""
 FAR_OFF = np.int64(-9)
-
-
-@parallel
-def sizes(heads, fills, links, out):
-    """Fragments in each tile: out (tiles + 1,) int64 becomes where each tile's begin among those of all."""
-    workers, tiles = heads.shape
-    for tile in prange(tiles):
-        n = np.int64(0)
-        for one in range(workers):
-            if fills[one, tile] > 0:
-                block = heads[one, tile]
-                while block != (fills[one, tile] - 1) // BLOCK:
-                    n += BLOCK
-                    block = links[block]
-                n += ((fills[one, tile] - 1) & IN_BLOCK) + 1
-        out[tile + 1] = n
-    out[0] = 0
+FEW = np.int64(16384)
+"""Fragments of a tile that there is room for to begin with."""
+IN_PIXEL = np.int32(PIXELS - 1)
+TWO, FOUR = np.uint64(2), np.uint64(NUMBERS)
 
 
 @parallel
 def resolve(
-    pool, links, heads, fills, begin, most, nearest, vertices, stride, bits, tasks, kept, place, weight, along, marks
-):
-    """Sort each pixel's fragments by depth, ties by index, and turn opacities into weights.
+    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, nearest,
+    top, bottom, width, tasks, begin, kept, found, place, weight, along, marks,
+):  # fmt: skip
+    """Find each pixel's fragments, sort them by depth, ties by index, and turn opacities into weights.
 
-    pool, links, heads, fills: as `gather` leaves them; begin (tiles + 1,) int64: places of each tile's fragments in
-    what is written; most: fragments of the fullest tile; nearest: greatest number of fragments that a pixel keeps;
-    vertices: of all strands, fragments with greater indices being those of solids; stride, bits: as in
-    `gather.gather`; the `tasks` share the tiles.
-    kept (tiles * PIXELS,) uint32: fragments of each pixel that matter, nearest first: what lies behind where less than
-    `OPAQUE` gets through does not. One pixel after the other, from begin[tile] on: place (F,) uint32 the lit vertex
-    before the fragment, weight (F,) float32 the share of the pixel's light that comes from it, along (F,) float32 the
-    place from that lit vertex to the next. marks (V,) uint8 is set at their lit vertices.
+    first … cover: as in `gather.gather`; pool, links, heads, fills: as `parts.share_out` leaves them for the rows
+    top <= y < bottom of a picture of this width; nearest: greatest number of fragments that a pixel keeps. The `tasks`
+    share the tiles and the memory evenly.
+    begin (tiles,) int64: where each tile's fragments begin, −1 where it has none; kept (tiles * PIXELS,) uint32:
+    fragments of each pixel that matter, nearest first: what lies behind where less than `OPAQUE` gets through does not.
+    One pixel after the other: place (F,) uint32 the lit vertex before the fragment, or V + e, weight (F,) float32 the
+    share of the pixel's light that comes from it, along (F,) float32 the place from that lit vertex to the next.
+    marks (V,) uint8 is set at their lit vertices. found (tiles,) int64: fragments that matter or not, negative where
+    there was no room.
 
     Pieces that follow each other in their strand and in depth add up: they are parts of one surface. All else covers a
     pixel independently.
     """
-    tiles = begin.shape[0] - 1
+    tiles = begin.shape[0]
+    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
+    share = np.int64(place.shape[0] // tasks)
     for one in prange(tasks):
         task = np.int64(one)
-        depths = np.empty(most + RUN, np.float32)
-        slots = np.empty(most, np.uint32)
-        order = np.empty(most, np.uint32)
+        room = np.int64(min(FEW, share))
+        fragments = np.empty(room * NUMBERS, np.int32)
+        depths = np.empty(room + RUN, np.float32)
+        order = np.empty(room, np.uint32)
+        sorted_ = np.empty(room, np.uint32)
+        spare = np.empty(room, np.uint32)
         counts = np.empty(PIXELS, np.int64)
         starts = np.empty(PIXELS, np.int64)
+        work = np.empty(ROWS * CELLS, np.float32)
+        cells = np.empty(INTEGERS * CELLS, np.int32)
+        veil = np.zeros(PIXELS, np.float32)
+        behind = np.empty(RUN, np.float32)
+        o = task * share
+        end = o + share
         for tile in range(task, tiles, tasks):
             base = tile * PIXELS
-            if begin[tile + 1] == begin[tile]:
+            y = top + tile // across * TILE_HEIGHT
+            x = tile % across * TILE_WIDTH
+            below = min(y + TILE_HEIGHT, bottom)
+            right = min(x + TILE_WIDTH, width)
+            n = gather(
+                first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
+                tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+            )  # fmt: skip
+            if n > room and n <= end - o:
+                room = min(n + n // 4, share)
+                fragments = np.empty(room * NUMBERS, np.int32)
+                depths = np.empty(room + RUN, np.float32)
+                order = np.empty(room, np.uint32)
+                sorted_ = np.empty(room, np.uint32)
+                spare = np.empty(room, np.uint32)
+                gather(
+                    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
+                    tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+                )  # fmt: skip
+            begin[tile] = -1
+            found[tile] = n if n <= end - o else -n
+            if n == 0 or n > end - o:
                 kept[base : base + PIXELS] = 0
                 continue
-            share_out(pool, links, heads, fills, tile, counts, starts, depths, slots)
-            rank(pool, counts, starts, depths, slots, order)
-            weigh(
-                pool, counts, order, nearest, vertices, stride, bits, begin[tile], base, kept, place, weight, along,
+            begin[tile] = o
+            share_out(fragments, n, counts, starts, depths, order)
+            rank(fragments, counts, starts, depths, order, behind, spare, sorted_)
+            o = weigh(
+                fragments, counts, sorted_, nearest, screen.shape[0], stride, bits, o, base, kept, place, weight, along,
                 marks,
             )  # fmt: skip
 
 
 @inner
-def share_out(pool, links, heads, fills, tile, counts, starts, depths, slots):
-    """List a tile's fragments pixel by pixel.
+def share_out(fragments, n, counts, starts, depths, listed):
+    """List a tile's n fragments pixel by pixel.
 
-    counts, starts (PIXELS,): length of each pixel's list and where it begins; depths: their depth numbers; slots: their
-    places in the pool.
+    counts, starts (PIXELS,): length of each pixel's list and, afterwards, where it ends; depths: their depth numbers;
+    listed: which they are.
     """
-    workers = heads.shape[0]
-    counts[:] = 0
-    for one in range(workers):
-        block = heads[one, tile]
-        end = fills[one, tile]
-        while end > 0:
-            final = block == (end - 1) // BLOCK
-            for slot in range(np.uint64(block * BLOCK), np.uint64(end if final else block * BLOCK + BLOCK)):
-                counts[np.uint64(pool[slot, 1] & IN_PIXEL)] += 1
-            if final:
-                break
-            block = links[block]
     total = np.int64(0)
     for p in range(PIXELS):
         starts[p] = total
         total += counts[p]
-    for one in range(workers):
-        block = heads[one, tile]
-        end = fills[one, tile]
-        while end > 0:
-            final = block == (end - 1) // BLOCK
-            for slot in range(np.uint64(block * BLOCK), np.uint64(end if final else block * BLOCK + BLOCK)):
-                p = np.uint64(pool[slot, 1] & IN_PIXEL)
-                i = np.uint64(starts[p])
-                starts[p] += 1
-                depths[i] = depth_of(pool[slot, 0])
-                slots[i] = np.uint32(slot)
-            if final:
-                break
-            block = links[block]
+    for i in range(np.uint64(n)):
+        p = np.uint64(fragments[i * FOUR + np.uint64(3)] & IN_PIXEL)
+        at = np.uint64(starts[p])
+        starts[p] += 1
+        depths[at] = np.int32(fragments[i * FOUR]).view(np.float32)
+        listed[at] = np.uint32(i)
 
 
 @inner
-def rank(pool, counts, starts, depths, slots, order):
-    """Sort each pixel's list, which ends where `starts` says by now: `order` becomes its slots, nearest first, ties by
-    index.
+def rank(fragments, counts, ends, depths, listed, behind, spare, order):
+    """Sort each pixel's list, nearest first, ties by index: `order` becomes what `listed` is before;
+    behind (RUN,) float32, spare: to work with.
 
     Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
     be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
     rows = lay(depths)
-    behind = np.empty(RUN, np.float32)
     ranks = lay(behind)
-    spare = np.empty(0, np.uint32)
     for p in range(PIXELS):
         n = counts[p]
-        first = starts[p] - n
+        first = ends[p] - n
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
             for some in range(0, size, width(rows)):
                 own = get(rows, low + some)
-                rank_ = spread(rows, ZERO)
+                nearer = spread(rows, ZERO)
                 for j in range(low, low + size):
-                    rank_ = where(own < rows[j], rank_ + ONE, rank_)
-                put(ranks, some, rank_)
-            before = np.int64(0)
+                    nearer = where(own < rows[j], nearer + ONE, nearer)
+                put(ranks, some, nearer)
+            total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
-                before += o
-                order[np.uint64(low + o)] = slots[np.uint64(low) + i]
-            if before != size * (size - 1) // 2:  # some are equally far, and have one place together
-                insert(pool, slots, low, size, order)
+                total += o
+                order[np.uint64(low + o)] = listed[np.uint64(low) + i]
+            if total != size * (size - 1) // 2:  # some are equally far, and have one place together
+                insert(fragments, listed, low, size, order)
         if n > RUN:
-            if len(spare) < n:
-                spare = np.empty(n, np.uint32)
-            merge(pool, first, n, order, spare)
+            merge(fragments, first, n, order, spare)
 
 
 @inner
-def insert(pool, slots, first, n, order):
-    """Sort a list by whole keys, which differ: each goes before all that come before it in the list and belong
-    after it."""
+def before(fragments, i, j):
+    """Whether a fragment comes before another."""
+    one = np.int32(fragments[np.uint64(i) * FOUR]).view(np.float32)
+    other = np.int32(fragments[np.uint64(j) * FOUR]).view(np.float32)
+    tie = fragments[np.uint64(i) * FOUR + TWO] < fragments[np.uint64(j) * FOUR + TWO]
+    return (one > other) | ((one == other) & tie)
+
+
+@inner
+def insert(fragments, listed, first, n, order):
+    """Sort a list of n from place `first` on, one after the other."""
     for i in range(first, first + n):
-        slot = slots[i]
+        new = listed[i]
         j = i
-        while j > first and pool[order[j - 1], 0] > pool[slot, 0]:
+        while j > first and before(fragments, new, order[j - 1]):
             order[j] = order[j - 1]
             j -= 1
-        order[j] = slot
+        order[j] = new
 
 
 @inner
-def merge(pool, first, n, order, spare):
-    """Sort n slots from place `first` on, runs of `RUN` of which are."""
+def merge(fragments, first, n, order, spare):
+    """Sort a list of n from place `first` on, runs of `RUN` of which are."""
     size = RUN
     while size < n:
-        for low in range(0, n, 2 * size):
-            middle = min(low + size, n)
-            high = min(middle + size, n)
+        for low in range(first, first + n, 2 * size):
+            middle = min(low + size, first + n)
+            high = min(middle + size, first + n)
             i = low
             j = middle
             for o in range(low, high):
-                take = i < middle and (
-                    j >= high or pool[order[first + i], 0] < pool[order[first + j], 0]
-                )
-                spare[o] = order[first + i] if take else order[first + j]
+                take = i < middle and (j >= high or before(fragments, order[i], order[j]))
+                spare[o - first] = order[i] if take else order[j]
                 i += np.int64(take)
                 j += np.int64(not take)
         for o in range(n):
@@ -184,36 +190,34 @@ def merge(pool, first, n, order, spare):
 
 
 @inner
-def weigh(
-    pool, counts, order, nearest, vertices, stride, bits, o, base, kept, place, weight, along, marks
-):  # fmt: skip
-    """What `resolve` makes of a tile's sorted lists, written from place `o` on."""
-    last = np.int64(0)
+def weigh(fragments, counts, order, nearest, vertices, stride, bits, o, base, kept, place, weight, along, marks):
+    """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
+    end = np.int64(0)
     for p in range(PIXELS):
-        m = last
-        last += counts[p]
+        m = end
+        end += counts[p]
+        last = end
+        begin = o
+        most = m + nearest
         through = ONE
         front = ONE
         room = ONE
-        before = FAR_OFF
-        end = last
-        begin = o
-        most = m + nearest
-        while (m < end) & (through >= OPAQUE):
-            slot = np.uint64(order[np.uint64(m)])
-            load = pool[slot, 1]
-            identity = pool[slot, 0] & LOW
-            alpha = opacity_of(load)
-            t = place_of(load)
+        previous = FAR_OFF
+        while (m < last) & (through >= OPAQUE):
+            which = np.uint64(order[np.uint64(m)]) * FOUR
+            alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
+            identity = np.int64(np.uint32(fragments[which + TWO]))
+            t = np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
             m += 1
             if m == most:  # the last one takes in what would be behind it
-                for rest in range(m, end):
-                    alpha += (ONE - alpha) * opacity_of(pool[np.uint64(order[rest]), 1])
-                end = m
-            if abs(identity - before) > 1:
+                for rest in range(m, last):
+                    next_ = np.uint64(order[rest]) * FOUR
+                    alpha += (ONE - alpha) * np.int32(fragments[next_ + np.uint64(1)]).view(np.float32)
+                last = m
+            if abs(identity - previous) > 1:
                 front = through
                 room = ONE
-            before = identity
+            previous = identity
             alpha = min(alpha, room)
             room -= alpha
             through = front * room
@@ -227,6 +231,7 @@ def weigh(
             along[to] = np.float32(t) * UNIT
             o += 1
         kept[base + p] = o - begin
+    return o
 
 
 @parallel
@@ -240,8 +245,8 @@ def compose(begin, kept, place, weight, along, stride, vertex, light, top, botto
     width = image.shape[1]
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(tasks):
-        for tile in range(np.int64(one), begin.shape[0] - 1, tasks):
-            if begin[tile + 1] > begin[tile]:
+        for tile in range(np.int64(one), begin.shape[0], tasks):
+            if begin[tile] >= 0:
                 y = top + tile // across * TILE_HEIGHT
                 x = tile % across * TILE_WIDTH
                 compose_tile(

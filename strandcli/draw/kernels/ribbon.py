@@ -11,8 +11,7 @@ import math
 import numpy as np
 
 from ...jit import inner
-from . import tiles
-from .tiles import READY, append, fixed
+from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS, fixed
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -26,13 +25,11 @@ TINY = np.float32(1e-30)
 
 
 @inner
-def ribbon(
-    screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, width, across, hides,
-    pool, links, heads, fills, used, begin, last, task, ready, places,
-):  # fmt: skip
-    """Append what the piece from vertex v − 1 to v of the strand a … end − 1 covers.
+def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m):
+    """Add what the piece from vertex v − 1 to v of the strand a … end − 1 covers to the m fragments found before;
+    returns how many there are then.
 
-    lit_past: how many vertices v − 1 is past a lit one; the rest as in `gather.strands`.
+    lit_past: how many vertices v − 1 is past a lit one; the rest as in `coverage.fragments`.
     """
     x0 = screen[v - 1, 0]
     y0 = screen[v - 1, 1]
@@ -51,12 +48,12 @@ def ribbon(
     reach0 = HALF * w0 / (mx0 * dx + my0 * dy)
     reach1 = HALF * w1 / (mx1 * dx + my1 * dy)
     # the box of the four corners, and half a pixel about it
-    left = min(x0 - reach0 * abs(my0), x1 - reach1 * abs(my1)) - HALF
-    right = max(x0 + reach0 * abs(my0), x1 + reach1 * abs(my1)) + HALF
+    west = min(x0 - reach0 * abs(my0), x1 - reach1 * abs(my1)) - HALF
+    east = max(x0 + reach0 * abs(my0), x1 + reach1 * abs(my1)) + HALF
     above = min(y0 - reach0 * abs(mx0), y1 - reach1 * abs(mx1)) - HALF
     under = max(y0 + reach0 * abs(mx0), y1 + reach1 * abs(mx1)) + HALF
-    x_low = np.int64(math.floor(max(left, ZERO)))
-    x_high = np.int64(math.ceil(min(right, np.float32(width))))
+    x_low = np.int64(math.floor(max(west, np.float32(left))))
+    x_high = np.int64(math.ceil(min(east, np.float32(right))))
     y_low = np.int64(math.floor(max(above, np.float32(top))))
     y_high = np.int64(math.ceil(min(under, np.float32(bottom))))
     u0 = x0 if flat else y0
@@ -74,7 +71,7 @@ def ribbon(
     row_high = y_high if flat else x_high
     inside0 = ONE / (abs(mx0) + abs(my0))
     inside1 = ONE / (abs(mx1) + abs(my1))
-    n = np.int64(0)
+    room = np.int64(found.shape[0] // NUMBERS - 1)
     for c in range(cell_low, cell_high):
         past = np.float32(c) + HALF - u0
         t = min(max(past * per, ZERO), ONE)
@@ -93,20 +90,16 @@ def ribbon(
             entered = min(max(((px - x0) * mx0 + (py - y0) * my0) * inside0 + HALF, ZERO), ONE)
             left_ = min(max(((px - x1) * mx1 + (py - y1) * my1) * inside1 + HALF, ZERO), ONE)
             cover *= entered - left_
-            if hides is not None:
-                cover = cover if q >= hides[np.uint64(y * width + x)] else ZERO
-            if cover > FAINT:
-                if n == READY:
-                    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
-                    n = np.int64(0)
-                places[tiles.X + n] = x
-                places[tiles.Y + n] = y
-                places[tiles.VERTEX + n] = v - 1
-                places[tiles.PLACE + n] = fixed(t, lit_past, bits)
-                ready[tiles.DEPTH + n] = q
-                ready[tiles.ALPHA + n] = min(cover, ONE) * opacity
-                n += 1
-    append(ready, places, n, top, across, pool, links, heads, fills, used, begin, last, task)
+            pixel = (y - top) << ROW_BITS | (x - left)
+            if cover > FAINT and q >= veil[pixel]:
+                o = min(m, room) * NUMBERS
+                found[o] = np.float32(q).view(np.int32)
+                found[o + 1] = np.float32(min(cover, ONE) * opacity).view(np.int32)
+                found[o + 2] = v - 1
+                found[o + 3] = fixed(t, lit_past, bits) << PIXEL_BITS | pixel
+                counts[pixel] += 1
+                m += 1
+    return m
 
 
 @inner

@@ -156,10 +156,10 @@ def listed(begin, kept, place, weight, along, top, bottom, width, first, places,
     which so many are kept as `counted` says; places, weights, alongs (F,).
     """
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
-    for one in prange(begin.shape[0] - 1):
+    for one in prange(begin.shape[0]):
         tile = np.int64(one)
         f = begin[tile]
-        if begin[tile + 1] == f:
+        if f < 0:
             continue
         y = tile // across * TILE_HEIGHT
         x = tile % across * TILE_WIDTH
@@ -175,7 +175,7 @@ def listed(begin, kept, place, weight, along, top, bottom, width, first, places,
 
 
 @parallel
-def counted(begin, kept, top, bottom, width, out):
+def counted(kept, top, bottom, width, out):
     """Fragments of each pixel, out ((bottom − top) · width,) int64."""
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(bottom - top):
@@ -183,4 +183,4 @@ def counted(begin, kept, top, bottom, width, out):
         for column in range(width):
             tile = row // TILE_HEIGHT * across + column // TILE_WIDTH
             pixel = tile * PIXELS + row % TILE_HEIGHT * TILE_WIDTH + column % TILE_WIDTH
-            out[row * width + column] = kept[pixel] if begin[tile + 1] > begin[tile] else 0
+            out[row * width + column] = kept[pixel]

@@ -97,7 +97,7 @@ def fragments_of(
     """Pixel after pixel, each from front to back: where pixels begin (P + 1,), then of each fragment the lit vertex
     before it, its share of the pixel's light, and its place from that vertex to the next."""
     counts = np.empty((layer.bottom - layer.top) * width, np.int64)
-    kernel.counted(layer.begin, layer.kept, layer.top, layer.bottom, width, counts)
+    kernel.counted(layer.kept, layer.top, layer.bottom, width, counts)
     first = np.concatenate([[0], np.cumsum(counts)])
     size = int(first[-1])
     place, weight, along = np.empty(size, np.int64), np.empty(size, np.float32), np.empty(size, np.float32)
