@@ -24,7 +24,7 @@ any other step. The depth that comes of velocity alone, an impact, is no force k
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inlined, inner
+from ...jit import inlined
 from .contact_shapes import LEAST, TINY, nearest
 from .rod import GRIP, HELD, HIT, LIGHT, OFF, OVER, E, R
 from .simd import get, get3, put, put3, root, some, spread, where
@@ -114,7 +114,7 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
     return d
 
 
-@inner
+@inlined
 def touch(
     s, o, length, row, here, velocity, push, positions, alone, beat, friction, rounding, solids, whole, first, touched,
 ):  # fmt: skip
