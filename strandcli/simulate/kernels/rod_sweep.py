@@ -33,9 +33,9 @@ def sweep(
     length = get(lengths, strand)
     over = 1.0 / length
     put(s, OVER, over)
-    x, y, z = get3(positions, place + AXES, W)
+    px, py, pz = get3(positions, place + AXES, W)
     ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
-    put3(positions, place, W, x - length * ex, y - length * ey, z - length * ez)
+    put3(positions, place, W, px - length * ex, py - length * ey, pz - length * ez)
     put3(s, OFF, 1, 0.0, 0.0, 0.0)
     put(s, LOST, 0.0)
     put(s, HIT, 0.0)
@@ -49,8 +49,8 @@ def sweep(
         straighten(s, o, row, edges, numbers[12])
         if solid:
             contact.touch(
-                s, o, length, row, here, velocity, push, positions, far, beat, numbers[10], 0.25 * numbers[12], solids,
-                whole, j == 0, touched,
+                s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
+                0.25 * numbers[12], solids, whole, j == 0, touched,
             )  # fmt: skip
         x, y, z = get3(s, OFF, 1)
         ux, uy, uz = get3(s, o + U, 1)
@@ -59,8 +59,10 @@ def sweep(
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)
         put3(edges, row, W, x, y, z)
-        px, py, pz = get3(positions, here - AXES, W)
-        put3(positions, here, W, px + length * x, py + length * y, pz + length * z)
+        px += length * x
+        py += length * y
+        pz += length * z
+        put3(positions, here, W, px, py, pz)
         settle(s, o, row, length, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
