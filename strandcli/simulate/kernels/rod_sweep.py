@@ -42,11 +42,12 @@ def sweep(
     put(s, GRIP, 0.0)
     far = alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    lost = False
     for j in range(n):
         row = edge + j * AXES
         here = place + (j + 2) * AXES
         o = FIRST + j * SEGMENT
-        straighten(s, o, row, edges, numbers[12])
+        lost = straighten(s, o, row, edges, numbers[12]) or lost
         if solid:
             contact.touch(
                 s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
@@ -55,7 +56,7 @@ def sweep(
         x, y, z = get3(s, OFF, 1)
         ux, uy, uz = get3(s, o + U, 1)
         put3(s, o + U, 1, ux + x, uy + y, uz + z)
-        if some(get(s, LOST) > 0.0):
+        if lost:
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)
         put3(edges, row, W, x, y, z)
@@ -71,7 +72,7 @@ def sweep(
 @inner
 def straighten(s, o, row, edges, rounding):
     """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
-    to keep, from there on."""
+    to keep, from there on; returns whether there are such lanes."""
     x, y, z = get3(s, o + E, 1)
     dx, dy, dz = get3(s, OFF, 1)
     x -= dx
@@ -89,7 +90,8 @@ def straighten(s, o, row, edges, rounding):
     y *= f
     z *= f
     good = (q > NONE) & (q < HUGE * HUGE)
-    if some(~good):
+    lost = some(~good)
+    if lost:
         put(s, LOST, where(good, get(s, LOST), 1.0))
         old = get3(edges, row, W)
         x = where(good, x, old[0])
@@ -100,6 +102,7 @@ def straighten(s, o, row, edges, rounding):
         dz = where(good, dz, 0.0)
     put3(s, o + E, 1, x, y, z)
     put3(s, OFF, 1, dx, dy, dz)
+    return lost
 
 
 @inner
