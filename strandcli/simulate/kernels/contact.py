@@ -111,6 +111,8 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
             break
         axis, inverse, share, square = circle(s, found, q, get(s, OVER))
         d = select(inside, along(across(d, axis, inverse, square), share, axis), d)
+        if not some(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
+            break
     return d
 
 
