@@ -192,6 +192,7 @@ BENCH = {
     "counts": {"segments": 360_000},
     "particle_step_ns": 1.25,
     "segment_ns": None,
+    "steps": {"ms": 1.5, "particle_step_ns": 15.0},
     "error": {"stretch_max": 0.001, "penetration_max": None},
 }
 
@@ -213,6 +214,7 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     table = run("bench").out
     assert "simulate            1.50        1.25        2.00" in table
     assert "50.0 frames/s" in table
+    assert "steps alone                1.50 ms   15.00 ns a particle and step" in table
     assert "penetration_max" not in table
     assert asked["overrides"] == ()
     run("bench", "--set", "wind.strength=2", "--set", "material.width=0.001")

@@ -126,6 +126,14 @@ def test_keys_are_eased_by_the_one_that_is_left(time: float, position: tuple[flo
     assert emitter_pose(Emitter(position=(9.0, 9.0, 9.0), keys=KEYS), time).translation == position
 
 
+def test_the_pose_that_is_kept_is_given_for_no_other_emitter_and_time() -> None:
+    one, other = Emitter(position=(1.0, 0.0, 0.0)), Emitter(keys=KEYS)
+    assert emitter_pose(one, 3.0).translation == (1.0, 0.0, 0.0)
+    assert emitter_pose(other, 3.0).translation == (4.0, 0.0, -2.0)
+    assert emitter_pose(other, 2.0).translation == (2.0, 0.0, -1.0)
+    assert emitter_pose(one, 2.0).translation == (1.0, 0.0, 0.0)
+
+
 def test_720_degrees_are_two_turns_and_not_none() -> None:
     # a quarter of the way to 720 degrees is half a turn
     assert emitter_pose(Emitter(keys=KEYS), 1.5).rotation == rotation_matrix((0.0, 0.0, 180.0))

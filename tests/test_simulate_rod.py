@@ -135,16 +135,29 @@ def test_rods_of_any_stiffness_stay_straight(changes: dict[str, Any]) -> None:
     assert (np.abs(ways[:, 1]) < 1e-4 * np.linalg.norm(ways, axis=1)).all()
 
 
-def test_any_number_of_threads_gives_the_same_bits() -> None:
+def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rod_solver, "WORTH", 1000)
     one = scene(10.0, **{"emitter.strands": 300, "emitter.jitter": 60.0})
     results = []
     for threads in (1, 2):
         runtime.start(threads)
         solver = RodSolver(one, emit(one.emitter, one.seed))
+        assert len(solver.scratch) == threads
         for i in range(10):
             solver.step((i + 1) / 30, 1 / 30)
         results.append(solver.positions.copy())
     np.testing.assert_array_equal(*results)
+
+
+def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of other frames are at work on these."""
+    monkeypatch.setattr(rod_solver, "WORTH", 10)
+    one = scene(10.0, **{"emitter.strands": 20})
+    runtime.start(2)
+    solver = RodSolver(one, emit(one.emitter, one.seed))
+    runtime.start(1)
+    monkeypatch.setattr(rod_solver, "_pool", lambda: pytest.fail("another thread is called for"))
+    solver.step(1 / 30, 1 / 30)
 
 
 def test_a_step_of_no_length_changes_nothing() -> None:

@@ -116,7 +116,8 @@ def table(data: Mapping[str, Any]) -> str:
     for name in ("particle_step_ns", "segment_ns"):
         if data.get(name) is not None:
             lines.append(f"{name:<20}{data[name]:>14.3g}")
-    alone = (("rules", "particle_step_ns", "a particle and step"), ("lines", "fragment_ns", "a fragment"))
+    step = ("particle_step_ns", "a particle and step")
+    alone = (("steps", *step), ("rules", *step), ("lines", "fragment_ns", "a fragment"))
     for name, unit, of in alone:
         if name in data:
             lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")

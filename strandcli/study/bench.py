@@ -3,8 +3,10 @@
 The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.crew`), stages
 take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
-frames. Two more figures stand on their own, so that they can be compared with bounds for one loop alone: `rules` (six
-rules and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
+frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
+that of the clock on the wall. So three more figures stand on their own: `steps` (the solver asked for), and to be
+compared with bounds for one loop alone `rules` (six rules and two spheres) and `lines` (one-pixel lines with colours
+into a z-buffer).
 """
 
 from __future__ import annotations
@@ -58,7 +60,7 @@ def run(
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:
-        notify("one loop alone: rules, lines")
+        notify("one loop alone: steps, rules, lines")
     stages = {name: spread(values) for name, values in timed["seconds"].items()}
     counts = timed["counts"]
     drawn = stages["raster"]["median_ms"]
@@ -80,6 +82,7 @@ def run(
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
+        "steps": time_steps(solver, strands, particles, 20, overrides),
         "rules": time_rules(strands, particles),
         "lines": time_lines(strands, 37, *size),
         "peak_rss_bytes": _peak(),
@@ -132,23 +135,29 @@ def time_growth(
 ) -> list[dict[str, float]]:
     """How the cost of a particle and step grows with strands, of 10 particles each, and with the particles of a strand,
     at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place."""
-    from ..groom.emit import emit
-    from ..simulate import solver_of
-
-    rows = []
+    rows: list[dict[str, float]] = []
     for strands, particles in GROWTH:
         if notify is not None:
             notify(f"{strands:,} strands x {particles:,} particles")
-        settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
-        scene = load("headline", overrides=overrides, settings=settings)
-        one = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
-        one.advance(1)
-        took = median_seconds(lambda j, one=one: one.advance(j + 2), repeats)  # type: ignore[misc]
-        rows.append(
-            {"strands": strands, "particles": particles, "ms": 1e3 * took,
-             "particle_step_ns": 1e9 * took / (strands * particles)}
-        )  # fmt: skip
+        steps = time_steps(solver, strands, particles, repeats, overrides)
+        rows.append({"strands": strands, "particles": particles, **steps})
     return rows
+
+
+def time_steps(
+    solver: str, strands: int, particles: int, repeats: int, overrides: Sequence[str] = ()
+) -> dict[str, float]:
+    """The scene `headline`, simulated and not drawn, once strands have fallen into place: milliseconds a step,
+    nanoseconds a particle and step."""
+    from ..groom.emit import emit
+    from ..simulate import solver_of
+
+    settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
+    scene = load("headline", overrides=overrides, settings=settings)
+    one = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
+    one.advance(1)
+    took = median_seconds(lambda j: one.advance(j + 2), repeats)
+    return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
 
 
 def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:

@@ -24,9 +24,9 @@ any other step. The depth that comes of velocity alone, an impact, is no force k
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inlined, inner
+from ...jit import inlined
 from .contact_shapes import LEAST, TINY, nearest
-from .rod import GRIP, HELD, HIT, LIGHT, OFF, OVER, E, R
+from .rod import GRIP, HIT, OFF, OVER, E, R
 from .simd import get, get3, put, put3, root, some, spread, where
 
 SLACK = 1e-6
@@ -111,22 +111,24 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
             break
         axis, inverse, share, square = circle(s, found, q, get(s, OVER))
         d = select(inside, along(across(d, axis, inverse, square), share, axis), d)
+        if not some(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
+            break
     return d
 
 
-@inner
+@inlined
 def touch(
-    s, o, length, row, here, velocity, push, positions, alone, beat, friction, rounding, solids, whole, first, touched,
+    s, o, q, length, row, here, velocity, push, positions, alone, beat, friction, rounding, solids, whole, first,
+    touched,
 ):  # fmt: skip
-    """Turn the unit edge of segment o off all solids, update the force on its particle, and add up in OFF how far that
-    is put off; ``first``: whether the edge begins at the root, ``touched``: whether there is any force of the step
-    before. The particle's edge and force are in ``row``, its place before the step ``here``, that of the one before it
-    is the new one already; alone: how far an acceleration of 1 m/s² takes a particle; beat: how long a step is;
-    rounding: what is lost of a number of 1."""
-    q = get3(positions, here - 3 * W, W)
+    """Turn the unit edge of segment o, which begins at q, off all solids, update the force on its particle, and add up
+    in OFF how far that is put off; ``first``: whether q is the root, ``touched``: whether there is any force of the
+    step before. The particle's velocity and force are in ``row``, its place before the step ``here``; alone: how far an
+    acceleration of 1 m/s² takes a particle; beat: how long a step is; rounding: what is lost of a number of 1."""
     d = get3(s, o + E, 1)
     x, y, z = along(q, length, d)
-    grip = spread(length, 0.0)
+    none = spread(length, 0.0)
+    grip, light, held = none, spread(length, 1.0), (none, none, none)
     if touched:
         ax, ay, az = get3(push, row, W)
         grip = abs(ax) + abs(ay) + abs(az)
@@ -135,18 +137,13 @@ def touch(
         light = where(light > 0.0, min(max(light, LIGHTEST), 1.0), 1.0)
         f = alone * light
         grip *= f  # at least as far as it puts the particle off
-        put3(s, HELD, 1, f * ax, f * ay, f * az)
-        put(s, LIGHT, light)
+        held = f * ax, f * ay, f * az
     was = grip > 0.0
     depth, found = nearest(s, o, x, y, z, d, length, positions, here, grip, solids, whole, first)
     if not some((depth > -grip) | was):
         return
-    if not touched:
-        put3(s, HELD, 1, 0.0, 0.0, 0.0)
-        put(s, LIGHT, 1.0)
     over = get(s, OVER)
     round = get(s, found + 7) > 0.0
-    held = get3(s, HELD, 1)
     centre = get3(s, found, 1)
     away = 1.0 / where(round, max(get(s, found + 3) - depth, TINY), 1.0)
     n = select(round, (away * (x - centre[0]), away * (y - centre[1]), away * (z - centre[2])), centre)
@@ -173,7 +170,7 @@ def touch(
         p = across(along(d, over, along(kept, -1.0, held)), axis, inverse, square)
         turned = select(near, along(p, share, axis), turned)
         kept = along(kept, force, n)
-        f = 1.0 / (alone * get(s, LIGHT))
+        f = 1.0 / (alone * light)
         new = near & ~was
         if some(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
@@ -183,9 +180,9 @@ def touch(
             fall -= beat * dot(n, (vx, vy, vz))
             f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
             put(s, HIT, get(s, HIT) + where(new, spread(f, 1.0), 0.0))
-        f = where(near, f, 0.0)
-        put3(push, row, W, f * kept[0], f * kept[1], f * kept[2])
-        put(s, GRIP, get(s, GRIP) + f * (abs(kept[0]) + abs(kept[1]) + abs(kept[2])))
+        ax, ay, az = select(near, (f * kept[0], f * kept[1], f * kept[2]), (none, none, none))
+        put3(push, row, W, ax, ay, az)
+        put(s, GRIP, get(s, GRIP) + (abs(ax) + abs(ay) + abs(az)))
     else:
         put3(push, row, W, 0.0, 0.0, 0.0)
     turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)

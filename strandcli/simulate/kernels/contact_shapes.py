@@ -232,7 +232,8 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
         d = under_plane(planes, m, x, y, z)
         if some(d > most):
             way = spread(x, planes[m]), spread(x, planes[m + 1]), spread(x, planes[m + 2])
-            found, other = find(s, found, other, d > most, 0.0, way, spread(x, planes[m + 3]), planes, m + 4, positions, here)
+            level = spread(x, planes[m + 3])
+            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + 4, positions, here)
             most = max(most, d)
     for m in range(0, last_box, BOX):
         d, ox, oy, oz = face(boxes, m, x, y, z)
@@ -247,8 +248,9 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
 
 @inlined
 def find(s, found, other, nearer, round, place, size, solids, moved, positions, here):
-    """Write a solid down, whose motion is in columns from ``moved`` on, where a mask holds, and elsewhere what was found
-    before: to the other place, for to write some lanes only takes processors long. Returns both places exchanged."""
+    """Write down a solid, whose motion is in columns from ``moved`` on, where a mask holds, and elsewhere what was
+    found before: to the other place, for to write some lanes only takes processors long. Returns both places,
+    exchanged."""
     x, y, z = get3(positions, here, W)
     put(s, other, where(nearer, place[0], get(s, found)))
     put(s, other + 1, where(nearer, place[1], get(s, found + 1)))

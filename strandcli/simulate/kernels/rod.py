@@ -41,11 +41,11 @@ MOST = 1e18
 SEGMENT = 23
 """An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
 E, U, Y, A, C, T, M, K, DI, N1, N2, R, TH = 0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21, 22
-# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved; of the
-# sweep that follows, 1 over the length of a segment, how far a particle has been put off, whether its strand has lost
-# its direction or been hit, its greatest force, how far the force kept puts a particle off and its lightness, two solids
-HARD, SHIFT, OVER, OFF, LOST, HIT, GRIP, HELD, LIGHT, FOUND = 0, 1, 4, 5, 8, 9, 10, 11, 14, 15
-FIRST = 31 + 2 * SEGMENT
+# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved; for the
+# sweep in the end, 1 over the length of a segment, how far a particle is put off, where edges are lost and where hit,
+# all forces of contact, and two places for a solid, 8 each
+HARD, SHIFT, OVER, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 8, 9, 10, 11
+FIRST = 27 + 2 * SEGMENT
 
 
 def rows_for(n: int) -> int:

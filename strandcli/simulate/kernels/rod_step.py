@@ -12,13 +12,11 @@ from ...jit import function, inner
 from . import rod, rod_newton, rod_sweep
 from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
 from .rod_sweep import AXES
-from .simd import fetch, get, get3, heap, lay, put, put3, root, some, where, width
+from .simd import get, get3, heap, lay, put, put3, root, some, where, width
 from .tickets import take
 
 HUGE = 1e18
 FARTHEST = 1e10
-NEAR = 32
-"""Segments of a strand that are brought near before it is its turn: those of longer ones would crowd each other out."""
 SHARE = 16
 """Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
 
@@ -55,39 +53,13 @@ def step(
     )  # fmt: skip
     ticket = take(tickets)
     while ticket < tickets[1]:
-        next = take(tickets)
-        if next < tickets[1]:
-            await_strands(
-                lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(positions), second,
-                solid, next * SHARE, edges.shape[1],
-            )  # fmt: skip
         run(
             lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
             lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
             lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, heap(scratch),
             lay(residuals), ticket * SHARE, long, edges.shape[1],
         )  # fmt: skip
-        ticket = next
-
-
-@inner
-def await_strands(edges, velocity, before, moved, tension, push, positions, second, solid, first, n):
-    """Have the numbers of a ticket's strands brought near while those of another are worked on: they lie in so many
-    rows, each a line of the cache or two, that no processor sees what will be asked for."""
-    b = first // W
-    for lane in range(first - b * W, first - b * W + SHARE, width(edges)):
-        for j in range(min(n, NEAR)):
-            fetch(tension, (b * n + j) * W + lane)
-            for c in range(3):
-                row = (b * n + j) * AXES + c * W + lane
-                fetch(edges, row)
-                fetch(velocity, row)
-                if second:
-                    fetch(before, row)
-                    fetch(moved, row)
-                if solid:
-                    fetch(push, row)
-                fetch(positions, (b * (n + 2) + j + 2) * AXES + c * W + lane)
+        ticket = take(tickets)
 
 
 @inner

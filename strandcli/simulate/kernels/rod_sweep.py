@@ -33,34 +33,37 @@ def sweep(
     length = get(lengths, strand)
     over = 1.0 / length
     put(s, OVER, over)
-    x, y, z = get3(positions, place + AXES, W)
+    px, py, pz = get3(positions, place + AXES, W)
     ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
-    put3(positions, place, W, x - length * ex, y - length * ey, z - length * ez)
+    put3(positions, place, W, px - length * ex, py - length * ey, pz - length * ez)
     put3(s, OFF, 1, 0.0, 0.0, 0.0)
     put(s, LOST, 0.0)
     put(s, HIT, 0.0)
     put(s, GRIP, 0.0)
     far = alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    lost = False
     for j in range(n):
         row = edge + j * AXES
         here = place + (j + 2) * AXES
         o = FIRST + j * SEGMENT
-        straighten(s, o, row, edges, numbers[12])
+        lost = straighten(s, o, row, edges, numbers[12]) or lost
         if solid:
             contact.touch(
-                s, o, length, row, here, velocity, push, positions, far, beat, numbers[10], 0.25 * numbers[12], solids,
-                whole, j == 0, touched,
+                s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
+                0.25 * numbers[12], solids, whole, j == 0, touched,
             )  # fmt: skip
         x, y, z = get3(s, OFF, 1)
         ux, uy, uz = get3(s, o + U, 1)
         put3(s, o + U, 1, ux + x, uy + y, uz + z)
-        if some(get(s, LOST) > 0.0):
+        if lost:
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)
         put3(edges, row, W, x, y, z)
-        px, py, pz = get3(positions, here - AXES, W)
-        put3(positions, here, W, px + length * x, py + length * y, pz + length * z)
+        px += length * x
+        py += length * y
+        pz += length * z
+        put3(positions, here, W, px, py, pz)
         settle(s, o, row, length, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
@@ -69,7 +72,7 @@ def sweep(
 @inner
 def straighten(s, o, row, edges, rounding):
     """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
-    to keep, from there on."""
+    to keep, from there on; returns whether there are such lanes."""
     x, y, z = get3(s, o + E, 1)
     dx, dy, dz = get3(s, OFF, 1)
     x -= dx
@@ -87,7 +90,8 @@ def straighten(s, o, row, edges, rounding):
     y *= f
     z *= f
     good = (q > NONE) & (q < HUGE * HUGE)
-    if some(~good):
+    lost = some(~good)
+    if lost:
         put(s, LOST, where(good, get(s, LOST), 1.0))
         old = get3(edges, row, W)
         x = where(good, x, old[0])
@@ -98,6 +102,7 @@ def straighten(s, o, row, edges, rounding):
         dz = where(good, dz, 0.0)
     put3(s, o + E, 1, x, y, z)
     put3(s, OFF, 1, dx, dy, dz)
+    return lost
 
 
 @inner

@@ -11,7 +11,6 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
-    fetch(rows, o)              will be read soon
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
@@ -216,23 +215,6 @@ def get(typingctx: Any, rows: Any, o: Any) -> Any:
         return builder.load(_here(builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
 
     return Lanes(rows.dtype)(rows, o), emit
-
-
-@intrinsic
-def fetch(typingctx: Any, rows: Any, o: Any) -> Any:
-    """Have the cache line at place o brought near, for it will be read soon; changes nothing."""
-    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
-        return None
-
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        byte, number = ir.IntType(8).as_pointer(), ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
-        hint = get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
-        where = builder.bitcast(_here(builder, sig.args[0], *args), byte)
-        builder.call(hint, [where, number(0), number(2), number(1)])  # to read, into the second cache, data
-        return context.get_dummy_value()
-
-    return types.void(rows, o), emit
 
 
 @intrinsic
