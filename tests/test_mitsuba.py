@@ -2,9 +2,12 @@
 
 What is the same: strands (see `path_tracer`), camera, directional light of a given irradiance, index of refraction,
 absorption, roughness and tilt. What differs, and is part of the figures here: Mitsuba's `hair` is evaluated at the
-offset h where a ray meets the strand, here light is averaged over the width; Mitsuba traces shadows of single strands,
-opacity maps hold their mean; and of strands that share a pixel Mitsuba knows which is in front of which part.
-All three are right on average, and what is left is smaller the more strands share a pixel.
+offset h where a ray meets the strand, here light is averaged over the width; opacity maps hold the mean of the shadows
+of single strands; and of strands that share a sample Mitsuba knows which is in front of which part. All three are right
+on average, and what is left is smaller the more strands share a pixel.
+
+Mitsuba 3.9's logarithm of I₀ breaks its series off after ten terms, which is 1.7 % too little just below 12, where it
+changes over to the asymptote: R is that much too dark in places where β_m is .3, and not where it is .6.
 """
 
 from __future__ import annotations
@@ -27,10 +30,10 @@ APART = """\
 title: strands that stand apart
 emitter: {shape: {kind: sphere, radius: 0.2}, strands: 60, particles: 9, length: 0.8, jitter: 20, curl_turns: 0.4}
 camera: {position: [0, 0.3, 4], target: [0, 0, 0], fov: 34}
-image: {size: [96, 72], supersample: 8, background: [0, 0, 0]}
+image: {size: [96, 72], supersample: 8, background: [0, 0, 0], resolver: sorted}
 ambient: [0, 0, 0]
-lights: [{kind: directional, direction: [0, -0.2, -1], intensity: 3, shadow: {model: "off"}}]
-material: {model: chiang, colour: [0.45, 0.25, 0.12], beta_m: 0.3, beta_n: 0.3, tilt: 2, diffuse: 0, width: 0.005,
+lights: [{kind: directional, direction: [0, -0.2, -1], intensity: 3, shadow: {model: traced}}]
+material: {model: chiang, colour: [0.45, 0.25, 0.12], beta_m: 0.6, beta_n: 0.3, tilt: 2, diffuse: 0, width: 0.005,
            taper: 0}
 curves: {mode: fixed, level: 4}
 """
@@ -72,25 +75,22 @@ def subject_of(text: str, folder: Path, settings: dict[str, Any]) -> Subject:
     return found
 
 
-@pytest.mark.parametrize(
-    ("direction", "off", "apart"), [((0, -0.2, -1), 0.04, 0.1), ((0.5, -0.3, 0.8), 0.06, 0.15)],
-    ids=["from the eye", "from behind"],
-)  # fmt: skip
-def test_strands_have_the_same_light(tmp_path: Path, direction: Any, off: float, apart: float) -> None:
-    """Strands stand apart. Here they are 2.4 % and 5.1 % brighter, where ten thousand are within 1 %; why is not known.
-    It is not tilt, roughness, the density of lit vertices, or the shadows that only Mitsuba has here."""
-    # so many samples are more than a preset may ask for
-    subject = subject_of(APART, tmp_path, {"image.supersample": 16, "lights.0.direction": direction})
+@pytest.mark.parametrize("direction", [(0, -0.2, -1), (0.5, -0.3, 0.8)], ids=["from the eye", "from behind"])
+def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
+    """Strands stand apart. They shade each other all the same: without that they are 4 % too bright."""
+    subject = subject_of(APART, tmp_path, {"lights.0.direction": direction})
     traced = trace(subject, tmp_path, 2048)
     found = figures(subject.draw(subject.scene, draws=1).image, traced)
     white = subject.draw(silhouette(subject.scene), draws=1).image[..., 0]
     noise = float((traced.alpha * (1 - traced.alpha)).mean() / (2 * traced.samples))
     area, square = white.mean() / traced.alpha.mean(), float(((white - traced.alpha) ** 2).mean())
     print(f"\n{found}; area {area:.4f}, RMSE of coverage {square**0.5:.4f}, noise {noise**0.5:.4f}")
-    assert area == pytest.approx(1, abs=0.02)
-    assert square - noise < 0.02**2
-    assert abs(found.brightness - 1) < off
-    assert found.rmse < apart
+    bare = figures(subject.draw(changed(subject.scene, {"lights.0.shadow.model": "off"}), draws=1).image, traced)
+    assert area == pytest.approx(1, abs=0.01)
+    assert square - noise < 0.01**2
+    assert abs(found.brightness - 1) < 0.01
+    assert found.rmse < 0.06
+    assert bare.brightness > 1.03
 
 
 @pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])
