@@ -6,6 +6,8 @@ W = 128
 PORTION = 6_000_000
 """Vertices that are drawn at once, 36 bytes each: more go through in portions."""
 
+GRID_BYTES = 1_000_000_000
+"""For the lists of a light with exact shadows, about; where they would take more, they are coarser."""
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 

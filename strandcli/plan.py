@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .constants import FRAGMENT_BYTES, FRAGMENTS, PORTION, W
+from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, PORTION, W
 from .draw.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
@@ -158,11 +158,17 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     lit = [light for light in scene.lights if light.intensity > 0 and any(light.colour)]
     if len(lit) < len(scene.lights):
         skip(Stage("lights", f"{len(scene.lights) - len(lit)} of {len(scene.lights)} are dark"))
-    maps = sum(light.shadow.model != "off" for light in lit)
+    exact = sum(light.shadow.model == "traced" for light in lit)
+    maps = sum(light.shadow.model not in ("off", "traced") for light in lit) + (exact if needs_counts(scene) else 0)
     if maps:
         use(Stage("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows"))
     else:
         skip(Stage("shadow maps", "there is no light" if not lit else "no light asks for one"))
+    if exact:
+        use(Stage("exact shadows", f"every strand against all others in {exact} {'light' if exact == 1 else 'lights'}; "
+                  f"lists of about {GRID_BYTES / 1e6:,.0f} MB a light at most"))  # fmt: skip
+    else:
+        skip(Stage("exact shadows", "there is no light" if not lit else "no light asks for them"))
     if scene.material.specular > 0 and lit:
         use(Stage(f"{scene.material.model} tables", "highlights are on"))
     else:
@@ -170,7 +176,7 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     material = scene.material
     varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
     if material.scatter == "dual":
-        if any(light.shadow.model == "opacity" for light in lit):
+        if any(light.shadow.model in ("opacity", "traced") for light in lit):
             use(Stage("dual scattering", "light goes from strand to strand under lights with opacity maps"))
         else:
             skip(Stage("dual scattering", "no light has an opacity map to count strands by"))
@@ -241,6 +247,12 @@ def needs_shadow_maps(scene: Scene) -> bool:
     return any(light.shadow.model != "off" and light.intensity > 0 and any(light.colour) for light in scene.lights)
 
 
+def needs_counts(scene: Scene) -> bool:
+    """Whether lights with exact shadows have opacity maps beside them: for solids, and for what counts strands."""
+    solid = any(solid.visible for solid in scene.solids)
+    return solid or scene.material.scatter == "dual" or "shadow" in scene.image.aovs
+
+
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:
     """How many frames may be drawn at once: more than one may at most double what the run takes, and use up half of
     what is free."""
@@ -263,7 +275,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     strands, n = _drawn(plan, scene), drawn_particles(scene)
     per_strand = plan.segments_max // max(strands, 1) + 1
     vertices = strands * per_strand
-    if scene.image.resolver == "zbuffer":
+    traced = sum(light.shadow.model == "traced" and light.intensity > 0 for light in scene.lights)
+    if scene.image.resolver == "zbuffer" and not traced:
         vertices = min(vertices, PORTION + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
     total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
@@ -271,9 +284,14 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
         total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
+    # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
+    # piece is usual, and one the least
+    total += traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
-            deep = 4 * (one.shadow.layers + 3) if one.shadow.model == "opacity" else 0
+            if one.shadow.model == "traced" and not needs_counts(scene):
+                continue
+            deep = 0 if one.shadow.model == "minmax" else 4 * (one.shadow.layers + 3)
             total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices

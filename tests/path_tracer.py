@@ -9,6 +9,7 @@ thin as hair 3.9 does.
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 import time
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from strandcli.study.chiang_reference import Hair
     from strandcli.study.pictures.subject import Subject
 
 PASS = 128
@@ -77,6 +79,32 @@ def trace(subject: Subject, folder: Path, samples: int, depth: int = 2) -> Trace
 def spline(points: Any) -> Any:
     """Control points (n + 2, …) of a uniform cubic B-spline that begins and ends where a polyline (n, …) does."""
     return np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+
+
+def one_strand(hair: Hair, eye: float, light: float, phi: float, folder: Path, samples: int = 512**2) -> float:
+    """Mean radiance, over its width, of a straight strand in directional light of irradiance 1; θ of eye and light and
+    φ between them in radians."""
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    radius, half = 0.0025, 0.003
+    along = np.linspace(1, -1, 40)
+    np.savetxt(folder / "one.txt", np.column_stack([along, 0 * along, 0 * along, 0 * along + radius]))
+    way = [math.sin(light), math.cos(light) * math.sin(phi), math.cos(light) * math.cos(phi)]
+    look = mi.ScalarTransform4f().look_at([3 * math.sin(eye), 0, 3 * math.cos(eye)], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 1, "height": 1, "pixel_format": "rgba", "component_format": "float32",
+            "rfilter": {"type": "box"}}  # fmt: skip
+    fibre = {"type": "hair", "longitudinal_roughness": hair.beta_m, "azimuthal_roughness": hair.beta_n,
+             "scale_tilt": hair.tilt, "int_ior": hair.eta, "ext_ior": 1.0,
+             "sigma_a": {"type": "rgb", "value": [hair.sigma] * 3}}  # fmt: skip
+    scene = {"type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
+             "sensor": {"type": "orthographic", "to_world": look @ mi.ScalarTransform4f().scale([half, half, 1]),
+                        "film": film, "sampler": {"type": "stratified"}},
+             "hair": {"type": "bsplinecurve", "filename": str(folder / "one.txt"), "bsdf": fibre},
+             "light": {"type": "directional", "direction": [-c for c in way],
+                       "irradiance": {"type": "rgb", "value": 1.0}}}  # fmt: skip
+    red, _, _, alpha = np.array(mi.render(mi.load_dict(scene), spp=samples, seed=1), np.float64)[0, 0]
+    return float(red / alpha)
 
 
 def _write(subject: Subject, folder: Path, depth: int) -> None:

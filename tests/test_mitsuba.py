@@ -2,13 +2,17 @@
 
 What is the same: strands (see `path_tracer`), camera, directional light of a given irradiance, index of refraction,
 absorption, roughness and tilt. What differs, and is part of the figures here: Mitsuba's `hair` is evaluated at the
-offset h where a ray meets the strand, here light is averaged over the width; Mitsuba traces shadows of single strands,
-opacity maps hold their mean; and of strands that share a pixel Mitsuba knows which is in front of which part.
-All three are right on average, and what is left is smaller the more strands share a pixel.
+offset h where a ray meets the strand, here light is averaged over the width; opacity maps hold the mean of the shadows
+of single strands; and of strands that share a sample Mitsuba knows which is in front of which part. All three are right
+on average, and what is left is smaller the more strands share a pixel.
+
+Mitsuba's logarithm of I₀ is somewhat too small just below 12, where it changes over to the asymptote: R is up to half a
+per cent too dark where β_m is .3, and nothing is where it is .6.
 """
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +21,10 @@ import pytest
 
 pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-against-mitsuba")
 
-from path_tracer import figures, seconds_to, trace
+from path_tracer import figures, one_strand, seconds_to, trace
 
 import strandcli
+from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject, changed, silhouette
 
@@ -27,10 +32,10 @@ APART = """\
 title: strands that stand apart
 emitter: {shape: {kind: sphere, radius: 0.2}, strands: 60, particles: 9, length: 0.8, jitter: 20, curl_turns: 0.4}
 camera: {position: [0, 0.3, 4], target: [0, 0, 0], fov: 34}
-image: {size: [96, 72], supersample: 8, background: [0, 0, 0]}
+image: {size: [96, 72], supersample: 8, background: [0, 0, 0], resolver: sorted}
 ambient: [0, 0, 0]
-lights: [{kind: directional, direction: [0, -0.2, -1], intensity: 3, shadow: {model: "off"}}]
-material: {model: chiang, colour: [0.45, 0.25, 0.12], beta_m: 0.3, beta_n: 0.3, tilt: 2, diffuse: 0, width: 0.005,
+lights: [{kind: directional, direction: [0, -0.2, -1], intensity: 3, shadow: {model: traced}}]
+material: {model: chiang, colour: [0.45, 0.25, 0.12], beta_m: 0.6, beta_n: 0.3, tilt: 2, diffuse: 0, width: 0.005,
            taper: 0}
 curves: {mode: fixed, level: 4}
 """
@@ -72,25 +77,22 @@ def subject_of(text: str, folder: Path, settings: dict[str, Any]) -> Subject:
     return found
 
 
-@pytest.mark.parametrize(
-    ("direction", "off", "apart"), [((0, -0.2, -1), 0.04, 0.1), ((0.5, -0.3, 0.8), 0.06, 0.15)],
-    ids=["from the eye", "from behind"],
-)  # fmt: skip
-def test_strands_have_the_same_light(tmp_path: Path, direction: Any, off: float, apart: float) -> None:
-    """Strands stand apart. Here they are 2.4 % and 5.1 % brighter, where ten thousand are within 1 %; why is not known.
-    It is not tilt, roughness, the density of lit vertices, or the shadows that only Mitsuba has here."""
-    # so many samples are more than a preset may ask for
-    subject = subject_of(APART, tmp_path, {"image.supersample": 16, "lights.0.direction": direction})
+@pytest.mark.parametrize("direction", [(0, -0.2, -1), (0.5, -0.3, 0.8)], ids=["from the eye", "from behind"])
+def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
+    """Strands stand apart. They shade each other all the same: without that they are 2.7 % and 4.5 % too bright."""
+    subject = subject_of(APART, tmp_path, {"lights.0.direction": direction})
     traced = trace(subject, tmp_path, 2048)
     found = figures(subject.draw(subject.scene, draws=1).image, traced)
     white = subject.draw(silhouette(subject.scene), draws=1).image[..., 0]
     noise = float((traced.alpha * (1 - traced.alpha)).mean() / (2 * traced.samples))
     area, square = white.mean() / traced.alpha.mean(), float(((white - traced.alpha) ** 2).mean())
     print(f"\n{found}; area {area:.4f}, RMSE of coverage {square**0.5:.4f}, noise {noise**0.5:.4f}")
-    assert area == pytest.approx(1, abs=0.02)
-    assert square - noise < 0.02**2
-    assert abs(found.brightness - 1) < off
-    assert found.rmse < apart
+    bare = figures(subject.draw(changed(subject.scene, {"lights.0.shadow.model": "off"}), draws=1).image, traced)
+    assert area == pytest.approx(1, abs=0.01)
+    assert square - noise < 0.01**2
+    assert abs(found.brightness - 1) < 0.01
+    assert found.rmse < 0.06
+    assert bare.brightness > 1.02
 
 
 @pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])
@@ -108,6 +110,39 @@ def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direc
     assert bare.rmse > 0.5
 
 
+@pytest.mark.parametrize(("direction", "most"), [(FRONT, 0.1), (BACK, 0.14)], ids=["from above", "from behind"])
+def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: float) -> None:
+    """A twelfth of a pixel wide. Behind a light from behind most of the light is on few strands, each of it bright."""
+    wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 3}
+    subject = subject_of(HAIR, tmp_path, wide)
+    traced = trace(subject, tmp_path, 512)
+    picture = subject.draw(changed(subject.scene, {"lights.0.shadow.model": "traced"}))
+    found = figures(picture.image, traced)
+    seconds = sum(picture.seconds.values())
+    slow = seconds_to(found.rmse, found, traced)
+    maps = figures(subject.draw(subject.scene, draws=1).image, traced)
+    print(f"\n{found}; {seconds:.3f} s, the path tracer {slow:.0f} s: {slow / seconds:.0f} times; with a map {maps}")
+    assert abs(found.brightness - 1) < 0.02
+    assert found.rmse < most
+    assert maps.rmse > 1.3 * found.rmse
+
+
+ANGLES = [(0, 0, 60), (0, 0, 175), (30, -30, 60), (-50, 40, 90)]
+
+
+@pytest.mark.parametrize(("beta_m", "off"), [(0.3, 0.006), (0.6, 0.001)])
+def test_one_strand_is_what_quadrature_finds(tmp_path: Path, beta_m: float, off: float) -> None:
+    """In double precision. Angles in degrees: θ of the eye, θ of the light, φ between them."""
+    hair = reference.Hair(beta_m, 0.3, 2.0, 0.5)
+    found, right = [], []
+    for angles in ((0, 0, 60), (0, 0, 175), (30, -30, 60), (-50, 40, 90)):
+        eye, light, phi = map(math.radians, angles)
+        found.append(one_strand(hair, eye, light, phi, tmp_path))
+        right.append(float(reference.scattering(hair, light, eye, [phi])[0]))
+    print(f"\n{np.divide(found, right)} of what is right")
+    np.testing.assert_allclose(found, right, rtol=off)
+
+
 @pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])
 @pytest.mark.parametrize("pigment", ["blond", "brown"])
 def test_light_from_strand_to_strand_has_the_same_energy(tmp_path: Path, pigment: str, direction: Any) -> None:
@@ -120,6 +155,6 @@ def test_light_from_strand_to_strand_has_the_same_energy(tmp_path: Path, pigment
     assert abs(found.brightness - 1) < 0.2
     assert abs(found.brightness - 1) < abs(plain.brightness - 1)
     assert found.rmse < plain.rmse
-    reference = (traced.one + traced.two).mean((0, 1)) / 2
-    colours = subject.draw(subject.scene, draws=1).image.mean((0, 1)) / reference
+    whole = (traced.one + traced.two).mean((0, 1)) / 2
+    colours = subject.draw(subject.scene, draws=1).image.mean((0, 1)) / whole
     assert np.ptp(colours) < 0.15

@@ -21,6 +21,7 @@ from .. import solids as shapes
 from ..constants import PORTION, W
 from ..groom.children import Children
 from ..groom.emit import Groom
+from ..plan import needs_counts
 from . import lens, raster
 from .aovs import Recorder
 from .body import Body, body_of
@@ -81,7 +82,7 @@ class Renderer:
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.visible = [solid for solid in scene.solids if solid.visible]
         self._traced = [light for light in scene.lights if is_traced(light)]
-        self._counts = bool(self.visible) or self.palette.dual is not None or "shadow" in scene.image.aovs
+        self._counts = needs_counts(scene)
         nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
         self.coverage = (
             None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)

@@ -129,11 +129,11 @@ def plan_maps(
     scratch: Scratch,
     thickness: Thickness = Thickness(),
     spacing: float = 0.0,
-    counts: bool = True,
+    counted: bool = True,
 ) -> ShadowMaps | None:
     """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
 
-    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counts``: whether lights with
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: whether lights with
     exact shadows have an opacity map too, for solids and for all that counts strands.
     """
     views: list[View] = []
@@ -141,7 +141,7 @@ def plan_maps(
     owners = []
     for light in lights:
         before = len(views)
-        if wants_map(light) and (counts or not is_traced(light)):
+        if wants_map(light) and (counted or not is_traced(light)):
             deep = light.shadow.model != "minmax"
             size = light.shadow.size
             found = light_views(light, size, bounds)

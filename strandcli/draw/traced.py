@@ -5,7 +5,7 @@ each strand is held against all others; what is averaged is averaged over a part
 sample of the picture shows or than lies between two of its lit vertices. A strand does not shade itself.
 
 A grid over each of a light's views lists the pieces of strands in each of its cells: some `LIST`, which was fastest,
-and more where the lists would take more than `ROOM` bytes.
+and more where the lists would take more than `GRID_BYTES`.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..constants import GRID_BYTES
 from ..scene.model import Light
 from .camera import View, ball
 from .curves import Polylines
@@ -25,16 +26,20 @@ from .raster import into_bands, to_screen
 from .scratch import Scratch
 from .shadow import Thickness, light_views, texel_of
 
-LIST = 48.0
+LIST = 64.0
 """Pieces that touch a cell, about."""
 COARSE = 64
-"""Cells along a side of the grid by which the area is found that strands cover."""
+"""Cells along a side of the grid by which the area is found that strands cover,"""
+SOME, MANY = 1000, 50_000
+"""from so many vertices; and strands whose pieces are measured."""
 FINEST = 2048
 """Cells along a side of a grid at most."""
-ROOM = 1_000_000_000
-"""Bytes for the lists of a light's cells, about."""
 LISTED = 8 + 4 * kernel.ROWS
 """Bytes that a strand's piece takes in each cell it touches."""
+PLACES = 2.0
+"""Along a strand, to its width, that are lit or dark."""
+WORDS = 8
+"""Of 64 places along a piece of a strand, at most."""
 APART = 2.0
 """Widths along a strand within which it does not shade itself."""
 
@@ -49,7 +54,9 @@ class Grid:
     begin: NDArray[np.int64]
     keys: NDArray[np.int64]
     rows: NDArray[np.float32]
-    opacity: np.float32
+    words: int
+    """Of bits for the places along a piece."""
+    veil: int
     bias: np.float32
     apart: int
     """Pieces to each side of one that it is not shaded by."""
@@ -67,13 +74,13 @@ class Grid:
         most = int(np.diff(lines.first).max(initial=1))
         kernel.visibility(
             lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
-            self.keys, self.rows, self.opacity, self.bias, self.apart, out,
+            self.keys, self.rows, self.words, self.veil, self.bias, self.apart, out,
         )  # fmt: skip
 
 
 def grid_of(
     light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
-    scratch: Scratch, number: int = 0, room: int = ROOM,
+    scratch: Scratch, number: int = 0, room: int = GRID_BYTES,
 ) -> Grid:  # fmt: skip
     """A light's grid of all strands, which are within the box ``bounds`` (2, 3); ``number``: of the light among those
     that have one."""
@@ -82,7 +89,7 @@ def grid_of(
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
     fine = light_views(light, FINEST, wider)
     texel = max(texel_of(view, wider) for view in fine)
-    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece, scratch)
+    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece)
     size = int(np.clip(FINEST * texel / max(cell, thickness.width), 8, FINEST))
     while True:
         views = light_views(light, size, wider)
@@ -90,7 +97,7 @@ def grid_of(
         begin = np.zeros(len(views) * size * size + 1, np.int64)
         for side, bands in enumerate(sides):
             here = slice(1 + side * size * size, 1 + (side + 1) * size * size)
-            _list(lines, bands, size, workers, scratch, begin[here], None)
+            _list(lines, bands, views[side], workers, scratch, begin[here], None)
         np.cumsum(begin, out=begin)
         if LISTED * int(begin[-1]) <= room or size <= 8:
             break
@@ -99,32 +106,42 @@ def grid_of(
     rows = scratch.take(f"grid_rows_{number}", kernel.ROWS * int(begin[-1]), np.float32)
     for side, bands in enumerate(sides):
         ends = begin[side * size * size : (side + 1) * size * size + 1]
-        _list(lines, bands, size, workers, scratch, ends[:-1].copy(), keys)
-        kernel.order(ends, size, bands, keys, rows)
+        _list(lines, bands, views[side], workers, scratch, ends[:-1].copy(), keys)
+        table = scratch.take("equations", (len(bands), kernel.ROWS), np.float32)
+        focal = np.float32(views[side].focal if views[side].perspective else 0.0)
+        kernel.equations(lines.first, bands, focal, np.float32(size / 2), table)
+        kernel.order(ends, size, table, keys, rows)
+    words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / kernel.WORD)
+    apart = 1 + math.ceil(min(APART * thickness.width / piece, 1e6))
     return Grid(
         np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
-        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, np.float32(opacity),
-        np.float32(light.shadow.bias), 1 + int(min(np.ceil(APART * thickness.width / piece), 1e6)),
+        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, min(words, WORDS),
+        round(opacity * int(kernel.VEILS)), np.float32(light.shadow.bias), apart,
     )  # fmt: skip
 
 
 def _mean_piece(lines: Polylines) -> float:
-    """Mean length of the pieces, metres."""
-    steps = np.diff(lines.world, axis=0)
-    steps[lines.first[1:-1] - 1] = 0
+    """Mean length of a piece, metres, of the first `SOME` strands."""
+    first = lines.first[: SOME + 1]
+    steps = np.diff(lines.world[: int(first[-1])], axis=0)
+    steps[first[1:-1] - 1] = 0
     total = float(np.sqrt((steps**2).sum(1)).sum(dtype=np.float64))
-    return total / max(lines.segments, 1)
+    return total / max(int(first[-1]) - int(np.count_nonzero(np.diff(first))), 1)
 
 
-def _cell(lines: Polylines, views: list[View], texel: float, piece: float, scratch: Scratch) -> float:
+def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> float:
     """Side of cells that some `LIST` pieces touch, metres: of pieces of length l that begin evenly over an area, a cell
     of side c is touched by those that begin in an area of c (c + 4 l / π). ``views``: of `COARSE` cells a side, which
     are ``texel`` metres wide."""
+    points = lines.world[:: max(len(lines.world) // MANY, 1)].astype(np.float64)
     covered = 0
     for view in views:
-        screen = to_screen(lines, view, scratch, "light_screen")
-        there = screen[screen[:, 2] > 0, :2].astype(np.int64).clip(0, COARSE - 1)
-        covered += int(np.count_nonzero(np.bincount(there[:, 1] * COARSE + there[:, 0])))
+        away = points - view.eye
+        depth = away @ view.forward
+        away, depth = away[depth > view.near], depth[depth > view.near]
+        scale = view.focal / depth if view.perspective else view.focal
+        x, y = (np.clip(COARSE / 2 + scale * (away @ axis), 0, COARSE - 1) for axis in (view.right, view.up))
+        covered += int(np.count_nonzero(np.bincount(y.astype(np.int64) * COARSE + x.astype(np.int64))))
     area = LIST * max(covered, 1) * texel**2 / max(lines.segments, 1)
     reach = 4 / math.pi * piece
     return (math.sqrt(reach**2 + 4 * area) - reach) / 2
@@ -145,8 +162,10 @@ def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scrat
 
 
 def _list(
-    lines: Polylines, bands: NDArray[np.float32], size: int, workers: int, scratch: Scratch, at: NDArray[np.int64],
+    lines: Polylines, bands: NDArray[np.float32], view: View, workers: int, scratch: Scratch, at: NDArray[np.int64],
     keys: NDArray[np.int64] | None,
 ) -> None:  # fmt: skip
-    rows = into_bands(lines.first, bands, size, float(bands[:, 3].max(initial=0.0)) + 1.0, workers, scratch)
-    kernel.list_bands(lines.first, bands, rows.members, rows.begin, size, rows.rows, workers, at, keys)
+    size, stretch = int(view.width), view.pack()[23]
+    margin = float(stretch * bands[:, 3].max(initial=0.0)) + 1.0
+    rows = into_bands(lines.first, bands, size, margin, workers, scratch)
+    kernel.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

@@ -2,8 +2,8 @@
 
 Seen from the light a piece of a strand is a flat band, and a strand that is lit is a line. A band that crosses the line
 in front of it darkens a part of its length, of which three pairs of linear inequalities tell the ends: within the
-band's width, between the band's ends, nearer to the light than the line. No ray is cast and nothing is sampled: the
-light along a piece of the line is a function of steps, kept as such.
+band's width, between the band's ends, nearer to the light than the line. A piece of the line has a bit for each of
+many places along it, so many that a band as wide as the line is covers two, and what is dark is set.
 
 Bands are listed in the square cells of a grid over the light's view that they touch, nearest first, as keys: the depth
 number, complemented so that nearer is smaller, above the index of the piece's first vertex. A line is followed from
@@ -23,36 +23,36 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
-STEPS = 96
-"""Steps of the light along a piece at most; in those that there are then, parts are taken to darken the whole."""
-SLIVER = np.float32(1e-5)
-"""Part of a piece that is not worth a step."""
-DARK = np.float32(1 / 512)
-"""What gets less light than this is not looked at any further."""
 MOST = np.int64(32)
 """Pieces to each side of a vertex that its light is averaged over, at most."""
 STRANDS = 32
 """Strands a task."""
+WORD = 64
+"""Bits of a word."""
+NONE, ALL = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
 LOW = np.int64(0xFFFFFFFF)
 NEAREST = np.int64(0x7FFFFFFF)
 """No less than the bits of any number that is not negative."""
 SHIFT = np.int64(32)
-LEVEL, SPARE = STEPS, 2 * STEPS
+VEIL_BITS = 8
+VEILS = np.int64(2**VEIL_BITS)
+"""Of so many bits behind a strand that lets light through, some are set."""
 BATCH = 64
 """Bands that are held against a line at once."""
-# Rows of numbers, one for each band of a cell: how far aside a point of the cell lies, in half widths; how far along,
-# in lengths; the depth number at the band's beginning and how much it grows.
-ASIDE_X, ASIDE_Y, ASIDE, ALONG_X, ALONG_Y, ALONG, DEPTH, GROWS = range(8)
-ROWS = 8
+# Rows of numbers, one for each band of a cell: how far aside a point of the cell lies; how far along, in lengths; half
+# the width and the depth number at the band's beginning, and how much each grows to its end, evenly.
+ASIDE_X, ASIDE_Y, ASIDE, ALONG_X, ALONG_Y, ALONG, WIDTH, WIDENS, DEPTH, GROWS = range(10)
+ROWS = 10
 
 
 @parallel
-def list_bands(first, bands, members, begin, size, rows, workers, at, keys):
+def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, keys):
     """List in every cell the bands that touch it: how many there are, where `keys` is None, or else their keys.
 
     first (S + 1,) int64; bands (V, 4): of each vertex x and y in cells, the depth number of `project.points`, half the
-    width in cells; members, begin, rows, workers: as in `shadow.fill`; at (size * size,) int64: counts, to be added to,
-    or the place of each cell's next key; keys (K,) int64.
+    width in cells, which lines aside of the view's middle exceed up to `stretch` times; members, begin, rows, workers:
+    as in `shadow.fill`; at (size * size,) int64: counts, to be added to, or the place of each cell's next key; keys
+    (K,) int64.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -62,17 +62,17 @@ def list_bands(first, bands, members, begin, size, rows, workers, at, keys):
                 s = members[m]
                 for v in range(first[s], first[s + 1] - 1):
                     if bands[v, 2] > ZERO and bands[v + 1, 2] > ZERO:
-                        list_one(bands, v, top, bottom, size, at, keys)
+                        list_one(bands, v, stretch, top, bottom, size, at, keys)
 
 
 @inner
-def list_one(bands, v, top, bottom, size, at, keys):
+def list_one(bands, v, stretch, top, bottom, size, at, keys):
     """All that `list_bands` does with the piece after vertex v in the rows from `top` to before `bottom`."""
     x0 = bands[v, 0]
     y0 = bands[v, 1]
     x1 = bands[v + 1, 0]
     y1 = bands[v + 1, 1]
-    half = max(bands[v, 3], bands[v + 1, 3])
+    half = stretch * max(bands[v, 3], bands[v + 1, 3])
     key = nearness(max(bands[v, 2], bands[v + 1, 2])) | v
     for row in range(whole(min(y0, y1) - half, top, bottom), whole(max(y0, y1) + half + ONE, top, bottom)):
         low, high = columns(x0, y0, x1, y1, half, row)
@@ -112,11 +112,41 @@ def columns(x0, y0, x1, y1, half, row):
 
 
 @parallel
-def order(begin, size, bands, keys, lines):
-    """Sort the keys of each cell, and write down their bands as rows of numbers, relative to the cell's corner.
+def equations(first, bands, focal, middle, out):
+    """Of the piece after each vertex the numbers (V, 10) named above; of a strand's last vertex, those of no band.
 
-    begin (size * size + 1,) int64: where each cell's keys begin in keys, and an eighth of where its rows do in lines
-    (8 K,) float32; bands (V, 4).
+    focal: cells that a metre is wide at a depth of one; 0 for an orthographic view; middle: of the view, in cells. A
+    cylinder whose axis is seen at an angle β from the middle is 1 / cos β times wider on the plane of the view.
+    """
+    for s in prange(first.shape[0] - 1):
+        for v in range(first[s], first[s + 1]):
+            last = v + 1 == first[s + 1]
+            gx = ZERO if last else bands[v + 1, 0] - bands[v, 0]
+            gy = ZERO if last else bands[v + 1, 1] - bands[v, 1]
+            square = gx * gx + gy * gy
+            seen = square > TINY
+            per = ONE / math.sqrt(square) if seen else ZERO
+            out[v, ASIDE_X] = -gy * per
+            out[v, ASIDE_Y] = gx * per
+            out[v, ASIDE] = (gy * bands[v, 0] - gx * bands[v, 1]) * per
+            past = (out[v, ASIDE] + (out[v, ASIDE_X] + out[v, ASIDE_Y]) * middle) / focal if focal > ZERO else ZERO
+            wider = math.sqrt(ONE + past * past)
+            per *= per
+            out[v, ALONG_X] = gx * per
+            out[v, ALONG_Y] = gy * per
+            out[v, ALONG] = -(gx * bands[v, 0] + gy * bands[v, 1]) * per
+            out[v, WIDTH] = bands[v, 3] * wider if seen else -ONE
+            out[v, WIDENS] = (bands[v + 1, 3] - bands[v, 3]) * wider if seen else ZERO
+            out[v, DEPTH] = bands[v, 2]
+            out[v, GROWS] = ZERO if last else bands[v + 1, 2] - bands[v, 2]
+
+
+@parallel
+def order(begin, size, table, keys, lines):
+    """Sort the keys of each cell, and write down their bands as rows of numbers, for places relative to its corner.
+
+    begin (size * size + 1,) int64: where each cell's keys begin in keys, and a tenth of where its rows do in lines
+    (10 K,) float32; table (V, 10): of `equations`.
     """
     for row in prange(size):
         for column in range(size):
@@ -125,44 +155,29 @@ def order(begin, size, bands, keys, lines):
             n = begin[cell + 1] - i
             if n > 1:
                 keys[i : i + n].sort()
+            x = np.float32(column)
+            y = np.float32(row)
             for k in range(n):
-                equation(bands, keys[i + k] & LOW, np.float32(column), np.float32(row), lines, ROWS * i + k, n)
-
-
-@inner
-def equation(bands, v, column, row, lines, at, n):
-    """Write down the band after vertex v, its rows' numbers from place `at` on, n apart."""
-    gx = bands[v + 1, 0] - bands[v, 0]
-    gy = bands[v + 1, 1] - bands[v, 1]
-    px = column - bands[v, 0]
-    py = row - bands[v, 1]
-    square = gx * gx + gy * gy
-    half = HALF * (bands[v, 3] + bands[v + 1, 3])
-    seen = (square > TINY) & (half > ZERO)
-    per = ONE / (math.sqrt(square) * half) if seen else ZERO
-    lines[at + ASIDE_X * n] = -gy * per
-    lines[at + ASIDE_Y * n] = gx * per
-    lines[at + ASIDE * n] = gx * per * py - gy * per * px if seen else ONE + ONE
-    per = ONE / square if seen else ZERO
-    lines[at + ALONG_X * n] = gx * per
-    lines[at + ALONG_Y * n] = gy * per
-    lines[at + ALONG * n] = gx * per * px + gy * per * py
-    lines[at + DEPTH * n] = bands[v, 2]
-    lines[at + GROWS * n] = bands[v + 1, 2] - bands[v, 2]
+                v = keys[i + k] & LOW
+                at = ROWS * i + k
+                for r in range(ROWS):
+                    lines[at + r * n] = table[v, r]
+                lines[at + ASIDE * n] += table[v, ASIDE_X] * x + table[v, ASIDE_Y] * y
+                lines[at + ALONG * n] += table[v, ALONG_X] * x + table[v, ALONG_Y] * y
 
 
 @parallel
 def visibility(
-    first, world, marks, screen, stride, most, views, sizes, cells, begin, keys, lines, opacity, bias, apart, out
+    first, world, marks, screen, stride, most, views, sizes, cells, begin, keys, lines, words, veil, bias, apart, out
 ):
     """Share of a light that strands leave at marked vertices: the mean over the strand's length about each.
 
     first, world, stride: polylines and their lit vertices; marks (V,) uint8: lit vertices where it is wanted; screen
     (V, 3): where a camera sees the vertices, in samples; most: pieces of the longest polyline. Of each of the light's
     views, views (M, 26) and sizes (M,), cells (M,) tells where its cells begin in begin (C,), which tells where their
-    keys begin; keys, lines: as `order` leaves them. Several views are the six sides of a cube. opacity of strands;
-    bias: metres in front of which nothing is shaded; apart: pieces to each side which a piece is not shaded by; out
-    (V,).
+    keys begin; keys, lines: as `order` leaves them. Several views are the six sides of a cube. words: of bits for a
+    piece; veil: opacity of strands, in 1 / `VEILS`; bias: metres in front of which nothing is shaded; apart: pieces to
+    each side of a piece that do not shade it; out (V,).
 
     The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
     farther.
@@ -172,7 +187,7 @@ def visibility(
         sums = np.empty(2 * (most + 1), np.float32)
         wanted = np.empty(most + 1, np.uint8)
         cuts = np.empty(2 * BATCH, np.float32)
-        steps = np.empty(4 * STEPS, np.float32)
+        dark = np.empty(words, np.uint64)
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             a = first[s]
             n = first[s + 1] - a - 1
@@ -183,16 +198,13 @@ def visibility(
                     continue
                 low = max(p - apart, 0) + a
                 high = min(p + apart, n - 1) + a
-                steps[0] = ZERO
-                steps[1] = ONE
-                steps[LEVEL] = ONE
-                parts = np.int64(1)
+                dark[:] = NONE
                 for one in range(views.shape[0]):
-                    parts = piece(
-                        world, a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, opacity, bias,
-                        cuts, steps, parts,
+                    piece(
+                        world, a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, veil, bias,
+                        cuts, dark,
                     )  # fmt: skip
-                add_up(steps, parts, sums, p)
+                add_up(dark, sums, p)
             for v in range(0, n + 1, stride):
                 if marks[a + v] != 0:
                     out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
@@ -224,16 +236,24 @@ def reach(screen, a, v, n, stride):
 
 
 @inner
-def add_up(steps, parts, sums, p):
-    """Mean light of piece p, and what it comes to where it counts the more the nearer it is to the piece's end."""
-    plain = ZERO
+def add_up(dark, sums, p):
+    """Share of piece p that is lit, and what it comes to where it counts the more the nearer it is to the piece's
+    end."""
+    words = dark.shape[0]
+    total = ZERO
     toward = ZERO
-    for i in range(parts):
-        light = steps[LEVEL + i] * (steps[i + 1] - steps[i])
-        plain += light
-        toward += light * HALF * (steps[i + 1] + steps[i])
-    sums[2 * p] = plain
-    sums[2 * p + 1] = toward
+    for w in range(words):
+        x = ~dark[w]  # bits that are set: in each two, each four, each byte; then all bytes, and bytes by their number
+        x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
+        x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
+        x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+        count = np.float32((x * np.uint64(0x0101010101010101)) >> np.uint64(56))
+        total += count
+        toward += np.float32((x * np.uint64(0x0001020304050607)) >> np.uint64(56)) * np.float32(8)
+        toward += count * np.float32(4 + WORD * w)
+    per = ONE / np.float32(WORD * words)
+    sums[2 * p] = total * per
+    sums[2 * p + 1] = toward * per * per
 
 
 @inner
@@ -254,13 +274,13 @@ def mean(sums, v, n, far):
 
 
 @inner
-def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, opacity, bias, cuts, steps, parts):
+def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
     """Darken the piece after vertex v by what one view shows in front of it, but not by the pieces after the vertices
-    from `low` to `high`; how many parts of one light it is of then."""
+    from `low` to `high`."""
     x0, y0, q0 = seen(world, v, views, one, bias)
     x1, y1, q1 = seen(world, v + 1, views, one, bias)
     if q0 <= ZERO or q1 <= ZERO:
-        return parts
+        return
     dx = x1 - x0
     dy = y1 - y0
     dq = q1 - q0
@@ -271,7 +291,7 @@ def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, opac
     since, until = between(since, until, y0 - edge, dy)
     since, until = between(since, until, np.float32(size) - edge - y0, -dy)
     if since >= until:
-        return parts
+        return
     for row in range(whole(min(y0, y1), 0, size), whole(max(y0, y1) + ONE, 0, size)):
         left, right = columns(x0, y0, x1, y1, ZERO, row)
         above, under = between(since, until, y0 - np.float32(row), dy)
@@ -283,11 +303,10 @@ def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, opac
             if a < b and begin[cell] < begin[cell + 1]:
                 x = x0 - np.float32(column)
                 y = y0 - np.float32(row)
-                parts = cross(
+                cross(
                     x + a * dx, y + a * dy, q0 + a * dq, x + b * dx, y + b * dy, q0 + b * dq, a, b, begin[cell],
-                    begin[cell + 1], keys, lines, low, high, opacity, cuts, steps, parts,
+                    begin[cell + 1], keys, lines, v, low, high, veil, cuts, dark,
                 )  # fmt: skip
-    return parts
 
 
 @inlined
@@ -319,71 +338,73 @@ def between(a, b, value, slope):
 
 
 @inner
-def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, low, high, opacity, cuts, steps, parts):
-    """Darken a line between its places a and b, points (xa, ya) and (xb, yb) of one cell, by the bands in front of it
-    there: those of the keys from i to before last. How many parts of one light it is of then."""
+def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil, cuts, dark):
+    """Darken a line, the piece after vertex v, between its places a and b, points (xa, ya) and (xb, yb) of one cell, by
+    the bands in front of it there: those of the keys from i to before last."""
     n = last - i
     behind = nearness(min(qa, qb))
+    bits = np.float32(WORD * dark.shape[0])
+    begin = a * bits + HALF
+    size = (b - a) * bits
     for k in range(0, n, BATCH):
         if keys[i + k] >= behind:
-            break
+            return
         count = min(n - k, BATCH)
         cut(lines, ROWS * i + k, n, count, xa, ya, qa, xb, yb, qb, cuts)
         covered = False
         for m in range(count):
             if cuts[m] < cuts[BATCH + m]:
-                v = keys[i + k + m] & LOW
-                if v < low or v > high:
-                    parts = darken(steps, parts, a + cuts[m] * (b - a), a + cuts[BATCH + m] * (b - a), opacity)
-                    covered = True
-        if covered and not lit(steps, parts, a, b):
-            break
-    return parts
+                w = keys[i + k + m] & LOW
+                if w < low or w > high:
+                    since = np.int64(begin + cuts[m] * size)
+                    covered |= darken(dark, since, np.int64(begin + cuts[BATCH + m] * size), veil, v, w)
+        if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):
+            return
+
+
+@inlined
+def between_bits(since, until, w):
+    """The bits of word w among those from `since` to before `until`, which it has some of."""
+    first = np.uint64(max(since - WORD * w, 0))
+    rest = np.uint64(max(WORD * (w + 1) - until, 0))
+    return (ALL << first) & (ALL >> rest)
 
 
 @inner
-def lit(steps, parts, a, b):
-    """Whether anything is left of the light between two places."""
-    found = False
-    for i in range(parts):
-        found |= steps[LEVEL + i] > DARK and min(steps[i + 1], b) - max(steps[i], a) > SLIVER
-    return found
+def darken(dark, since, until, veil, v, w):
+    """Set the bits from `since` to before `until`, those that band w darkens of the line v; whether there are any."""
+    if since >= until:
+        return False
+    for word in range(since // WORD, (until - 1) // WORD + 1):
+        mask = between_bits(since, until, word)
+        if veil < VEILS:
+            mask &= scattered(np.uint64(v) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(w), np.uint64(word), veil)
+        dark[word] |= mask
+    return True
 
 
 @inner
-def darken(steps, parts, since, until, opacity):
-    """Darken what is between two places; how many parts there are then. The parts begin and end at the first `parts` +
-    1 numbers of steps and have so much light as is told from number `LEVEL` on; beyond `SPARE` are places for as many.
-    """
-    n = np.int64(0)
-    last = -ONE
-    room = parts + 2 < STEPS
-    for i in range(parts):
-        begin = steps[i]
-        end = steps[i + 1]
-        level = steps[LEVEL + i]
-        low = min(max(since, begin), end)
-        high = min(max(until, begin), end)
-        if not room:
-            level *= ONE - opacity * (high - low) / (end - begin)
-            high = low = begin
-        for third in range(3):
-            value = level * (ONE - opacity) if third == 1 else level
-            left = begin if third == 0 else (low if third == 1 else high)
-            right = low if third == 0 else (high if third == 1 else end)
-            if right - left > SLIVER and value != last:
-                steps[SPARE + n] = left
-                steps[SPARE + LEVEL + n] = value
-                last = value
-                n += 1
-    n = max(n, 1)
-    steps[0] = ZERO
-    steps[LEVEL] = steps[SPARE + LEVEL]
-    for i in range(1, n):
-        steps[i] = steps[SPARE + i]
-        steps[LEVEL + i] = steps[SPARE + LEVEL + i]
-    steps[n] = ONE
-    return n
+def all_dark(dark, since, until):
+    """Whether all bits from `since` to before `until` are set."""
+    for word in range(since // WORD, (until - 1) // WORD + 1):
+        mask = between_bits(since, until, word)
+        if dark[word] & mask != mask:
+            return False
+    return True
+
+
+@inner
+def scattered(seed, word, veil):
+    """Bits of which `veil` in `VEILS` are set, by chance, the same for the same numbers (SplitMix64)."""
+    out = NONE
+    state = seed + word * np.uint64(0xD1B54A32D192ED03)
+    for i in range(VEIL_BITS):
+        state += np.uint64(0x9E3779B97F4A7C15)
+        x = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        x ^= x >> np.uint64(31)
+        out = out | x if (veil >> i) & 1 else out & x
+    return out
 
 
 @inner
@@ -401,10 +422,14 @@ def cut(lines, at, n, count, xa, ya, qa, xb, yb, qb, cuts):
         c = lines[here + np.uint64(ALONG * n)]
         ua = c + x * xa + y * ya
         ub = c + x * xb + y * yb
+        half = lines[here + np.uint64(WIDTH * n)]
+        widens = lines[here + np.uint64(WIDENS * n)]
         q = lines[here + np.uint64(DEPTH * n)]
         grows = lines[here + np.uint64(GROWS * n)]
-        low, high = between(ZERO, ONE, ONE - sa, sa - sb)
-        low, high = between(low, high, ONE + sa, sb - sa)
+        half += ua * widens
+        widens *= ub - ua
+        low, high = between(ZERO, ONE, half - sa, widens + sa - sb)
+        low, high = between(low, high, half + sa, widens + sb - sa)
         low, high = between(low, high, ua, ub - ua)
         low, high = between(low, high, ONE - ua, ua - ub)
         da = q + ua * grows - qa

@@ -1,7 +1,10 @@
-"""Shadow: maps of the brightest light against rays that meet strands as cylinders.
+"""Shadow: models of the brightest light's shadow against rays that meet strands as cylinders.
 
 What is compared is the share of light that reaches the points the picture shows, as the picture has it: the light on
-matt white strands with the map, over that without.
+matt white strands with the shadow, over that without. There are two questions. `transmittance` asks for the strand's
+own light, about a vertex to the two next to it; a map, which blurs the shadows of single strands, has no such answer to
+give. `around` asks for the mean over a bundle of rays, wider than the strands are apart, as pictures of hair
+much thinner than a pixel show it; exact shadows are no answer to that.
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ from .subject import Picture, changed, knows
 PROBES = 400
 RAYS = 256
 BUNDLE = 1.5
-"""Radius of a probe's bundle of rays, in distances between strands: a map has no finer answer than that to give."""
+"""Radius of a probe's bundle of rays, in distances between strands."""
+ALONG = 16
+"""Rays from a probe's strand on each side of it."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 FINEST = 4096
@@ -62,7 +67,7 @@ class ShadowStudy(Pictures):
             out += [{**deep, f"{self.path}.layers": layers} for layers in (1, 3, 5, 29)]
             sides = [float(f"{times * self.spacing:.3g}") for times in (0.25, 0.5, 1, 2, 4, 8) if self.spacing > 0]
             out += [{**deep, f"{self.path}.size": FINEST, f"{self.path}.texel": side} for side in sides]
-        return out
+        return [*out, {f"{self.path}.model": "traced"}]
 
     def series(self, knobs: Knobs) -> str:
         """The model."""
@@ -73,14 +78,21 @@ class ShadowStudy(Pictures):
         rng = np.random.default_rng(0)
         strands, points, self.lit, self.places = self._light({f"{self.path}.model": "minmax", f"{self.path}.size": 8,
                                                               f"{self.path}.bias": BEYOND})  # fmt: skip
-        if not len(points):
+        if not len(self.places):
             raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
-        chosen = rng.permutation(len(points))[:PROBES]
+        # with exact shadows other vertices are lit: those that are so both ways
+        both = np.flatnonzero(np.isin(self.places, self._light({f"{self.path}.model": "traced"})[3]))
+        chosen = rng.permutation(both)[:PROBES]
         self.places, self.lit = self.places[chosen], self.lit[chosen]
-        halves = self._rays(points[chosen], strands[chosen], bundle(RAYS, BUNDLE * self.spacing, rng))
-        self.truth = halves.mean(1)
+        points, strands = points[chosen], strands[chosen]
+        halves = self._rays(points[:, 1], strands, bundle(RAYS, BUNDLE * self.spacing, rng))
+        self.around = halves.mean(1)
         noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
-        return {"what": f"{RAYS} rays each from {len(chosen)} points that are seen, against cylinders",
+        there, weights = along(points, ALONG)
+        own = self._rays(there.reshape(-1, 3), np.repeat(strands, 2 * ALONG), np.zeros((2, 2))).mean(1)
+        self.truth = own.reshape(-1, 2 * ALONG) @ weights
+        return {"what": f"rays from {len(chosen)} strands that are seen, {2 * ALONG} from each and {RAYS} about it, "
+                "against cylinders",
                 "light": self.light, "mean": float(self.truth.mean()), "noise": noise, "spacing": self.spacing,
                 "radius": BUNDLE * self.spacing}  # fmt: skip
 
@@ -93,29 +105,34 @@ class ShadowStudy(Pictures):
         return point
 
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
-        """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
+        """Mean of the absolute difference of transmittance, signed mean, 95th percentile; mean about the strand."""
         found = np.ones(len(self.truth))
         if knobs[f"{self.path}.model"] != "off":
             light = self._light(knobs)
             order = np.searchsorted(light[3], self.places)
             found = light[2][order] / self.lit
         off = found - self.truth
+        around = None if knobs[f"{self.path}.model"] == "traced" else float(np.abs(found - self.around).mean())
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
-                "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
+                "p95": float(np.percentile(np.abs(off), 95)), "around": around}  # fmt: skip
 
     def _light(
         self, knobs: Knobs
     ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-        """Of the vertices that the light could reach and the picture shows: strands, places in metres, light, and their
-        numbers, ascending. With a map's shade some may be dark."""
+        """Of the vertices that the light could reach and the picture shows: strands, places in metres (n, 3, 3) of the
+        vertex before, its own and the one behind, light, and their numbers, ascending. With a map's shade some may be
+        dark."""
         picture = self.subject.draw(changed(matt(alone(self.scene, self.light)), knobs), draws=1, keep_shading=True)
         strands, points, light, numbers = [], [], [], []
         strand = vertex = 0
         for lines, colours in picture.shaded:
             value = colours.sum(1, dtype=np.float64)
             seen = np.flatnonzero(np.isfinite(value) & ((value > 1e-6) | (f"{self.path}.bias" not in knobs)))
-            strands.append(strand + np.searchsorted(lines.first, seen, "right") - 1)
-            points.append(lines.world[seen].astype(np.float64))
+            own = np.searchsorted(lines.first, seen, "right") - 1
+            strands.append(strand + own)
+            near = [seen - 1, seen, seen + 1]
+            sides = np.clip(np.stack(near, 1), lines.first[own, None], lines.first[own + 1, None] - 1)
+            points.append(lines.world[sides].astype(np.float64))
             light.append(value[seen])
             numbers.append(vertex + seen)
             strand, vertex = strand + len(lines.first) - 1, vertex + len(lines.world)
@@ -140,6 +157,15 @@ def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.flo
     u, v = (turns % 1.0).T
     out = radius * np.sqrt(u)
     return np.stack([out * np.cos(2 * np.pi * v), out * np.sin(2 * np.pi * v)], 1)
+
+
+def along(points: NDArray[np.float64], rays: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points (n, 2 ``rays``, 3) on the way from the first to the second of ``points`` (n, 3, 3) and on to the third,
+    and weights that fall to nothing at both ends and add up to 1."""
+    t = ((np.arange(rays) + 0.5) / rays)[None, :, None]
+    before, here, behind = (points[:, i, None] for i in range(3))
+    weights = np.concatenate([t[0, :, 0], 1 - t[0, :, 0]])
+    return np.concatenate([before + t * (here - before), here + t * (behind - here)], 1), weights / weights.sum()
 
 
 def transmittance(
@@ -181,7 +207,7 @@ def matt(scene: Scene) -> Scene:
 
 AXIS = Axis(
     name="shadow",
-    doc="models and sizes of a shadow map against rays and cylinders",
+    doc="models of shadow and sizes of maps against rays and cylinders",
     knobs=("model", "size", "layers", "texel"),
     metric="transmittance",
     of_preset=True,
