@@ -21,7 +21,7 @@ from .. import solids as shapes
 from ..constants import PORTION, W
 from ..groom.children import Children
 from ..groom.emit import Groom
-from . import lens, raster
+from . import lens, occlusion, raster
 from .aovs import Recorder
 from .body import Body, body_of
 from .camera import View, camera_view
@@ -68,6 +68,8 @@ class Renderer:
         self.children = Children(scene, groom) if scene.children is not None else None
         self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
+        self._occlusion: occlusion.Occlusion | None = None
+        """Of the exposure that is drawn."""
         self.palette = Palette(scene.material, deep)
         self.ids: NDArray[np.int32] | None = None
         """Of each strand its index in the groom, where some are left out."""
@@ -163,6 +165,8 @@ class Renderer:
         thickness = thickness_of(scene.material, view, bounds)
         maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing) if made is None else made
         fresh = maps is not None and made is None
+        if made is None:
+            self._occlude(positions, strands, bounds, thickness, level, at)
         self._lap("shadow")
         if maps is not None and fresh and len(portions) > 1:
             # every strand has to be in the maps before the first is shaded
@@ -272,6 +276,7 @@ class Renderer:
             self._rehearse_coverage(view)
             return
         maps = plan_maps(self.scene.lights, bounds, self.scratch, Thickness(0.01), 0.1)
+        self._occlude(np.zeros((1, 2, 3 * W), np.float32), 1, bounds, Thickness(0.01), None, 0.0)
         lights = pack_lights(self.scene.lights, maps, bounds)
         lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
         keys = np.full(width * height, raster.kernel.EMPTY)
@@ -374,8 +379,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
-            p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
+            np.array(self.scene.ambient, np.float32), self.sky, *self._around(), p.lobes, p.fibre, p.nodes, p.paths,
+            p.dual, p.dual_scale, lights, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
             *((None,) * 3 if body is None else (body.slots, p.columns, body.profile)), colours,
         )  # fmt: skip
         return colours
@@ -386,7 +391,8 @@ class Renderer:
         image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, *self._around(),
+            self.palette.colour, lights, self.palette.veil,
             *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), spots, image,
         )  # fmt: skip
 
@@ -398,6 +404,21 @@ class Renderer:
     def _blank(self) -> NDArray[np.uint8]:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
+
+    def _occlude(
+        self, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64], thickness: Thickness,
+        level: Level | None, at: float,
+    ) -> None:  # fmt: skip
+        """Occlusion of the light from everywhere, where the scene wants it and there is such light."""
+        scene = self.scene
+        if occlusion.wanted(scene):
+            self._occlusion = occlusion.build(
+                scene.ambient_occlusion, positions, strands, bounds, thickness, level, self._solids(at), self.scratch
+            )
+
+    def _around(self) -> tuple[Any, Any]:
+        found = self._occlusion
+        return (None, None) if found is None else (found.volume, found.box)
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
         return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)

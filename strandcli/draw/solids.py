@@ -21,11 +21,11 @@ def frames_of(packed: Sequence[NDArray[np.float32]], view: View) -> NDArray[np.i
     for kind, solids in zip(COLUMNS, packed, strict=True):
         for solid in solids.astype(np.float64):
             whole = (0, width, 0, height)
-            rows.append(whole if kind == "plane" else _frame(*_ball(kind, solid), view) or whole)
+            rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
     return np.array(rows, np.int64).reshape(-1, 4)
 
 
-def _ball(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def ball_of(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Centre and radius of a ball about a solid."""
     if kind == "sphere":
         return solid[:3], float(solid[3])
@@ -55,9 +55,14 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
 
 
 def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.float32]:
-    """(m, 8) colour, fade distance and the centre of the fading, in the order of `COLUMNS`."""
+    """(m, 8) colour, fade distance, the centre of the fading and the way of blending, in the order of `COLUMNS`."""
     rows = [
-        [*solid.colour, getattr(solid, "fade", 0.0), *solid_pose(solid, emitter, time).translation, 0.0]
+        [
+            *solid.colour,
+            getattr(solid, "fade", 0.0),
+            *solid_pose(solid, emitter, time).translation,
+            getattr(solid, "blend", 0.0),
+        ]
         for kind in COLUMNS
         for solid in solids
         if solid.kind == kind

@@ -10,7 +10,7 @@ from typing import Any
 from ..fields import Colour, choice, colour, integer, items, model, number, optional, panels, rules, text
 from .camera import Camera, Image
 from .emitter import Emitter
-from .lights import LIGHTS, DirectionalLight, Environment, Light
+from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
 from .rod import Rod
 from .solids import SOLIDS, Solid
 from .strands import Curves, Detail, Material
@@ -74,6 +74,10 @@ class Scene:
     ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
     environment: Environment | None = optional(
         Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
+    )
+    ambient_occlusion: AmbientOcclusion | None = optional(
+        AmbientOcclusion,
+        doc="ambient and environment reach what strands and solids leave open; absent: they reach everything",
     )
     material: Material = model(Material, doc="how strands take light")
     curves: Curves = model(Curves, doc="smoothing")

@@ -22,6 +22,9 @@ class SphereSolid:
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    blend: float = number(
+        0.0, low=0, unit="m", doc="way over which it is shaded as one with other spheres and capsules that blend"
+    )
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
@@ -38,6 +41,9 @@ class CapsuleSolid:
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
+    blend: float = number(
+        0.0, low=0, unit="m", doc="way over which it is shaded as one with other spheres and capsules that blend"
+    )
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 
