@@ -178,6 +178,12 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         skip(Stage("dual scattering", "material.scatter is the diffuse stand-in"))
     if scene.environment is not None:
         use(Stage("environment", "a picture lights strands and solids from all round"))
+    if scene.occluded and scene.ambient_occlusion is not None:
+        grid = scene.ambient_occlusion
+        use(Stage("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions"))
+    else:
+        none = scene.ambient_occlusion is None
+        skip(Stage("ambient occlusion", "the preset has none" if none else "there is no light from everywhere"))
     (use if varied else skip)(Stage("colour variation", "strands differ" if varied else "all strands have one colour"))
     visible = [solid for solid in scene.solids if solid.visible]
     if visible:
@@ -271,6 +277,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
         total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
+    if scene.occluded and scene.ambient_occlusion is not None:
+        total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             deep = 4 * (one.shadow.layers + 3) if one.shadow.model == "opacity" else 0

@@ -14,6 +14,7 @@ from strandcli.draw.curves import Polylines
 from strandcli.draw.kernels import ambient, batch
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shadow import Thickness
+from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import COLUMNS
 from strandcli.solids import pack as pack_solids
@@ -167,6 +168,7 @@ def test_pictures_show_it_where_they_ask_for_it() -> None:
 
 def test_left_out_where_there_is_nothing_to_occlude() -> None:
     dark = scene_of(HAIR.replace("[1, 1, 1]", "[0, 0, 0]") + "ambient_occlusion: {}\n")
-    assert not occlusion.wanted(dark)
-    assert not occlusion.wanted(scene_of(HAIR))
-    assert occlusion.wanted(scene_of(HAIR + "ambient_occlusion: {cells: 5000}\n"))
+    assert not dark.occluded
+    assert not scene_of(HAIR).occluded
+    assert scene_of(HAIR + "ambient_occlusion: {cells: 5000}\n").occluded
+    assert "ambient occlusion" in {stage.stage for stage in make_plan(dark, [1]).left_out}

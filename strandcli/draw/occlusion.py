@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import AmbientOcclusion, Scene
+from ..scene.model import AmbientOcclusion
 from ..solids import COLUMNS
 from .camera import ball
 from .detail import Level
@@ -51,12 +51,6 @@ class Occlusion:
         return np.array([kernel.seen(self.volume, self.box, *row) for row in rows], np.float64)
 
 
-def wanted(scene: Scene) -> bool:
-    """Whether a scene asks for it and has light from everywhere that could be occluded."""
-    lit = any(scene.ambient) or (scene.environment is not None and scene.environment.intensity > 0)
-    return scene.ambient_occlusion is not None and lit
-
-
 def build(
     settings: AmbientOcclusion, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64],
     thickness: Thickness, level: Level | None, packed: Sequence[NDArray[np.float32]] | None, scratch: Scratch,
@@ -80,6 +74,13 @@ def build(
     volume = scratch.take("occlusion", (total, 4), np.float32)
     kernel.combine(cells, counts, sides, box, ways, left, *(packed or (None,) * 4), volume)
     return Occlusion(volume, box)
+
+
+def nothing() -> Occlusion:
+    """Of a scene without strands or solids: all is seen."""
+    volume = np.zeros((8, 4), np.float32)
+    volume[:, 0] = 1
+    return Occlusion(volume, np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32))
 
 
 def directions(count: int) -> NDArray[np.float32]:

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids as shapes
 from ..constants import PORTION, W
 from ..groom.children import Children
 from ..groom.emit import Groom
@@ -31,12 +30,13 @@ from .detail import Level, level_of, needed
 from .edges import find_edges
 from .environment import sky_of
 from .extent import bounds_of, thickness_of, widths_of
-from .film import curve_of, gradient
+from .film import curve_of, dithered, gradient
 from .kernels import detail, film, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
+from .solids import packed as pack_solids
 
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """The pixels of a picture lie where they belong."""
@@ -91,6 +91,8 @@ class Renderer:
         samples, crop = scene.image.supersample, scene.image.crop or (0, 0, *scene.image.size)
         rows = gradient(top, bottom, scene.image.size[1] * samples)[crop[1] * samples :][: self.size[1]]
         self._backdrop = np.ascontiguousarray(np.broadcast_to(rows[:, None], (self.size[1], self.size[0], 3)))
+        if scene.image.horizon is not None:
+            self._backdrop = dithered(rows, self.size[0], samples, scene.image.tone, scene.image.exposure)
         self._drawing: Drawing
 
     def draw(
@@ -276,7 +278,7 @@ class Renderer:
             self._rehearse_coverage(view)
             return
         maps = plan_maps(self.scene.lights, bounds, self.scratch, Thickness(0.01), 0.1)
-        self._occlude(np.zeros((1, 2, 3 * W), np.float32), 1, bounds, Thickness(0.01), None, 0.0)
+        self._occlusion = occlusion.nothing() if self.scene.occluded else None
         lights = pack_lights(self.scene.lights, maps, bounds)
         lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
         keys = np.full(width * height, raster.kernel.EMPTY)
@@ -353,7 +355,7 @@ class Renderer:
     def _solids(self, at: float) -> list[NDArray[np.float32]] | None:
         if not self.visible:
             return None
-        return [shapes.pack(kind, self.visible, self.scene.emitter, at) for kind in shapes.COLUMNS]
+        return pack_solids(self.visible, self.scene.emitter, at)
 
     def _clear(self, keys: NDArray[np.uint64], view: View, packed: list[NDArray[np.float32]] | None) -> None:
         if packed is None:
@@ -411,7 +413,7 @@ class Renderer:
     ) -> None:  # fmt: skip
         """Occlusion of the light from everywhere, where the scene wants it and there is such light."""
         scene = self.scene
-        if occlusion.wanted(scene):
+        if scene.occluded:
             self._occlusion = occlusion.build(
                 scene.ambient_occlusion, positions, strands, bounds, thickness, level, self._solids(at), self.scratch
             )

@@ -10,7 +10,6 @@ from ...jit import parallel, prange
 from . import dual, occlusion, opacity, solids
 from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
-from .seams import BLEND, smooth
 from .shadow import transmittance
 
 ZERO = np.float32(0.0)
@@ -27,8 +26,7 @@ def surfaces(
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
 
-    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, way of
-    blending in metres;
+    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
     spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
     bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.dual.veil_of`, None where strands shade in grey;
     image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
@@ -57,8 +55,6 @@ def surfaces(
             y = oy + t * dy
             z = oz + t * dz
             nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, x, y, z)
-            if paint[which, BLEND] > ZERO:
-                nx, ny, nz = smooth(spheres, capsules, paint, which, x, y, z, nx, ny, nz)
             r = ambient[0]
             g = ambient[1]
             b = ambient[2]

@@ -88,6 +88,12 @@ class Scene:
     sha256: str = field(default="", compare=False)
 
     @property
+    def occluded(self) -> bool:
+        """Whether ambient occlusion is asked for, and there is light for it to take away."""
+        around = self.environment is not None and self.environment.intensity > 0
+        return self.ambient_occlusion is not None and (around or any(self.ambient))
+
+    @property
     def drawn_strands(self) -> int:
         """Strands that are drawn when level of detail leaves none out."""
         return self.emitter.strands * (1 if self.children is None else self.children.count)

@@ -23,7 +23,10 @@ class SphereSolid:
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     blend: float = number(
-        0.0, low=0, unit="m", doc="way over which it is shaded as one with other spheres and capsules that blend"
+        0.0,
+        low=0,
+        unit="m",
+        doc="way over which it runs into other spheres and capsules that blend; all of them are drawn as the first",
     )
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
@@ -42,7 +45,10 @@ class CapsuleSolid:
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     blend: float = number(
-        0.0, low=0, unit="m", doc="way over which it is shaded as one with other spheres and capsules that blend"
+        0.0,
+        low=0,
+        unit="m",
+        doc="way over which it runs into other spheres and capsules that blend; all of them are drawn as the first",
     )
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
