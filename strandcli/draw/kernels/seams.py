@@ -17,16 +17,17 @@ from .approximations import exp
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
+HALF = np.float32(0.5)
 TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
 SPHERE, CAPSULE = 5, 9
 """Columns of the way of blending."""
 STEPS = 64
-NEAR = np.float32(2e-3)
+NEAR = np.float32(0.04)
 """Part of k within which a ray has met the surface."""
-APART = np.float32(12.0)
-"""Times k from which on a solid is not felt beside another."""
+APART = np.float32(6.0)
+"""Times k from which on a solid is not felt beside another: e^-6 of k."""
+EVERY = np.uint64(0xFFFFFFFFFFFFFFFF)
 
 
 @inner
@@ -63,8 +64,9 @@ def from_axis(capsules, m, x, y, z):
 
 
 @function
-def surface(spheres, capsules, k, x, y, z):
-    """The distance of a point from the surface, and the gradient there, not of unit length."""
+def surface(spheres, capsules, felt, k, x, y, z):
+    """The distance of a point from the surface, and the gradient there, not of unit length; of the solids whose bit is
+    set in ``felt`` (the 65th shares that of the first, and so on)."""
     least = INF
     total = ZERO
     nx = ZERO
@@ -72,16 +74,14 @@ def surface(spheres, capsules, k, x, y, z):
     nz = ZERO
     for m in range(spheres.shape[0] + capsules.shape[0]):
         own = m - spheres.shape[0]
+        if (felt >> np.uint64(m & 63)) & np.uint64(1) == np.uint64(0) or not blends(spheres, capsules, m):
+            continue
         if own < 0:
-            if spheres[m, SPHERE] <= ZERO:
-                continue
             ox = x - spheres[m, 0]
             oy = y - spheres[m, 1]
             oz = z - spheres[m, 2]
             r = spheres[m, 3]
         else:
-            if capsules[own, CAPSULE] <= ZERO:
-                continue
             ox, oy, oz = from_axis(capsules, own, x, y, z)
             r = capsules[own, 6]
         size = math.sqrt(max(ox * ox + oy * oy + oz * oz, TINY))
@@ -90,7 +90,7 @@ def surface(spheres, capsules, k, x, y, z):
             continue
         weight = ONE
         if away < least:  # weights are shares of the nearest's, which this one is now
-            fade = exp((away - least) / k) if least < INF else ZERO
+            fade = exp((away - least) / k) if least < away + APART * k else ZERO
             total *= fade
             nx *= fade
             ny *= fade
@@ -106,47 +106,64 @@ def surface(spheres, capsules, k, x, y, z):
     return least - k * np.float32(math.log(max(total, TINY))), nx, ny, nz
 
 
+@inner
+def passed(spheres, capsules, m, room, ox, oy, oz, dx, dy, dz, dd):
+    """Where a ray is in the middle of the ball about solid number m, ``room`` thicker, and half the way through it, in
+    units of |d|; that is negative where it misses the ball."""
+    if m < spheres.shape[0]:
+        cx = spheres[m, 0] - ox
+        cy = spheres[m, 1] - oy
+        cz = spheres[m, 2] - oz
+        r = spheres[m, 3] + room
+    else:
+        m -= spheres.shape[0]
+        cx = capsules[m, 0] + HALF * capsules[m, 3] - ox
+        cy = capsules[m, 1] + HALF * capsules[m, 4] - oy
+        cz = capsules[m, 2] + HALF * capsules[m, 5] - oz
+        r = capsules[m, 6] + room + HALF / math.sqrt(capsules[m, 7])
+    t = (cx * dx + cy * dy + cz * dz) / dd
+    cx -= t * dx
+    cy -= t * dy
+    cz -= t * dz
+    left = r * r - (cx * cx + cy * cy + cz * cz)
+    return t, math.sqrt(left / dd) if left > ZERO else -ONE
+
+
 @function
 def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to the outside of the surface; inf where it is missed or begins
-    inside."""
+    inside. Only solids whose balls the ray passes are felt, and only between the first and the last of these."""
     k = way(spheres, capsules)
-    size = math.sqrt(dx * dx + dy * dy + dz * dz)
-    t = ZERO
-    last = INF
+    dd = dx * dx + dy * dy + dz * dz
+    felt = np.uint64(0)
+    begin = INF
+    end = ZERO
+    for m in range(spheres.shape[0] + capsules.shape[0]):
+        if blends(spheres, capsules, m):
+            middle, half = passed(spheres, capsules, m, APART * k, ox, oy, oz, dx, dy, dz, dd)
+            if half >= ZERO and middle + half > ZERO:
+                felt |= np.uint64(1) << np.uint64(m & 63)
+                begin = min(begin, max(middle - half, ZERO))
+                end = max(end, middle + half)
+    if felt == np.uint64(0):
+        return INF
+    per = ONE / math.sqrt(dd)
+    t = begin
     for step in range(STEPS):
-        away, nx, ny, nz = surface(spheres, capsules, k, ox + t * dx, oy + t * dy, oz + t * dz)
+        away, _, _, _ = surface(spheres, capsules, felt, k, ox + t * dx, oy + t * dy, oz + t * dz)
         if step == 0 and away < ZERO:
             return INF
         if away < NEAR * k:
             return t
-        # past all of it: far away, and on the way out
-        leaves = away > APART * k and away > last and nx * dx + ny * dy + nz * dz > ZERO
-        if leaves and beyond(spheres, capsules, ox + t * dx, oy + t * dy, oz + t * dz, dx, dy, dz):
+        t += away * per
+        if t > end:
             return INF
-        last = away
-        t += away / size
-    return t if last < TWO * TWO * TWO * NEAR * k else INF
-
-
-@inner
-def beyond(spheres, capsules, x, y, z, dx, dy, dz):
-    """Whether all that blends lies behind a point of a ray."""
-    for m in range(spheres.shape[0]):
-        ahead = (spheres[m, 0] - x) * dx + (spheres[m, 1] - y) * dy + (spheres[m, 2] - z) * dz
-        if spheres[m, SPHERE] > ZERO and ahead > ZERO:
-            return False
-    for m in range(capsules.shape[0]):
-        ahead = (capsules[m, 0] - x) * dx + (capsules[m, 1] - y) * dy + (capsules[m, 2] - z) * dz
-        other = ahead + capsules[m, 3] * dx + capsules[m, 4] * dy + capsules[m, 5] * dz
-        if capsules[m, CAPSULE] > ZERO and max(ahead, other) > ZERO:
-            return False
-    return True
+    return t if away < HALF * k else INF
 
 
 @function
 def normal(spheres, capsules, x, y, z):
     """Unit outward normal at a point of the surface."""
-    _, nx, ny, nz = surface(spheres, capsules, way(spheres, capsules), x, y, z)
+    _, nx, ny, nz = surface(spheres, capsules, EVERY, way(spheres, capsules), x, y, z)
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size

@@ -56,7 +56,7 @@ LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 class AmbientOcclusion:
     """How much of `ambient` and of the environment strands and solids keep from each other: counted in a grid."""
 
-    cells: int = integer(100_000, low=1728, high=20_000_000, doc="cells of the grid, about")
+    cells: int = integer(40_000, low=1728, high=20_000_000, doc="cells of the grid, about")
     directions: int = integer(32, low=2, high=1024, doc="directions that light comes from")
 
 
