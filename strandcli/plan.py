@@ -184,6 +184,12 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         skip(Stage("dual scattering", "material.scatter is the diffuse stand-in"))
     if scene.environment is not None:
         use(Stage("environment", "a picture lights strands and solids from all round"))
+    if scene.occluded and scene.ambient_occlusion is not None:
+        grid = scene.ambient_occlusion
+        use(Stage("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions"))
+    else:
+        none = scene.ambient_occlusion is None
+        skip(Stage("ambient occlusion", "the preset has none" if none else "there is no light from everywhere"))
     (use if varied else skip)(Stage("colour variation", "strands differ" if varied else "all strands have one colour"))
     visible = [solid for solid in scene.solids if solid.visible]
     if visible:
@@ -287,6 +293,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
     # piece is usual, and one the least
     total += traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
+    if scene.occluded and scene.ambient_occlusion is not None:
+        total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
     for one in scene.lights:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             if one.shadow.model == "traced" and not needs_counts(scene):

@@ -155,3 +155,24 @@ def test_pale_hair_glows_and_black_hair_does_not() -> None:
     dark = brightness("black", "dual") - brightness("black", "diffuse")
     assert pale > 4
     assert abs(dark) < 0.2 * pale
+
+
+@pytest.mark.parametrize("pigment", ["white", "blond", "brown"])
+def test_what_is_behind_strands_gets_all_that_the_streams_bring(pigment: str) -> None:
+    """Against the streams where the layer ends, τ' = 0, and against light that is lost by absorption alone."""
+    material = Material(model="chiang", pigment=pigment)
+    veil = dual.veil_of(dual.build_tables(material, material.beta_n))
+    for c in range(3):
+        numbers = [np.float32(number) for number in veil[:, c]]
+        assert float(kernel.through(ZERO, veil, c)) == pytest.approx(1.0, abs=1e-5)
+        last = 1.0
+        for tau in (0.3, 1.0, 3.0, 8.0):
+            t, none = np.float32(tau), np.float32(np.exp(-tau))
+            down = kernel.scattered(t, ZERO, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
+            beam = float(np.exp(-numbers[2] * t))
+            arrives = float(kernel.through(t, veil, c))
+            assert arrives == pytest.approx(beam + (float(down) - (beam - float(none))) / np.sqrt(2), abs=2e-3)
+            assert float(none) < arrives < last
+            last = arrives
+    reds, blues = kernel.through(ONE, veil, 0), kernel.through(ONE, veil, 2)
+    assert (reds > blues + 0.01) == (pigment != "white")

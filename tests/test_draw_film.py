@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from strandcli.draw.film import curve_of, filmic, gradient, srgb_curve
+from strandcli.draw.film import curve_of, dithered, filmic, gradient, srgb_curve
 from strandcli.draw.kernels import film
 from strandcli.draw.kernels.raster import EMPTY
 
@@ -125,3 +125,17 @@ def test_colour_runs_on_between_lit_vertices() -> None:
         keys = {1 + x: start + x // 2 for x in range(8)}
         image = coloured(screen, vertex, keys, per=5, stride=2)
         np.testing.assert_allclose(image[1:9, 0], start + np.arange(0.25, 4, 0.5), atol=1e-5)
+
+
+@pytest.mark.parametrize(("tone", "exposure"), [("srgb", 0.0), ("filmic", 0.7)])
+def test_a_dithered_gradient_has_its_light_on_average_and_no_bands(tone: str, exposure: float) -> None:
+    rows = gradient(np.full(3, 0.03, np.float32), np.full(3, 0.035, np.float32), 120)
+    wide = dithered(rows, 2 * 2000, 2, tone, exposure)
+    assert wide.shape == (120, 4000, 3)
+    assert np.array_equal(wide[0::2, 0::2], wide[0::2, 1::2])  # the same throughout a pixel
+    out = developed(wide, 2, 2.0**exposure, tone).astype(float)
+    light = rows.reshape(60, 2, 3).mean(1)[:, None].astype(np.float64) * 2.0**exposure
+    exact = encoded(filmic(light) if tone == "filmic" else light)
+    assert out.mean(1) == pytest.approx(exact[:, 0], abs=0.06)
+    assert np.abs(out - exact).max() < 1.05
+    assert (out.std((1, 2)) > 0.1).mean() > 0.8

@@ -30,7 +30,7 @@ max_error = click.option(
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, catenary, "
               "pendulum, twist, or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures curves, coverage, "
-              "shadow, lod, tables, end-to-end.  [default: motion]")  # fmt: skip
+              "shadow, occlusion, lod, tables, end-to-end.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,foil"), metavar="NAMES",
               help="Solvers: thesis, rod, foil.  [default: all]")  # fmt: skip

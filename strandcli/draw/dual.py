@@ -63,6 +63,15 @@ class DualTables:
     scale: NDArray[np.float32]
 
 
+def veil_of(tables: DualTables) -> NDArray[np.float32]:
+    """(5, 3): κ, R, k₀, P and Q of `kernels.dual.through`, for light on what is behind strands: the mean over strands
+    that lie in all directions, by the area that they show."""
+    theta = np.linspace(0.0, 0.5 * np.pi, N_THETA)
+    weights = np.cos(theta) ** 2
+    mean = weights @ tables.rows[:, : 5 * 3].astype(np.float64) / weights.sum()
+    return mean.reshape(5, 3).astype(np.float32)
+
+
 def build_tables(material: Material, roughness: float) -> DualTables:
     """Tables for ``material``; ``roughness`` is the β_n by which colours and absorption correspond."""
     sigma = absorption_of(material, roughness)

@@ -2,7 +2,8 @@
 
 Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. Only the first nine spherical harmonics
 are kept (Ramamoorthi & Hanrahan 2001: a surface cannot tell the rest by a tenth of a per cent on average), with the
-solids' cosine or a strand's sine folded in, so that a kernel evaluates nine terms. Nothing stands in this light's way.
+solids' cosine or a strand's sine folded in, so that a kernel evaluates nine terms. What keeps
+it off is `strandcli.draw.occlusion`.
 """
 
 from __future__ import annotations

@@ -40,10 +40,34 @@ def curve_of(tone: str) -> tuple[NDArray[np.uint8], np.float32]:
     return (filmic_curve(), np.float32(1)) if tone == "filmic" else (srgb_curve(), np.float32(0))
 
 
+def dithered(rows: NDArray[np.float32], width: int, samples: int, tone: str, exposure: float) -> NDArray[np.float32]:
+    """(height, width, 3): rows (height, 3) of light, ``samples`` to a pixel each way, with noise of half an 8-bit level
+    to both sides, the same throughout a pixel. Without it, a gradient over a whole picture shows its levels, as bands.
+    """
+    lines = rows.reshape(-1, samples, 3).mean(1, dtype=np.float64)
+    step = np.maximum(1e-3 * lines, 1e-5)
+    slope = (_response(lines + step, tone, exposure) - _response(lines - step, tone, exposure)) / (2 * step)
+    noise = np.random.Generator(np.random.Philox(key=0)).random((len(lines), width // samples, 1)) - 0.5
+    spread = noise / np.maximum(slope, 1e-3)[:, None]
+    wide = np.repeat(np.repeat(spread, samples, 0), samples, 1)
+    return np.maximum(rows[:, None] + wide, 0).astype(np.float32)
+
+
+def _response(light: NDArray[np.float64], tone: str, exposure: float) -> NDArray[np.float64]:
+    """8-bit levels of light before they are rounded."""
+    exposed = np.maximum(light, 0) * 2.0**exposure
+    linear = filmic(exposed) if tone == "filmic" else np.minimum(exposed, 1)
+    return 255 * _encoded(linear)
+
+
+def _encoded(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Linear [0, 1] to sRGB."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
 def _levels(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Linear [0, 1] to 8-bit sRGB."""
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.rint(255 * encoded).astype(np.uint8)
+    return np.rint(255 * _encoded(linear)).astype(np.uint8)
 
 
 def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int) -> NDArray[np.float32]:

@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids as shapes
 from ..constants import PORTION, W
 from ..groom.children import Children
 from ..groom.emit import Groom
 from ..plan import needs_counts
-from . import lens, raster
+from . import lens, occlusion, raster
 from .aovs import Recorder
 from .body import Body, body_of
 from .camera import View, camera_view
@@ -32,12 +31,13 @@ from .detail import Level, level_of, needed
 from .edges import find_edges
 from .environment import sky_of
 from .extent import bounds_of, thickness_of, widths_of
-from .film import curve_of, gradient
+from .film import curve_of, dithered, gradient
 from .kernels import detail, film, shade_strands, shade_surfaces, solids
 from .scratch import Scratch
 from .shading import Palette, pack_lights
 from .shadow import ShadowMaps, Thickness, is_traced, plan_maps, strand_spacing, wants_map
 from .solids import frames_of, paint_of
+from .solids import packed as pack_solids
 from .traced import Grid, grid_of
 
 NO_SPOTS = np.zeros((0, 2), np.float32)
@@ -76,6 +76,8 @@ class Renderer:
         self.children = children
         self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
+        self._occlusion: occlusion.Occlusion | None = None
+        """Of the exposure that is drawn."""
         self.palette = Palette(scene.material, deep)
         self.ids: NDArray[np.int32] | None = None
         """Of each strand its index in the groom, where some are left out."""
@@ -99,6 +101,8 @@ class Renderer:
         samples, crop = scene.image.supersample, scene.image.crop or (0, 0, *scene.image.size)
         rows = gradient(top, bottom, scene.image.size[1] * samples)[crop[1] * samples :][: self.size[1]]
         self._backdrop = np.ascontiguousarray(np.broadcast_to(rows[:, None], (self.size[1], self.size[0], 3)))
+        if scene.image.horizon is not None:
+            self._backdrop = dithered(rows, self.size[0], samples, scene.image.tone, scene.image.exposure)
         self._drawing: Drawing
 
     def draw(
@@ -173,6 +177,8 @@ class Renderer:
         thickness = thickness_of(scene.material, view, bounds)
         maps = made or plan_maps(scene.lights, bounds, scratch, thickness, spacing, self._counts)
         fresh = maps is not None and made is None
+        if made is None:
+            self._occlude(positions, strands, bounds, thickness, level, at)
         self._lap("shadow")
         if maps is not None and fresh and len(portions) > 1:
             # every strand has to be in the maps before the first is shaded
@@ -291,6 +297,7 @@ class Renderer:
             self._rehearse_coverage(view)
             return
         maps = plan_maps(self.scene.lights, bounds, self.scratch, Thickness(0.01), 0.1)
+        self._occlusion = occlusion.nothing() if self.scene.occluded else None
         lights = pack_lights(self.scene.lights, maps, bounds)
         lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
         keys = np.full(width * height, raster.kernel.EMPTY)
@@ -371,7 +378,7 @@ class Renderer:
     def _solids(self, at: float) -> list[NDArray[np.float32]] | None:
         if not self.visible:
             return None
-        return [shapes.pack(kind, self.visible, self.scene.emitter, at) for kind in shapes.COLUMNS]
+        return pack_solids(self.visible, self.scene.emitter, at)
 
     def _clear(self, keys: NDArray[np.uint64], view: View, packed: list[NDArray[np.float32]] | None) -> None:
         if packed is None:
@@ -410,8 +417,8 @@ class Renderer:
         p = self.palette
         shade_strands.strands(
             lines.first, lines.world, marks, self.tones[begin:end], view.pack(), p.colour, p.tint, p.diffuse,
-            np.array(self.scene.ambient, np.float32), self.sky, p.lobes, p.fibre, p.nodes, p.paths, p.dual,
-            p.dual_scale, lights, clear, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
+            np.array(self.scene.ambient, np.float32), self.sky, *self._around(), p.lobes, p.fibre, p.nodes, p.paths,
+            p.dual, p.dual_scale, lights, clear, *self._maps(maps), *(packed or (None,) * 4), self._skin(),
             *((None,) * 3 if body is None else (body.slots, p.columns, body.profile)), colours,
         )  # fmt: skip
         return colours
@@ -422,7 +429,8 @@ class Renderer:
         image: NDArray[np.float32],
     ) -> None:  # fmt: skip
         shade_surfaces.surfaces(
-            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, lights,
+            keys, width, height, view.pack(), np.array(self.scene.ambient, np.float32), self.sky, *self._around(),
+            self.palette.colour, lights, self.palette.veil,
             *self._maps(maps), *packed, paint_of(self.visible, self.scene.emitter, at), self._skin(), spots, image,
         )  # fmt: skip
 
@@ -434,6 +442,21 @@ class Renderer:
     def _blank(self) -> NDArray[np.uint8]:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
+
+    def _occlude(
+        self, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64], thickness: Thickness,
+        level: Level | None, at: float,
+    ) -> None:  # fmt: skip
+        """Occlusion of the light from everywhere, where the scene wants it and there is such light."""
+        scene = self.scene
+        if scene.occluded:
+            self._occlusion = occlusion.build(
+                scene.ambient_occlusion, positions, strands, bounds, thickness, level, self._solids(at), self.scratch
+            )
+
+    def _around(self) -> tuple[Any, Any]:
+        found = self._occlusion
+        return (None, None) if found is None else (found.volume, found.box)
 
     def _maps(self, maps: ShadowMaps | None) -> tuple[Any, ...]:
         return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)

@@ -13,6 +13,7 @@ from .body import columns_of
 from .chiang import ChiangTables
 from .chiang import build_tables as build_chiang
 from .dual import build_tables as build_dual
+from .dual import veil_of
 from .marschner import MarschnerTables, azimuthal_beta
 from .marschner import build_tables as build_marschner
 from .pigment import colour_of, tint, varies
@@ -37,6 +38,8 @@ class Palette:
         dual = build_dual(material, roughness) if deep and material.scatter == "dual" else None
         self.dual = None if dual is None else dual.rows
         self.dual_scale = None if dual is None else dual.scale
+        self.veil = None if dual is None else veil_of(dual)
+        """Of solids behind strands."""
         self.tint = (
             tint_table(material, roughness, None if tables is None else tables.absorption) if varies(material) else None
         )

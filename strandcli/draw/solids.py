@@ -9,23 +9,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.motion import solid_pose
-from ..solids import COLUMNS
+from ..solids import COLUMNS, pack
 from .camera import View
+
+ROOM = 4.0
+"""Ways of blending by which a solid that blends may become thicker."""
+
+
+def packed(solids: Sequence[Any], emitter: Any, time: float) -> list[NDArray[np.float32]]:
+    """Solids packed by `strandcli.solids.pack`, an array for each kind, for drawing: of spheres and capsules the way of
+    blending is the last column."""
+    out = []
+    for kind in COLUMNS:
+        rows = pack(kind, list(solids), emitter, time)
+        if kind in ("sphere", "capsule"):
+            ways = [solid.blend for solid in solids if solid.kind == kind]
+            rows = np.column_stack([rows, np.array(ways, np.float32).reshape(len(rows), 1)]).astype(np.float32)
+        out.append(rows)
+    return out
+
+
+def _way(kind: str, solid: NDArray[np.float64]) -> float:
+    """Over which a packed solid blends."""
+    blends = kind in ("sphere", "capsule") and len(solid) > COLUMNS[kind]
+    return float(solid[COLUMNS[kind]]) if blends else 0.0
 
 
 def frames_of(packed: Sequence[NDArray[np.float32]], view: View) -> NDArray[np.int64]:
     """(m, 4) left, right, top, bottom in pixels of every solid, right and bottom not included; in the order of
     `COLUMNS`. The whole picture for a plane, and for a solid that reaches behind the eye."""
     width, height = int(view.width), int(view.height)
-    rows = []
+    rows: list[tuple[int, int, int, int]] = []
+    nowhere = (2 * width + 2, 2 * width + 2, 2 * height + 2, 2 * height + 2)
+    group: list[tuple[int, int, int, int]] = []
+    first = -1
     for kind, solids in zip(COLUMNS, packed, strict=True):
         for solid in solids.astype(np.float64):
             whole = (0, width, 0, height)
-            rows.append(whole if kind == "plane" else _frame(*_ball(kind, solid), view) or whole)
+            if _way(kind, solid) > 0:  # all that blend are drawn as the first of them
+                centre, radius = ball_of(kind, solid)
+                first = len(rows) if first < 0 else first
+                group.append(_frame(centre, radius + ROOM * _way(kind, solid), view) or whole)
+                rows.append(nowhere)
+                continue
+            rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
+    if group:
+        left, right, top, bottom = zip(*group, strict=True)
+        rows[first] = (min(left), max(right), min(top), max(bottom))
     return np.array(rows, np.int64).reshape(-1, 4)
 
 
-def _ball(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def ball_of(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Centre and radius of a ball about a solid."""
     if kind == "sphere":
         return solid[:3], float(solid[3])

@@ -48,17 +48,9 @@ class _Key(Protocol):
 Key = TypeVar("Key", bound=_Key)
 
 
-_latest: tuple[Emitter | None, float, Pose] = (None, 0.0, Pose(IDENTITY, (0.0, 0.0, 0.0)))
-
-
 def emitter_pose(emitter: Emitter, time: float) -> Pose:
-    """The emitter's pose at ``time`` (seconds). The last one is kept, for all that follows the emitter asks again."""
-    global _latest
-    whose, when, pose = _latest
-    if whose is not emitter or when != time:
-        pose = _pose(emitter.position, emitter.rotation, emitter.keys, time)
-        _latest = emitter, time, pose
-    return pose
+    """The emitter's pose at ``time`` (seconds)."""
+    return _pose(emitter.position, emitter.rotation, emitter.keys, time)
 
 
 def solid_pose(solid: Solid, emitter: Emitter, time: float) -> Pose:

@@ -110,9 +110,9 @@ class Axis:
 def registry() -> Mapping[str, Axis]:
     """All axes by name."""
     from . import exactness, motion
-    from .pictures import coverage, curves, end_to_end, lod, shadow, tables
+    from .pictures import coverage, curves, end_to_end, lod, occlusion, shadow, tables
 
-    drawn = (curves.AXIS, coverage.AXIS, shadow.AXIS, lod.AXIS, tables.AXIS, end_to_end.AXIS)
+    drawn = (curves.AXIS, coverage.AXIS, shadow.AXIS, occlusion.AXIS, lod.AXIS, tables.AXIS, end_to_end.AXIS)
     return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS, *drawn)}
 
 

@@ -56,6 +56,22 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 
 
 @function
+def through(passed, veil, c):
+    """Share of a light that arrives in channel c behind `passed` strands, that which they scatter on included.
+
+    veil (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
+    """
+    straight = exp(-veil[2, c] * passed)
+    near = exp(-veil[0, c] * passed)
+    mirror = veil[1, c]
+    back = veil[4, c] * straight
+    returned = mirror * near
+    first = (returned * back - veil[3, c]) / (ONE - returned * returned)
+    final = -back - first * returned
+    return straight + max(first * near + final * mirror + veil[3, c] * straight, ZERO)
+
+
+@function
 def scattered(
     passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
 ):  # fmt: skip

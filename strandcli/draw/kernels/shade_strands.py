@@ -13,6 +13,7 @@ import numpy as np
 from ...constants import W
 from ...jit import function, inner, parallel, prange
 from . import body, solids
+from .ambient import ambient_light
 from .approximations import exp
 from .batch import (
     ARRIVES,
@@ -40,7 +41,7 @@ from .batch import (
 )
 from .glow import glow
 from .highlights import highlights
-from .light import around, toward
+from .light import toward
 from .lobes import mix
 from .marschner import kajiya_diffuse
 from .strand_shadows import beyond, shade, sink
@@ -55,15 +56,16 @@ STRANDS = 128
 
 @parallel
 def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, lobes, fibre, nodes, paths, twice,
-    scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots, columns,
-    profile, out,
+    first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths,
+    twice, scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots,
+    columns, profile, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (26,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
     diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`, or None;
+    volume, box: of `strandcli.draw.occlusion`, volume None without;
     lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;
     twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
@@ -87,21 +89,21 @@ def strands(
             for v in range(begin, end):
                 if marks is not None and marks[v] == 0:
                     continue
-                gather(world, v, begin, end, tones[s], per, colour, tint, ambient, work, n)
+                gather(world, v, begin, end, tones[s], per, colour, tint, work, n)
                 if slots is not None and slots[v] >= 0:
                     body.begin(profile, slots[v])
                 which[n] = v
                 n += 1
                 if n == W:
                     batch(
-                        work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-                        maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+                        work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale,
+                        lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
                         which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
-            work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
+            work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
             which, slots, columns, profile,
         )  # fmt: skip
@@ -109,7 +111,7 @@ def strands(
 
 
 @inner
-def gather(world, v, begin, end, tone, per, colour, tint, ambient, work, k):
+def gather(world, v, begin, end, tone, per, colour, tint, work, k):
     """Put a vertex into place k of a batch."""
     low = max(v - 1, begin)
     high = min(v + 1, end - 1)
@@ -124,8 +126,6 @@ def gather(world, v, begin, end, tone, per, colour, tint, ambient, work, k):
         for c in range(3):
             work[COLOUR + c * W + k] = found[c]
             work[EXTRA + c * W + k] = found[c + 3]
-    for c in range(3):
-        work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
 
 
 @inner
@@ -138,16 +138,12 @@ def scatter(work, which, n, out):
 
 @inner
 def batch(
-    work, n, view, diffuse, sky, lobes, fibre, nodes, paths, twice, scale, lights, clear,
+    work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
     maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
     frames(work, n, view)
-    if sky is not None:
-        for c in range(3):
-            for k in range(n):
-                whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
-                work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
+    ambient_light(work, n, ambient, sky, volume, box)
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
         if spheres is not None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import parallel, prange
-from . import opacity, solids
+from . import dual, occlusion, opacity, solids
 from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
@@ -15,18 +15,20 @@ from .shadow import transmittance
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+TINY = np.float32(1e-6)
 INV_PI = np.float32(1 / math.pi)
 
 
 @parallel
 def surfaces(
-    keys, width, height, view, ambient, sky, lights, maps, stacks, starts, sizes, views,
+    keys, width, height, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, paint, skin, spots, image,
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
 
     keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
     spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
+    bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.dual.veil_of`, None where strands shade in grey;
     image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
     `shade_strands.strands`.
     """
@@ -60,6 +62,11 @@ def surfaces(
                 r += around(sky, 1, 0, nx, ny, nz)
                 g += around(sky, 1, 1, nx, ny, nz)
                 b += around(sky, 1, 2, nx, ny, nz)
+            if volume is not None:
+                share = occlusion.seen(volume, box, x, y, z, nx, ny, nz)
+                r *= share / max(ONE - bounce[0] * (ONE - share), TINY)
+                g *= share / max(ONE - bounce[1] * (ONE - share), TINY)
+                b *= share / max(ONE - bounce[2] * (ONE - share), TINY)
             for i in range(lights.shape[0]):
                 lx, ly, lz, reach, falloff = toward(lights, i, x, y, z)
                 cosine = nx * lx + ny * ly + nz * lz
@@ -73,7 +80,14 @@ def surfaces(
                 if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
                     falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
                 if stacks is not None and falloff > ZERO and lights[i, 10] > ZERO:
-                    falloff *= opacity.transmittance(x, y, z, lights, i, stacks, starts, sizes, views)
+                    if veil is None:
+                        falloff *= opacity.transmittance(x, y, z, lights, i, stacks, starts, sizes, views)
+                    else:
+                        passed = opacity.optical_depth(x, y, z, lights, i, stacks, starts, sizes, views)
+                        r += falloff * lights[i, 4] * dual.through(passed, veil, 0)
+                        g += falloff * lights[i, 5] * dual.through(passed, veil, 1)
+                        b += falloff * lights[i, 6] * dual.through(passed, veil, 2)
+                        continue
                 r += falloff * lights[i, 4]
                 g += falloff * lights[i, 5]
                 b += falloff * lights[i, 6]

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ...jit import function, inner, parallel, prange
+from . import seams
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
@@ -120,6 +121,8 @@ def box(p, m, ox, oy, oz, dx, dy, dz):
 def normal(spheres, capsules, planes, boxes, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
     m = which
+    if seams.blends(spheres, capsules, m):
+        return seams.normal(spheres, capsules, x, y, z)
     if m < spheres.shape[0]:
         nx = x - spheres[m, 0]
         ny = y - spheres[m, 1]
@@ -244,7 +247,12 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
             identity = FIRST + np.uint64(m)
             part = row[frames[m, 0] : frames[m, 1]]
             begin = np.float32(frames[m, 0]) + HALF - view[15]
-            if m < spheres.shape[0]:
+            if seams.blends(spheres, capsules, m):
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    t = seams.meet(spheres, capsules, ox, oy, oz, dx, dy, dz)
+                    part[x] = min(part[x], key_at(t, view, flat, far, identity))
+            elif m < spheres.shape[0]:
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
                     key = key_at(sphere(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
@@ -274,8 +282,10 @@ def key_at(t, view, flat, far, identity):
 
 @function
 def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
-    """Where a ray meets solid number `which`: its parameter, inf where it does not."""
+    """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
     m = which
+    if seams.blends(spheres, capsules, m):
+        return seams.meet(spheres, capsules, ox, oy, oz, dx, dy, dz)
     if m < spheres.shape[0]:
         return sphere(spheres, m, ox, oy, oz, dx, dy, dz)
     m -= spheres.shape[0]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from .camera import AOVS, Camera, CameraKey, Image
 from .emitter import DiscShape, Emitter, PlaneShape, SphereShape
-from .lights import LIGHTS, DirectionalLight, Environment, Light, PointLight, Shadow
+from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .pose import PoseKey
 from .rod import Rod
 from .scene import RuleUse, Scene, Time
@@ -26,6 +26,7 @@ __all__ = [
     "LIGHTS",
     "PIGMENTS",
     "SOLIDS",
+    "AmbientOcclusion",
     "BoxSolid",
     "Camera",
     "CameraKey",

@@ -55,8 +55,16 @@ LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
 
 @dataclass(frozen=True, slots=True, repr=False)
+class AmbientOcclusion:
+    """How much of `ambient` and of the environment strands and solids keep from each other: counted in a grid."""
+
+    cells: int = integer(40_000, low=1728, high=20_000_000, doc="cells of the grid, about")
+    directions: int = integer(32, low=2, high=1024, doc="directions that light comes from")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Environment:
-    """Light from all round, from a lat-long picture; it is not drawn, and nothing casts a shadow in it."""
+    """Light from all round, from a lat-long picture; it is not drawn. `ambient_occlusion` shades it."""
 
     image: str = text("", doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
     intensity: float = number(1.0, low=0, doc="scale")

@@ -10,7 +10,7 @@ from typing import Any
 from ..fields import Colour, choice, colour, integer, items, model, number, optional, panels, rules, text
 from .camera import Camera, Image
 from .emitter import Emitter
-from .lights import LIGHTS, DirectionalLight, Environment, Light
+from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
 from .rod import Rod
 from .solids import SOLIDS, Solid
 from .strands import Curves, Detail, Material
@@ -75,6 +75,10 @@ class Scene:
     environment: Environment | None = optional(
         Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
     )
+    ambient_occlusion: AmbientOcclusion | None = optional(
+        AmbientOcclusion,
+        doc="ambient and environment reach what strands and solids leave open; absent: they reach everything",
+    )
     material: Material = model(Material, doc="how strands take light")
     curves: Curves = model(Curves, doc="smoothing")
     detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")
@@ -82,6 +86,12 @@ class Scene:
     panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
     source: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
+
+    @property
+    def occluded(self) -> bool:
+        """Whether ambient occlusion is asked for, and there is light for it to take away."""
+        around = self.environment is not None and self.environment.intensity > 0
+        return self.ambient_occlusion is not None and (around or any(self.ambient))
 
     @property
     def drawn_strands(self) -> int:

@@ -25,7 +25,19 @@ class _Solid:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class SphereSolid(_Solid):
+class _RoundSolid(_Solid):
+    """What runs into others of its kind, if wanted."""
+
+    blend: float = number(
+        0.0,
+        low=0,
+        unit="m",
+        doc="way over which it runs into other spheres and capsules that blend; all of them are drawn as the first",
+    )
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SphereSolid(_RoundSolid):
     """A ball."""
 
     kind: str = choice("sphere", ("sphere",))
@@ -33,7 +45,7 @@ class SphereSolid(_Solid):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class CapsuleSolid(_Solid):
+class CapsuleSolid(_RoundSolid):
     """A rounded cylinder along its own y axis."""
 
     kind: str = choice("capsule", ("capsule",))

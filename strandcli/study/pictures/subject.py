@@ -22,7 +22,7 @@ from ...groom.children import Children
 from ...groom.emit import emit
 from ...plan import available_memory
 from ...scene.fields import ChoiceSpec, settings_of
-from ...scene.model import Detail, Scene
+from ...scene.model import AmbientOcclusion, Detail, Scene
 from ..axes import Request
 from ..points import Knobs
 
@@ -32,6 +32,8 @@ PIXELS = 30_000
 """Of a picture, about, where not said otherwise."""
 SAMPLE_BYTES = 48
 """Memory a sample of a picture: z-buffer, light, backdrop, and what keeps them for a moment."""
+ABSENT: Mapping[str, Any] = {"detail": Detail, "ambient_occlusion": AmbientOcclusion}
+"""Parts of a scene that may be absent, and that knobs may bring in."""
 DRAWS = 3
 """Times that a setting is drawn; a stage takes the least of its times."""
 
@@ -226,23 +228,24 @@ def _replaced(node: Any, parts: list[str], value: Any) -> Any:
         index = int(head)
         return (*node[:index], _replaced(node[index], rest, value), *node[index + 1 :])
     inner = getattr(node, head)
-    if inner is None and head == "detail" and rest:
-        inner = Detail()
+    if inner is None and rest and head in ABSENT:
+        inner = ABSENT[head]()
     return dataclasses.replace(node, **{head: _replaced(inner, rest, value)})
 
 
 def knows(scene: Scene, path: str, value: Any = None) -> bool:
     """Whether a scene has a setting at a dotted path, and where that is one of a few words, ``value`` (not None)."""
     node: Any = scene
-    spec = None
+    spec, before = None, ""
     for part in path.split("."):
         if isinstance(node, tuple):
             if not part.isdecimal() or int(part) >= len(node):
                 return False
             node = node[int(part)]
             continue
-        if node is None and spec is not None:
-            node = Detail() if part in settings_of(Detail) else None
+        if node is None and before in ABSENT:
+            node = ABSENT[before]()
+        before = part
         cls: Any = type(node)
         known = dataclasses.is_dataclass(node)
         settings = settings_of(cls) if known else {}

@@ -1,0 +1,142 @@
+"""Ambient occlusion: a grid against rays that meet strands as cylinders, and solids, in many directions.
+
+What is compared is the share of an even sky that reaches the points of strands that the picture shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import solids as shapes
+from ...draw import occlusion
+from ...draw.curves import Polylines, flatten
+from ...draw.kernels import solids
+from ...draw.scratch import Scratch
+from ...draw.shadow import Thickness, strand_spacing
+from ...errors import UsageError
+from ...scene.model import AmbientOcclusion, DirectionalLight
+from ..axes import Axis
+from ..points import Knobs
+from .experiment import Pictures
+from .shadow import bundle, transmittance
+from .subject import Picture, changed
+
+PROBES = 300
+DIRECTIONS = 96
+RAYS = 6
+"""Of each direction, over a disc as wide as the distance between strands."""
+CELLS = (8_000, 25_000, 50_000, 100_000, 200_000, 400_000)
+WAYS = (8, 16, 64, 128)
+
+
+class OcclusionStudy(Pictures):
+    """Cells and directions of the grid."""
+
+    axis = "occlusion"
+    metric, unit, stages = "share", "of the sky", ("shadow", "shade")
+
+    def choices(self) -> list[Knobs]:
+        """None at all, cells, and directions with the usual cells."""
+        usual = AmbientOcclusion()
+        out: list[Knobs] = [{"ambient_occlusion": None}]
+        out += [_knobs(cells, usual.directions) for cells in CELLS]
+        return out + [_knobs(usual.cells, ways) for ways in WAYS]
+
+    def series(self, knobs: Knobs) -> str:
+        """By which of the two knobs is turned."""
+        if "ambient_occlusion" in knobs:
+            return "none"
+        usual = knobs["ambient_occlusion.directions"] == AmbientOcclusion().directions
+        return "cells" if usual else "directions"
+
+    def reference(self) -> dict[str, Any]:
+        """Rays from points of strands that are seen."""
+        rng = np.random.default_rng(0)
+        subject, scene = self.subject, self.scene
+        shown = subject.draw(scene, draws=1, keep_shading=True).shaded
+        strands, points = [], []
+        first = 0
+        for lines, colours in shown:
+            seen = np.flatnonzero(np.isfinite(colours.sum(1)))
+            strands.append(first + np.searchsorted(lines.first, seen, "right") - 1)
+            points.append(lines.world[seen].astype(np.float64))
+            first += len(lines.first) - 1
+        if not sum(map(len, points)):
+            raise UsageError(f"{subject.name}: no strand is seen, and so no occlusion to be studied")
+        chosen = rng.permutation(sum(map(len, points)))[:PROBES]
+        self.points = np.concatenate(points)[chosen]
+        lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene),
+                        True, Scratch())  # fmt: skip
+        thickness = Thickness(scene.material.width, scene.material.taper)
+        spacing = strand_spacing(subject.groom.roots)
+        halves = seen_of_sky(
+            lines, thickness, self._packed(), self.points, np.concatenate(strands)[chosen],
+            bundle(RAYS, spacing, rng), 0.01 * scene.emitter.length,
+        )  # fmt: skip
+        self.truth = halves.mean(1)
+        noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
+        return {"what": f"{RAYS} rays in each of {DIRECTIONS} directions from {len(chosen)} points that are seen, "
+                        "against cylinders and solids",
+                "mean": float(self.truth.mean()), "noise": noise, "spacing": spacing}  # fmt: skip
+
+    def measure(self, knobs: Knobs) -> Any:
+        """Timed without lamps."""
+        even = {"lights": (), "ambient": (1.0, 1.0, 1.0), "environment": None}
+        picture = self.subject.draw(changed(self.scene, {**even, **knobs}))
+        return self.point(knobs, picture, self.errors(knobs, picture))
+
+    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+        """Mean of the absolute difference of the share that is seen, signed mean, 95th percentile."""
+        settings = changed(self.scene, knobs).ambient_occlusion
+        found = np.ones(len(self.truth))
+        if settings is not None:
+            scene, subject = self.scene, self.subject
+            made = occlusion.build(
+                settings, subject.positions, subject.groom.strands, subject.bounds(),
+                Thickness(scene.material.width, scene.material.taper), None, self._packed(), Scratch(),
+            )  # fmt: skip
+            found = made.at(self.points)
+        off = found - self.truth
+        return {"share": float(np.abs(off).mean()), "bias": float(off.mean()),
+                "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
+
+    def _packed(self) -> list[NDArray[np.float32]] | None:
+        visible = [solid for solid in self.scene.solids if solid.visible]
+        if not visible:
+            return None
+        return [shapes.pack(kind, visible, self.scene.emitter, self.subject.at) for kind in shapes.COLUMNS]
+
+
+def seen_of_sky(
+    lines: Polylines, thickness: Thickness, packed: Sequence[NDArray[np.float32]] | None, points: NDArray[np.float64],
+    own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float, ways: int = DIRECTIONS,
+) -> NDArray[np.float64]:  # fmt: skip
+    """(P, 2): the share of an even sky that polylines as cylinders and solids leave points (P, 3) on the strands
+    ``own`` (P,), by the even and the odd rays of bundles ``jitter`` (R, 2) metres wide in each direction."""
+    found = np.zeros((len(points), 2))
+    for way in occlusion.directions(ways).astype(np.float64):
+        left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-way)), points, own, jitter)
+        if packed is not None:
+            for p, point in enumerate(points.astype(np.float32)):
+                left[p] *= solids.lit(*packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
+        found += left / ways
+    return found
+
+
+def _knobs(cells: int, ways: int) -> Knobs:
+    return {"ambient_occlusion.cells": cells, "ambient_occlusion.directions": ways}
+
+
+AXIS = Axis(
+    name="occlusion",
+    doc="ambient occlusion's grid against rays, cylinders and solids",
+    knobs=("cells", "directions"),
+    metric="share",
+    of_preset=True,
+    open=OcclusionStudy,
+    pictures=True,
+)
