@@ -32,12 +32,12 @@ of them as rows and its place; all of them in the order spheres, capsules, plane
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from .simd import root, some, spread, where
+from .simd import epsilon, root, some, spread, where
 
 TINY = 1e-20
 LEAST = 1e-6
 SLACK = 1e-6
-"""Depth as a share of an edge that is no more than rounding."""
+"""Depth as a share of an edge that is no more than rounding, where that of coordinates is not more yet."""
 SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
 """Numbers of a packed solid and its motion."""
 ROUNDS = 3
@@ -337,7 +337,8 @@ def swing(turn, d, axis, cosine, sine):
 @inner
 def off_solids(q, d, next, length, over, solids, whole, first):
     """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
-    slack = SLACK * length
+    # or short edges would be turned for the rounding of where they begin, again and again
+    slack = max(SLACK * length, epsilon(length) * (abs(q[0]) + abs(q[1]) + abs(q[2])))
     for _ in range(ROUNDS):
         x = q[0] + length * d[0]
         y = q[1] + length * d[1]

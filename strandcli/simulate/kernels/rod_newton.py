@@ -30,19 +30,18 @@ def iterate(s, n, iterations, enough, long):
                 continue
             pull(s, n)
         if count > 0:
-            ahead = hard or some(worst > rod.FAR)
-            if ahead:
+            far = hard or some(worst > rod.FAR)
+            if far:
                 rod.retract(s, n, worst)
-                rod.residual(s, n)
-                rod.forward(s, n)
-                rod.backward(s, n)
-            rod.demand(s, n, ahead)
+            rod.demand(s, n)
+            if far:
+                rod.load(s, n)
+                rod.foresee(s, n)
             if long is None:
                 rod_dense.newton(s, n)
             else:
                 rod_long.newton(s, n)
         hard = rod.factor(s, n)
-        rod.backward(s, n)
         if count > PATIENCE:
             rod.shorten(s, n, STRIDES / (count - PATIENCE))
         worst = rod.move(s, n)

@@ -14,7 +14,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
-    greatest(x), spread(x, 2.0)
+    greatest(x), spread(x, 2.0), epsilon(x)
 
 Numbers that are not vectors stand for lanes that are all equal. max and min return their first argument where one is
 NaN that comes second, as Numba's do. Rows are no more than an address: handing them on costs nothing, where an array's
@@ -253,6 +253,15 @@ def width(typingctx: Any, rows: Any) -> Any:
         return None
     count = VECTOR * 8 // rows.dtype.bitwidth
     return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
+
+
+@intrinsic
+def epsilon(typingctx: Any, x: Any) -> Any:
+    """The distance from 1 to the next number of such a vector's kind."""
+    if not isinstance(x, Lanes):
+        return None
+    gap = 2.0**-23 if x.dtype.bitwidth == 32 else 2.0**-52
+    return types.float64(x), lambda context, builder, sig, args: context.get_constant(types.float64, gap)
 
 
 @intrinsic
