@@ -64,15 +64,14 @@ def rows_for(n: int) -> int:
 
 @inner
 def factor(s, n):
-    """Pivots of H and the loads. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row
-    HARD; returns whether there are any."""
+    """The pivots of H. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row HARD; returns
+    whether there are any."""
     put(s, HARD, 0.0)
     lost = eliminate(s, n)
     hard = some(lost > 0.0)
     if hard:
         put(s, HARD, lost)
         eliminate(s, n)
-    load(s, n)
     return hard
 
 
@@ -167,31 +166,50 @@ def move(s, n):
 
 
 @inner
-def retract(s, n, worst):
-    """Edges of lanes with bounded τ, and of lanes whose greatest error is far off, go back to unit length, root to
-    tip."""
-    mine = max(get(s, HARD), worst) > FAR
+def retract(s, n, mine):
+    """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
+    it. Returns the energy of each lane, twice."""
     x0 = spread(s, 0.0)
-    y0 = x0
-    z0 = x0
+    y0, z0 = x0, x0
+    energy = x0
     for j in range(n):
         o = FIRST + j * SEGMENT
         x, y, z = get3(s, o + E, 1)
-        f = where(mine, 1.0 / root(max(x * x + y * y + z * z, TINY)) - 1.0, 0.0)
-        dx = x * f
-        dy = y * f
-        dz = z * f
-        put3(s, o + E, 1, x + dx, y + dy, z + dz)
+        px, py, pz = get3(s, o - SEGMENT + E, 1)
+        q = x * x + y * y + z * z
+        f = 1.0 / root(max(q, TINY)) - 1.0
+        lost = q < TINY
+        dx = where(mine, where(lost, px, x * f), 0.0)
+        dy = where(mine, where(lost, py, y * f), 0.0)
+        dz = where(mine, where(lost, pz, z * f), 0.0)
+        x += dx
+        y += dy
+        z += dz
+        put3(s, o + E, 1, x, y, z)
         x0 += dx
         y0 += dy
         z0 += dz
         ux, uy, uz = get3(s, o + U, 1)
-        put3(s, o + U, 1, ux + x0, uy + y0, uz + z0)
+        ux += x0
+        uy += y0
+        uz += z0
+        put3(s, o + U, 1, ux, uy, uz)
+        cx, cy, cz = get3(s, o + C, 1)
+        x -= px + cx
+        y -= py + cy
+        z -= pz + cz
+        energy += get(s, o + K) * (x * x + y * y + z * z)
+        x, y, z = get3(s, o + A, 1)
+        x -= ux
+        y -= uy
+        z -= uz
+        energy += get(s, o + M) * (x * x + y * y + z * z)
+    return energy
 
 
 @inner
-def shorten(s, n, most):
-    """Loads are scaled lane by lane so that no edge changes by more than ``most``."""
+def longest(s, n):
+    """The greatest change of an edge that loads ask for, squared."""
     worst = spread(s, TINY)
     x = spread(s, 0.0)
     y, z = x, x
@@ -202,11 +220,16 @@ def shorten(s, n, most):
         v += y
         w += z
         worst = max(worst, x * x + y * y + z * z)
-    f = min(1.0, most / root(worst))
+    return worst
+
+
+@inner
+def shorten(s, n, share):
+    """Take only a share of the change that loads ask for."""
     for j in range(n):
         for c in range(3):
             o = FIRST + j * SEGMENT + G + c
-            put(s, o, get(s, o) * f)
+            put(s, o, get(s, o) * share)
 
 
 @inner
