@@ -43,6 +43,4 @@ class Rod:
         "euler", ("euler", "bdf2"), doc="euler: first order, calms motion down; bdf2: second order, keeps it up"
     )
     iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
-    precision: str = choice(
-        "single", ("single", "double"), doc="of the solver's numbers; beyond 20 segments it is double in any case"
-    )
+    precision: str = choice("single", ("single", "double"), doc="of the solver's numbers")

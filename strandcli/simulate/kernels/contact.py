@@ -30,7 +30,7 @@ from .rod import GRIP, HIT, OFF, OVER, E, R
 from .simd import get, get3, put, put3, root, some, spread, where
 
 SLACK = 1e-6
-"""Depth as a share of an edge that is no more than rounding."""
+"""Depth as a share of an edge that is no more than rounding, where that of coordinates is not more yet."""
 STEEP = 0.01
 """Share of an edge across an axis, squared, below which rounding along the axis is to be taken out of it."""
 ROUNDS = 3

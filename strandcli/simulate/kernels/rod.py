@@ -11,6 +11,17 @@ the same for x, y and z. It is solved for a change y, from a residual ρ made of
 enough. Newton's method finds τ: S δ = r, S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), r_j = |e_j|² (|e_j| − 1), exact in one step for a
 pendulum.
 
+Elimination. The pivots of a pentadiagonal stiff H come from numbers that grow as the fourth power of the segments, of
+which the masses are the last digits. So what is eliminated, from the tip on, is not y_j but the change of an edge,
+z_j = y_j − y_{j−1}, given y_{j−1} and z_{j−1}: Bellman's recursion (1957) for the least energy that the strand beyond
+can have, V(y, z) = ½ a y² + b y z + ½ c z² + p·y + q·z. There rigidities are only ever added, and there is one
+difference, of which no more is left than of masses:
+
+    B = a + M + b,  Q = a + M + 2 b + c + τ,  i = 1 / (Q + κ),
+    a' = a + M − i B²,  b' = i κ B,  c' = i κ Q,    and then, root to tip,  z_j = i κ z_{j−1} − i B y_{j−1} − g_j.
+
+Single precision is enough for a thousand segments.
+
 Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
 definite and no τ that keeps it so meets the lengths: the dual has a gap. In such lanes H takes τ_j no lower than
 −θ/4 min(M_{j−1}, M_j), with which M alone keeps it definite (|y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), while ρ
@@ -18,8 +29,8 @@ keeps the true τ; edges go back to unit length before each iteration, and r is 
 of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly and without any search, for compression cannot run away.
 
-Scratch is a heap of vectors, a segment's together, and small enough for the nearest cache. Two segments of zeros before
-the first and after the last spare the recurrences their special cases.
+Scratch is a heap of vectors, a segment's together, and for short strands small enough for the nearest cache. Two
+segments of zeros before the first and after the last spare the recurrences their special cases.
 """
 
 from __future__ import annotations
@@ -36,11 +47,11 @@ FAR = 0.3
 TINY = 1e-30
 MOST = 1e18
 
-# vectors of a segment: edge, displacement, change, u*, c̄ (3 each); τ, M, κ; inverse pivot of H and bands of −L; r and
-# then δ; the τ that H takes
+# vectors of a segment: edge, displacement, u*, c̄, its change g by loads alone (3 each); τ, M, κ; the inverse pivot i,
+# i κ and i B; r and then δ
 SEGMENT = 23
 """An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
-E, U, Y, A, C, T, M, K, DI, N1, N2, R, TH = 0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21, 22
+E, U, A, C, G, T, M, K, DI, N1, N2, R = 0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21
 # vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved; for the
 # sweep in the end, 1 over the length of a segment, how far a particle is put off, where edges are lost and where hit,
 # all forces of contact, and two places for a solid, 8 each
@@ -55,204 +66,216 @@ def rows_for(n: int) -> int:
 
 @inner
 def factor(s, n):
-    """y := L⁻¹ ρ and H = L diag(d) Lᵀ with two bands. Lanes where τ makes H indefinite take the bounded τ instead and
-    are marked in row HARD; returns whether there are any."""
-    residual(s, n)
-    lost = eliminate(s, n, T)
-    put(s, HARD, lost)
-    if not some(lost > 0.0):
-        return False
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        t = get(s, o + T)
-        bounded = max(t, -QUARTER * min(get(s, o - SEGMENT + M), get(s, o + M)))
-        put(s, o + TH, where(lost > 0.0, bounded, t))
-    residual(s, n)
-    eliminate(s, n, TH)
-    return True
+    """The pivots of H. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row HARD; returns
+    whether there are any."""
+    put(s, HARD, 0.0)
+    lost = eliminate(s, n)
+    hard = some(lost > 0.0)
+    if hard:
+        put(s, HARD, lost)
+        eliminate(s, n)
+    return hard
 
 
 @inner
-def residual(s, n):
-    """y := ρ, ρ_j = M_j (u*_j − u_j) − g_j + g_{j+1} with g_j = τ_j e_j + b_j − b_{j+1}, b_j = κ_j (c_j − c̄_j); the
-    edge before the first is the clamped direction."""
-    for c in range(3):
-        o = FIRST + c
-        edge = get(s, o + E)
-        next = get(s, o + SEGMENT + E)
-        b1 = get(s, FIRST + SEGMENT + K) * (next - edge - get(s, o + SEGMENT + C))
-        g = get(s, FIRST + K) * (edge - get(s, o - SEGMENT + E) - get(s, o + C)) - b1 + get(s, FIRST + T) * edge
-        edge = next
-        for j in range(n):
-            row = FIRST + j * SEGMENT
-            o = row + c
-            next = get(s, o + 2 * SEGMENT + E)
-            b2 = get(s, row + 2 * SEGMENT + K) * (next - edge - get(s, o + 2 * SEGMENT + C))
-            g1 = get(s, row + SEGMENT + T) * edge + b1 - b2
-            put(s, o + Y, get(s, row + M) * (get(s, o + A) - get(s, o + U)) - g + g1)
-            edge = next
-            b1 = b2
-            g = g1
-
-
-@inner
-def eliminate(s, n, t):
-    """LDLᵀ of H with the force densities in field t, and y := L⁻¹ y on the way; returns 1 in lanes with a pivot that is
-    too small, which is replaced by 1."""
+def eliminate(s, n):
+    """i, i κ and i B from the tip to the root; returns 1 in lanes with a pivot that is too small, which is raised."""
     zero = spread(s, 0.0)
+    floor = where(get(s, HARD) > 0.0, spread(s, -QUARTER), -MOST)
     lost = zero
-    n1 = zero  # −L of the row before, first band, and times its pivot
-    w1 = zero
-    n2 = zero  # second band, one and two rows before
-    m2 = zero
-    k0 = get(s, FIRST + K)
-    k1 = get(s, FIRST + SEGMENT + K)
-    t0 = get(s, FIRST + t)
-    for j in range(n):
+    a = zero
+    b = zero
+    c = zero
+    for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        k2 = get(s, o + 2 * SEGMENT + K)
-        t1 = get(s, o + SEGMENT + t)
         mass = get(s, o + M)
-        p = t1 + k1 + k2
-        d = mass + t0 + k0 + 3.0 * k1 + p + m2 * k0 - n1 * w1
-        for c in range(3):
-            y = o + Y + c
-            put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
-        good = d > MARGIN * mass
-        lost = where(good, lost, 1.0)
-        i = 1.0 / where(good, d, 1.0)
-        w1 = p + k1 + k2 + n2 * w1
-        n1 = w1 * i
-        m2 = n2
-        n2 = -k2 * i
+        k = get(s, o + K)
+        t = max(get(s, o + T), floor * min(get(s, o - SEGMENT + M), mass))
+        a += mass
+        g = a + b
+        q = g + b + c + t
+        raised = max(MARGIN * mass - k, q)
+        lost = where(q >= raised, lost, 1.0)
+        i = 1.0 / (raised + k)
+        f = k * i
+        h = g * i
         put(s, o + DI, i)
-        put(s, o + N1, n1)
-        put(s, o + N2, n2)
-        k0 = k1
-        k1 = k2
-        t0 = t1
+        put(s, o + N1, f)
+        put(s, o + N2, h)
+        a -= g * h
+        b = k * h
+        c = raised * f
     return lost
 
 
 @inner
-def forward(s, n):
-    """y := L⁻¹ y with the factors that there are."""
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        m2 = get(s, o - 2 * SEGMENT + N2)
-        n1 = get(s, o - SEGMENT + N1)
-        for c in range(3):
-            y = o + Y + c
-            put(s, y, get(s, y) + m2 * get(s, y - 2 * SEGMENT) + n1 * get(s, y - SEGMENT))
+def load(s, n):
+    """The residual ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1}, b_j = κ_j (c_j − c̄_j),
+    where the edge before the first is the clamped direction; and G, from the tip to the root."""
+    for c in range(3):
+        edge = get(s, FIRST + (n - 1) * SEGMENT + E + c)
+        p = spread(s, 0.0)
+        q = p
+        b2 = p
+        f2 = p
+        for j in range(n - 1, -1, -1):
+            row = FIRST + j * SEGMENT
+            o = row + c
+            before = get(s, o - SEGMENT + E)
+            b1 = get(s, row + K) * (edge - before - get(s, o + C))
+            f1 = get(s, row + T) * edge + (b1 - b2)
+            p -= get(s, row + M) * (get(s, o + A) - get(s, o + U)) + (f2 - f1)
+            sum = p + q
+            put(s, o + G, get(s, row + DI) * sum)
+            p -= get(s, row + N2) * sum
+            q = get(s, row + N1) * sum
+            edge = before
+            b2 = b1
+            f2 = f1
 
 
 @inner
-def backward(s, n):
-    """y := L⁻ᵀ diag(d)⁻¹ y."""
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        i = get(s, o + DI)
-        n1 = get(s, o + N1)
-        n2 = get(s, o + N2)
-        for c in range(3):
-            y = o + Y + c
-            put(s, y, i * get(s, y) + n2 * get(s, y + 2 * SEGMENT) + n1 * get(s, y + SEGMENT))
+def ahead(s, o, x, y, z, u, v, w):
+    """The change of an edge, from that of the one before it and of the particle in between."""
+    f = get(s, o + N1)
+    g = get(s, o + N2)
+    a, b, c = get3(s, o + G, 1)
+    return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
 
 
 @inner
 def move(s, n):
-    """u += y, e += D y; the greatest | |e|² − 1 | of each lane."""
+    """u += y, e += z; the greatest | |e|² − 1 | of each lane."""
     worst = spread(s, 0.0)
-    x0 = worst
-    y0 = worst
-    z0 = worst
+    x, y, z = worst, worst, worst
+    u, v, w = worst, worst, worst
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + Y, 1)
+        x, y, z = ahead(s, o, x, y, z, u, v, w)
+        u += x
+        v += y
+        w += z
         ux, uy, uz = get3(s, o + U, 1)
-        put3(s, o + U, 1, ux + x, uy + y, uz + z)
+        put3(s, o + U, 1, ux + u, uy + v, uz + w)
         ex, ey, ez = get3(s, o + E, 1)
-        ex += x - x0
-        ey += y - y0
-        ez += z - z0
+        ex += x
+        ey += y
+        ez += z
         put3(s, o + E, 1, ex, ey, ez)
-        w = abs(ex * ex + ey * ey + ez * ez - 1.0)
-        worst = max(worst, where(w < MOST, w, MOST))  # never NaN
-        x0 = x
-        y0 = y
-        z0 = z
+        off = abs(ex * ex + ey * ey + ez * ez - 1.0)
+        worst = max(worst, where(off < MOST, off, MOST))  # never NaN
     return worst
 
 
 @inner
-def retract(s, n, worst):
-    """Edges of lanes with bounded τ, and of lanes whose greatest error is far off, go back to unit length, root to tip.
-    Rows Y sum up how far particles are put off."""
-    mine = max(get(s, HARD), worst) > FAR
+def retract(s, n, mine):
+    """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
+    it. Returns the energy of each lane, twice."""
     x0 = spread(s, 0.0)
-    y0 = x0
-    z0 = x0
+    y0, z0 = x0, x0
+    energy = x0
     for j in range(n):
         o = FIRST + j * SEGMENT
         x, y, z = get3(s, o + E, 1)
-        f = where(mine, 1.0 / root(max(x * x + y * y + z * z, TINY)) - 1.0, 0.0)
-        dx = x * f
-        dy = y * f
-        dz = z * f
-        put3(s, o + E, 1, x + dx, y + dy, z + dz)
+        px, py, pz = get3(s, o - SEGMENT + E, 1)
+        q = x * x + y * y + z * z
+        f = 1.0 / root(max(q, TINY)) - 1.0
+        lost = q < TINY
+        dx = where(mine, where(lost, px, x * f), 0.0)
+        dy = where(mine, where(lost, py, y * f), 0.0)
+        dz = where(mine, where(lost, pz, z * f), 0.0)
+        x += dx
+        y += dy
+        z += dz
+        put3(s, o + E, 1, x, y, z)
         x0 += dx
         y0 += dy
         z0 += dz
         ux, uy, uz = get3(s, o + U, 1)
-        put3(s, o + U, 1, ux + x0, uy + y0, uz + z0)
+        ux += x0
+        uy += y0
+        uz += z0
+        put3(s, o + U, 1, ux, uy, uz)
+        cx, cy, cz = get3(s, o + C, 1)
+        x -= px + cx
+        y -= py + cy
+        z -= pz + cz
+        energy += get(s, o + K) * (x * x + y * y + z * z)
+        x, y, z = get3(s, o + A, 1)
+        x -= ux
+        y -= uy
+        z -= uz
+        energy += get(s, o + M) * (x * x + y * y + z * z)
+    return energy
 
 
 @inner
-def shorten(s, n, most):
-    """The change y is scaled lane by lane so that no edge changes by more than ``most``."""
+def longest(s, n):
+    """The greatest change of an edge that loads ask for, squared."""
     worst = spread(s, TINY)
-    x0 = spread(s, 0.0)
-    y0 = x0
-    z0 = x0
+    x = spread(s, 0.0)
+    y, z = x, x
+    u, v, w = x, x, x
     for j in range(n):
-        x, y, z = get3(s, FIRST + j * SEGMENT + Y, 1)
-        dx = x - x0
-        dy = y - y0
-        dz = z - z0
-        worst = max(worst, dx * dx + dy * dy + dz * dz)
-        x0 = x
-        y0 = y
-        z0 = z
-    f = min(1.0, most / root(worst))
+        x, y, z = ahead(s, FIRST + j * SEGMENT, x, y, z, u, v, w)
+        u += x
+        v += y
+        w += z
+        worst = max(worst, x * x + y * y + z * z)
+    return worst
+
+
+@inner
+def shorten(s, n, share):
+    """Take only a share of the change that loads ask for."""
     for j in range(n):
         for c in range(3):
-            o = FIRST + j * SEGMENT + Y + c
-            put(s, o, get(s, o) * f)
+            o = FIRST + j * SEGMENT + G + c
+            put(s, o, get(s, o) * share)
 
 
 @inner
-def demand(s, n, ahead):
-    """r, where ``ahead`` with what the change y in the scratch would add to it."""
+def demand(s, n):
+    """r of edges as they are."""
     for j in range(n):
         o = FIRST + j * SEGMENT
         x, y, z = get3(s, o + E, 1)
         q = x * x + y * y + z * z
-        r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
-        if ahead:
-            r += x * (get(s, o + Y) - get(s, o - SEGMENT + Y))
-            r += y * (get(s, o + Y + 1) - get(s, o - SEGMENT + Y + 1))
-            r += z * (get(s, o + Y + 2) - get(s, o - SEGMENT + Y + 2))
-        put(s, o + R, r)
+        put(s, o + R, where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0)))
+
+
+@inner
+def foresee(s, n):
+    """Add to r what the change that loads ask for would."""
+    x = spread(s, 0.0)
+    y, z = x, x
+    u, v, w = x, x, x
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        x, y, z = ahead(s, o, x, y, z, u, v, w)
+        u += x
+        v += y
+        w += z
+        ex, ey, ez = get3(s, o + E, 1)
+        put(s, o + R, get(s, o + R) + (ex * x + ey * y + ez * z))
 
 
 @inner
 def respond(s, n):
     """R := H⁻¹ R with the factors that there are, of one number a particle."""
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        r = get(s, o + R) + get(s, o - 2 * SEGMENT + N2) * get(s, o - 2 * SEGMENT + R)
-        put(s, o + R, r + get(s, o - SEGMENT + N1) * get(s, o - SEGMENT + R))
+    p = spread(s, 0.0)
+    q = p
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        r = get(s, o + DI) * get(s, o + R) + get(s, o + N2) * get(s, o + 2 * SEGMENT + R)
-        put(s, o + R, r + get(s, o + N1) * get(s, o + SEGMENT + R))
+        p -= get(s, o + R)
+        sum = p + q
+        put(s, o + R, get(s, o + DI) * sum)
+        p -= get(s, o + N2) * sum
+        q = get(s, o + N1) * sum
+    y = spread(s, 0.0)
+    z = y
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        z = get(s, o + N1) * z - get(s, o + N2) * y - get(s, o + R)
+        y += z
+        put(s, o + R, y)

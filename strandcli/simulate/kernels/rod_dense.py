@@ -1,7 +1,7 @@
 """The change of the force densities for short strands: S is formed and factored, O(N³) with the least of constants.
 
-Scratch, after the segments: two rows an edge, and S as a square of rows and one row
-more, of which the lower triangle is used.
+Scratch, after the segments: two rows an edge, and S as a square of rows and one row more, of which the lower triangle
+is used.
 """
 
 from __future__ import annotations
@@ -29,44 +29,32 @@ def newton(s, n):
 
 @inner
 def couple(s, n):
-    """The lower triangle of S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), column by column from the last.
+    """The lower triangle of S = (e_i·e_j) ∘ P, column by column.
 
-    Columns of G = H⁻¹ follow from the two after them (Takahashi, Fagan & Chin 1973), and so do their differences
-    P_ij = G_ij − G_{i−1,j} off the diagonal, of which S takes one more. Two columns of P are kept, and of G what is
-    next to the diagonal: G_jj in p, G_{j+1,j} in q, G_{j+1,j+1} in r."""
-    one = FIRST + (n + 2) * SEGMENT
-    two = one + n
-    square = one + 2 * n
-    p = get(s, FIRST + (n - 1) * SEGMENT + DI)
-    q = spread(s, 0.0)
-    r = q
-    for j in range(n - 1, -1, -1):
+    P, the covariances of z where that of y is H⁻¹, follows from the process that elimination leaves, root to tip:
+    z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i. a, b, c: variances of y and z and their covariance."""
+    square = FIRST + (n + 2) * SEGMENT + 2 * n
+    a = spread(s, 0.0)
+    b = a
+    c = a
+    for j in range(n):
         o = FIRST + j * SEGMENT
-        n1 = get(s, o - SEGMENT + N1)
-        n2 = get(s, o - SEGMENT + N2)
+        f = get(s, o + N1)
+        g = get(s, o + N2)
         x, y, z = get3(s, o + E, 1)
-        # the column before: G_{j+1,j−1}, G_{j,j−1}, G_{j−1,j−1}; zero before the first
-        f = n1 * q + n2 * r
-        g = n1 * p + n2 * q
-        h = get(s, o - SEGMENT + DI) + n1 * g + n2 * f
-        put(s, square + j * n + j, ((p - g) - (g - h)) * max(x * x + y * y + z * z, SHORT))
-        if j + 1 < n:
-            a = q - p
-            b = f - g
-            put(s, one + j + 1, a)
-            put(s, two + j + 1, b)
-            ex, ey, ez = get3(s, o + SEGMENT + E, 1)
-            put(s, square + (j + 1) * n + j, (a - b) * (x * ex + y * ey + z * ez))
-        for i in range(j + 2, n):
-            a = get(s, one + i)
-            b = n1 * a + n2 * get(s, two + i)
-            put(s, two + i, b)
-            ex, ey, ez = get3(s, FIRST + i * SEGMENT + E, 1)
-            put(s, square + i * n + j, (a - b) * (x * ex + y * ey + z * ez))
-        one, two = two, one
-        r = p
-        q = g
-        p = h
+        d = f * b - g * a
+        c = f * (f * c - g * b) - g * d + get(s, o + DI)
+        b = d + c
+        a += d + b
+        put(s, square + j * n + j, c * max(x * x + y * y + z * z, SHORT))
+        u = b
+        v = c
+        for i in range(j + 1, n):
+            o = FIRST + i * SEGMENT
+            v = get(s, o + N1) * v - get(s, o + N2) * u
+            u += v
+            ex, ey, ez = get3(s, o + E, 1)
+            put(s, square + i * n + j, v * (x * ex + y * ey + z * ez))
 
 
 @inner

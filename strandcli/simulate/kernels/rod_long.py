@@ -1,26 +1,26 @@
 """The change of the force densities for long strands: O(N) where `rod_dense` is O(N³).
 
-S is never formed. It is the covariance of numbers z_j = e_j·(y_j − y_{j−1}) where that of a random vector y is H⁻¹.
-With H = L diag(d) Lᵀ such a vector is a process from the tip to the root that remembers two particles,
+S is never formed. It is the covariance of numbers e_j·z_j where that of a random vector y is H⁻¹. Elimination leaves
+such a vector as a process from the root to the tip that remembers a particle and an edge,
 
-    y_{j−1} = N1 y_j + N2 y_{j+1} + noise of variance 1 / d_{j−1},    N the bands of −L.
+    z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i,    y_j = y_{j−1} + z_j.
 
-So S is factored as Kalman's filter does it (1960): the mean and the covariance of (y_{j−1}, y_j) follow from those of
-(y_j, y_{j+1}), and then r_j is what z_j has been observed to be. What is observed beyond what was expected, divided by
-its variance, and the adjoint of the filter, from the root to the tip, give δ = S⁻¹ r (Bryson & Frazier 1963). The
-variance of z_j is no less than that of the noise in it. For long strands H is badly conditioned (as N⁴): these kernels
-want float64.
+So S is factored as Kalman's filter does it (1960): the mean and the covariance of (y_j, z_j) follow from those of
+(y_{j−1}, z_{j−1}), and then r_j is what e_j·z_j has been observed to be. What is observed beyond what was expected,
+divided by its variance, and the adjoint of the filter, from the tip to the root, give δ = S⁻¹ r (Bryson & Frazier
+1963). The variance of what is observed is no less than that of the noise in it.
 """
 
 from __future__ import annotations
 
 from ...jit import inner
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, M, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, T, rows_for
 from .rod_dense import SHORT
 from .simd import get, get3, put, put3, spread
 
-GAIN = 7
-"""Vectors of scratch a segment: the gain, three a particle, and what was observed beyond, over its variance."""
+GAIN = 3
+"""Vectors of scratch a segment: the gain of the particle. That of the edge takes the place of the loads G, and what was
+observed beyond, over its variance, that of r."""
 
 
 def size_for(n: int) -> int:
@@ -37,65 +37,70 @@ def newton(s, n):
 
 @inner
 def observe(s, n):
-    """From the tip to the root. Covariances: a of the nearer particle, b of the nearer with the farther one, c of the
-    farther one; m, w: their means."""
-    o = FIRST + (n - 1) * SEGMENT
+    """From the root to the tip. Covariances: a of the particle, b of the particle with the edge, c of the edge; m, w:
+    their means."""
     zero = spread(s, 0.0)
-    axx = get(s, o + DI)
-    axy, axz, ayy, ayz, azz = zero, zero, axx, zero, axx
+    axx, axy, axz, ayy, ayz, azz = zero, zero, zero, zero, zero, zero
     bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
     cxx, cxy, cxz, cyy, cyz, czz = zero, zero, zero, zero, zero, zero
     mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
-    for j in range(n - 1, -1, -1):
+    for j in range(n):
         o = FIRST + j * SEGMENT
-        p = get(s, o - SEGMENT + N1)
-        q = get(s, o - SEGMENT + N2)
-        noise = get(s, o - SEGMENT + DI)
-        # of the particle before with the farther one, and with the nearer one
-        fxx, fxy, fxz = p * bxx + q * cxx, p * bxy + q * cxy, p * bxz + q * cxz
-        fyy, fyz, fzz = p * byy + q * cyy, p * byz + q * cyz, p * bzz + q * czz
-        gxx, gxy, gxz = p * axx + q * bxx, p * axy + q * byx, p * axz + q * bzx
-        gyx, gyy, gyz = p * axy + q * bxy, p * ayy + q * byy, p * ayz + q * bzy
-        gzx, gzy, gzz = p * axz + q * bxz, p * ayz + q * byz, p * azz + q * bzz
-        cxx, cxy, cxz, cyy, cyz, czz = axx, axy, axz, ayy, ayz, azz
-        axx = p * gxx + q * fxx + noise
-        axy = p * gxy + q * fxy
-        axz = p * gxz + q * fxz
-        ayy = p * gyy + q * fyy + noise
-        ayz = p * gyz + q * fyz
-        azz = p * gzz + q * fzz + noise
-        ux, uy, uz = p * mx + q * wx, p * my + q * wy, p * mz + q * wz
-        wx, wy, wz = mx, my, mz
-        # what is observed: the covariance of z with both particles, its variance, and the gain
+        f = get(s, o + N1)
+        g = get(s, o + N2)
+        noise = get(s, o + DI)
+        # of the new edge with the particle before it
+        pxx, pxy, pxz = f * bxx - g * axx, f * byx - g * axy, f * bzx - g * axz
+        pyx, pyy, pyz = f * bxy - g * axy, f * byy - g * ayy, f * bzy - g * ayz
+        pzx, pzy, pzz = f * bxz - g * axz, f * byz - g * ayz, f * bzz - g * azz
+        cxx = f * (f * cxx - g * bxx) - g * pxx + noise
+        cxy = f * (f * cxy - g * bxy) - g * pxy
+        cxz = f * (f * cxz - g * bxz) - g * pxz
+        cyy = f * (f * cyy - g * byy) - g * pyy + noise
+        cyz = f * (f * cyz - g * byz) - g * pyz
+        czz = f * (f * czz - g * bzz) - g * pzz + noise
+        bxx, bxy, bxz = pxx + cxx, pyx + cxy, pzx + cxz
+        byx, byy, byz = pxy + cxy, pyy + cyy, pzy + cyz
+        bzx, bzy, bzz = pxz + cxz, pyz + cyz, pzz + czz
+        axx += pxx + bxx
+        axy += pxy + bxy
+        axz += pxz + bxz
+        ayy += pyy + byy
+        ayz += pyz + byz
+        azz += pzz + bzz
+        wx, wy, wz = f * wx - g * mx, f * wy - g * my, f * wz - g * mz
+        mx += wx
+        my += wy
+        mz += wz
+        # what is observed: its covariance with both, its variance, and the gain
         x, y, z = get3(s, o + E, 1)
-        hx = (gxx - axx) * x + (gxy - axy) * y + (gxz - axz) * z
-        hy = (gyx - axy) * x + (gyy - ayy) * y + (gyz - ayz) * z
-        hz = (gzx - axz) * x + (gzy - ayz) * y + (gzz - azz) * z
-        kx = (cxx - gxx) * x + (cxy - gyx) * y + (cxz - gzx) * z
-        ky = (cxy - gxy) * x + (cyy - gyy) * y + (cyz - gzy) * z
-        kz = (cxz - gxz) * x + (cyz - gyz) * y + (czz - gzz) * z
+        hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
+        kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
         square = x * x + y * y + z * z
         short = max(SHORT - square, 0.0) / get(s, o + M)
-        variance = max(x * (kx - hx) + y * (ky - hy) + z * (kz - hz), noise * square) + short
+        variance = max(x * kx + y * ky + z * kz, noise * square) + short
         over = 1.0 / max(variance, TINY)
-        seen = get(s, o + R) - (x * (wx - ux) + y * (wy - uy) + z * (wz - uz))
+        seen = (get(s, o + R) - (x * wx + y * wy + z * wz)) * over
+        mx += hx * seen
+        my += hy * seen
+        mz += hz * seen
+        wx += kx * seen
+        wy += ky * seen
+        wz += kz * seen
+        put(s, o + R, seen)
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
-        here = FIRST + (n + 2) * SEGMENT + j * GAIN
-        put3(s, here, 1, dx, dy, dz)
-        put3(s, here + 3, 1, ex, ey, ez)
-        put(s, here + 6, seen * over)
-        mx, my, mz = ux + dx * seen, uy + dy * seen, uz + dz * seen
-        wx, wy, wz = wx + ex * seen, wy + ey * seen, wz + ez * seen
+        put3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1, dx, dy, dz)
+        put3(s, o + G, 1, ex, ey, ez)
         axx -= dx * hx
         axy -= dx * hy
         axz -= dx * hz
         ayy -= dy * hy
         ayz -= dy * hz
         azz -= dz * hz
-        bxx, bxy, bxz = gxx - dx * kx, gxy - dx * ky, gxz - dx * kz
-        byx, byy, byz = gyx - dy * kx, gyy - dy * ky, gyz - dy * kz
-        bzx, bzy, bzz = gzx - dz * kx, gzy - dz * ky, gzz - dz * kz
+        bxx, bxy, bxz = bxx - dx * kx, bxy - dx * ky, bxz - dx * kz
+        byx, byy, byz = byx - dy * kx, byy - dy * ky, byz - dy * kz
+        bzx, bzy, bzz = bzx - dz * kx, bzy - dz * ky, bzz - dz * kz
         cxx -= ex * kx
         cxy -= ex * ky
         cxz -= ex * kz
@@ -106,25 +111,22 @@ def observe(s, n):
 
 @inner
 def recall(s, n):
-    """From the root to the tip; m, w: the adjoints of the means."""
+    """From the tip to the root; m, w: the adjoints of the means."""
     zero = spread(s, 0.0)
     mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
-    for j in range(n):
+    for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        here = FIRST + (n + 2) * SEGMENT + j * GAIN
-        dx, dy, dz = get3(s, here, 1)
-        ex, ey, ez = get3(s, here + 3, 1)
-        change = get(s, here + 6) + (dx * mx + dy * my + dz * mz) + (ex * wx + ey * wy + ez * wz)
+        dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
+        ex, ey, ez = get3(s, o + G, 1)
+        change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
         put(s, o + T, get(s, o + T) + change)
         x, y, z = get3(s, o + E, 1)
-        x *= change
-        y *= change
-        z *= change
-        mx += x
-        my += y
-        mz += z
-        p = get(s, o - SEGMENT + N1)
-        q = get(s, o - SEGMENT + N2)
-        mx, my, mz, wx, wy, wz = (
-            p * mx + (wx - x), p * my + (wy - y), p * mz + (wz - z), q * mx, q * my, q * mz,
-        )  # fmt: skip
+        x = mx + (wx + x * change)
+        y = my + (wy + y * change)
+        z = mz + (wz + z * change)
+        f = get(s, o + N1)
+        g = get(s, o + N2)
+        mx -= g * x
+        my -= g * y
+        mz -= g * z
+        wx, wy, wz = f * x, f * y, f * z

@@ -13,15 +13,25 @@ STRIDES = 2.0
 WILD = 64.0
 """Error of |e|² above which τ does not start from the step before."""
 PULLED = 4.0
+RISE = 1.00001
+"""Energy that is no more than so many times what it was has not risen but for rounding."""
+MEND = 1.5
 
 
 @inner
 def iterate(s, n, iterations, enough, long):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. Begins with x(τ) for the τ of the step before, or,
-    where loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N)."""
+    where loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N).
+
+    From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
+    changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
     worst = spread(s, 0.0)
+    share = spread(s, 1.0)
+    before = spread(s, rod.MOST * rod.MOST)
+    ever = spread(s, 0.0)
     hard = False
+    programmed = False
     for count in range(-1, iterations + 1):
         if count > 1 and not some(worst > enough):
             break
@@ -29,23 +39,36 @@ def iterate(s, n, iterations, enough, long):
             if not some(worst > WILD):
                 continue
             pull(s, n)
+        programmed = count > 0 and (hard or programmed)
         if count > 0:
-            ahead = hard or some(worst > rod.FAR)
-            if ahead:
-                rod.retract(s, n, worst)
-                rod.residual(s, n)
-                rod.forward(s, n)
-                rod.backward(s, n)
-            rod.demand(s, n, ahead)
+            if programmed or some(worst > rod.FAR):
+                ever = max(ever, get(s, rod.HARD))
+                mine = max(ever, worst) > rod.FAR
+                energy = rod.retract(s, n, mine)
+                rod.load(s, n)
+                rod.demand(s, n)
+                rod.foresee(s, n)
+                if programmed:
+                    rose = energy > before * RISE
+                    share = where(mine, where(rose, 0.5 * share, min(MEND * share, 1.0)), 1.0)
+                    before = where(mine, energy, before)
+            else:
+                rod.demand(s, n)
             if long is None:
                 rod_dense.newton(s, n)
             else:
                 rod_long.newton(s, n)
-        hard = rod.factor(s, n)
-        rod.backward(s, n)
-        if count > PATIENCE:
-            rod.shorten(s, n, STRIDES / (count - PATIENCE))
+        if not programmed:
+            hard = rod.factor(s, n)
+        rod.load(s, n)
+        if programmed:
+            rod.shorten(s, n, share)
+        elif count > PATIENCE:
+            rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
         worst = rod.move(s, n)
+        if programmed:
+            worst = worst / (share * share)
+            hard = rod.factor(s, n)
     return worst
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import function, inner
 from . import rod, rod_newton, rod_sweep
-from .rod import FIRST, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
+from .rod import FIRST, HARD, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
 from .rod_sweep import AXES
-from .simd import get, get3, heap, lay, put, put3, root, some, where, width
+from .simd import get, get3, heap, lay, put, put3, root, some, spread, where, width
 from .tickets import take
 
 HUGE = 1e18
@@ -203,10 +203,11 @@ def recall(s, n, edge, bend, edges, bends, pose, damping):
 
 @inner
 def keep(s, n, tip, tension, h):
-    """τ / h² for the next step."""
+    """τ / h² for the next step, which does not begin with compression that made H indefinite."""
     over = 1 / (h * h)
+    least = where(get(s, HARD) > 0.0, spread(s, 0.0), -HUGE)
     for j in range(n):
-        t = get(s, FIRST + j * SEGMENT + T)
+        t = max(get(s, FIRST + j * SEGMENT + T), least)
         put(tension, tip + j * W, where(abs(t) < HUGE, t * over, 0.0))
 
 
