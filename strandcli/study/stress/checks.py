@@ -47,13 +47,13 @@ PHYSICS: dict[str, Check] = {
 }
 SAMENESS: dict[str, Check] = {
     **{
-        f"check=rest{'/contact' * contact}/dt={dt}/n={n}": partial(sameness.check_rest, contact=contact, dt=dt, n=n)
-        for contact in (False, True)
+        f"check=rest{found}/dt={dt}/n={n}": partial(sameness.check_rest, contact=contact, dt=dt, n=n)
+        for found, contact in (("", ""), ("/contact", "ball"), ("/contact=edge", "edge"))
         for dt in ("24Hz", "60Hz", "240Hz")
         for n in (10, 32)
     },
     "check=rest/dt=240Hz/n=10/precision=double": partial(
-        sameness.check_rest, contact=False, dt="240Hz", precision="double"
+        sameness.check_rest, dt="240Hz", precision="double"
     ),
     **{
         f"check=rate/gamma={g:g}/n={n}": partial(sameness.check_rate, gamma=g, n=n)
