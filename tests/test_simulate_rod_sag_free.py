@@ -28,8 +28,9 @@ def stiffer(solver: RodSolver, gamma: float) -> float:
 
 
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("segments", [1, 2, 10, 20, 32, 999])
-@pytest.mark.parametrize("gamma", [10.0, 100.0, 1e4])
+@pytest.mark.parametrize(
+    ("gamma", "segments"), [(10.0, 10), (100.0, 10), (1e4, 1), (1e4, 2), (1e4, 10), (1e4, 20), (1e4, 32), (1e4, 999)]
+)
 def test_nothing_moves(gamma: float, segments: int, way: tuple[float, float, float]) -> None:
     for dt in (1 / 240, 1 / 24, 0.5):
         solver = held(gamma, segments, way)
@@ -39,7 +40,7 @@ def test_nothing_moves(gamma: float, segments: int, way: tuple[float, float, flo
             assert np.abs(first(solver) - start).max() <= 1e-6
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", [LEVEL, UP, RISING, FALLING])
 @pytest.mark.parametrize(("gamma", "angle", "rate"), [(10.0, 30, 24), (1e4, 30, 24), (1e4, 120, 24), (1e4, 30, 240)])
 def test_it_finds_back_when_its_root_has_turned(
     gamma: float, angle: float, rate: int, way: tuple[float, float, float]
@@ -49,11 +50,11 @@ def test_it_finds_back_when_its_root_has_turned(
     solver = held(gamma, 10, way, **{"emitter.keys": keys, "rules": ["emitter_motion", gravity]})
     start = first(solver)
     away = 0.0
-    for i in range(10 * rate):
+    for i in range(16 * rate):
         solver.step((i + 1) / rate, 1 / rate)
         away = max(away, float(np.abs(first(solver) - start).max()))
-    assert away > 0.1
-    assert np.abs(first(solver) - start).max() <= 1e-5
+    assert away > 0.05
+    assert np.abs(first(solver) - start).max() <= 1e-6
 
 
 def test_strands_that_can_hold_their_shape_stay_as_they_are() -> None:
@@ -80,27 +81,32 @@ def test_how_stiff_does_not_depend_on_the_number_of_particles(segments: int) -> 
     # as soft as a column that carries so much of its weight along itself
     for way, share in [(UP, 1.0), (LEVEL, np.sin(TILT)), (RISING, np.cos(np.arctan2(1, 0.6) - TILT))]:
         assert stiffer(held(1e3, segments, way), 1e3) == pytest.approx(1e3 * SAFETY * share / BUCKLING, rel=0.02)
-    # half a turn less a third: a falling one is only bent too far
+    # the falling one would not buckle, but be bent too far
     turned = 1e4 * np.cos(np.radians(45)) / 6
-    assert stiffer(held(1e4, segments, FALLING), 1e4) == pytest.approx(turned / TURNS, rel=0.03)
+    assert stiffer(held(1e4, segments, FALLING), 1e4) == pytest.approx(turned / (2 * TURNS), rel=0.03)
 
 
 def test_a_strand_without_rigidity_is_given_some() -> None:
-    level = np.tile([1.0, 0.0, 0.0], (5, 1, 1))
-    found = hold(level, np.ones(5), np.ones(5), np.zeros(1), np.array([[0.0, -1.0, 0.0]]))
+    way = np.array([[1.0, 0.0, 0.0]])
+    found = hold(way, np.tile(way, (5, 1, 1)), np.ones(5), np.ones(5), np.zeros(1), 4.0, np.array([[0.0, -1.0, 0.0]]))
     assert found.stiffness[0] > 0
     assert np.isfinite(found.bends).all()
 
 
-def test_forces_balance() -> None:
-    """Edge by edge, a crooked strand of unequal masses and joints: weight, tension and the moments at both ends."""
-    draw = np.random.default_rng(5)
-    edges = np.array([[1.0, 0.2, 0.0]]) + 0.4 * draw.normal(size=(7, 3, 3))
-    edges /= np.linalg.norm(edges, axis=2, keepdims=True)
-    mass, joint = draw.uniform(0.5, 1, 7), draw.uniform(0.2, 1, 7)
-    pull = np.tile([0.3, -2.0, 0.1], (3, 1))
-    found = hold(edges, mass, joint, np.full(3, 50.0), pull)
-    moments = found.stiffness[:, None] * joint[:, None, None] * found.bends
-    after = np.concatenate([moments[1:], np.zeros((1, 3, 3))])
-    weight = np.cumsum(mass[::-1])[::-1][:, None, None] * pull
-    np.testing.assert_allclose(found.tension[..., None] * edges + moments - after, weight, atol=1e-12)
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(("angle", "turns"), [(20.0, 1.5), (35.0, 4.0), (60.0, 2.0)])
+def test_curls_stay_and_find_back(angle: float, turns: float, way: tuple[float, float, float]) -> None:
+    curl = {"emitter.curl_angle": angle, "emitter.curl_turns": turns}
+    for gamma in (10.0, 1e4):
+        for dt in (1 / 240, 1 / 24, 0.5):
+            solver = held(gamma, 20, way, **curl)
+            start = first(solver)
+            for i in range(48):
+                solver.step((i + 1) * dt, dt)
+                assert np.abs(first(solver) - start).max() <= 1e-6
+        keys = [{"time": 0}, {"time": 0.25, "rotation": [0, 0, 45]}, {"time": 0.5}, {"time": 99}]
+        gravity = {"gravity": {"acceleration": [0, -PULL, 0]}}
+        solver = held(gamma, 20, way, **{**curl, "emitter.keys": keys, "rules": ["emitter_motion", gravity]})
+        for i in range(30 * 24):
+            solver.step((i + 1) / 24, 1 / 24)
+        assert np.abs(first(solver) - start).max() <= 3e-3  # of a tight coil, what turns about its axis comes last

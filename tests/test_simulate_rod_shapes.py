@@ -78,3 +78,33 @@ def test_single_precision_comes_to_rest(gamma: float, rate: int, integrator: str
         if i >= 20 * rate:
             seen.append(first(solver))
     assert np.ptp(np.array(seen), axis=0).max() <= 1e-6
+
+
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+@pytest.mark.parametrize("rate", [2, 24, 240])
+@pytest.mark.parametrize(("angle", "turns"), [(20.0, 1.5), (45.0, 2.0), (60.0, 3.0), (35.0, 5.0)])
+def test_curls_come_to_rest(angle: float, turns: float, rate: int, integrator: str) -> None:
+    """Nothing but its own stiffness acts on a coil that was struck: whatever moves for long has found energy."""
+    curl = {"emitter.curl_angle": angle, "emitter.curl_turns": turns, "rod.integrator": integrator}
+    solver = solver_of(scene(10.0, **{"emitter.particles": 41, "rules": [], **curl}))
+    solver.velocity.reshape(1, 40, 3, -1)[:, :, 0] += 0.1
+    steps = 8 * max(rate, 24)
+    for i in range(steps):
+        before = first(solver)
+        solver.step((i + 1) / rate, 1 / rate)
+        if i > 0.9 * steps:
+            assert np.abs(first(solver) - before).max() * rate < 0.02
+
+
+@pytest.mark.parametrize(("angle", "turns"), [(20.0, 1.5), (35.0, 3.0)])
+def test_curls_droop_the_same_with_more_particles(angle: float, turns: float) -> None:
+    """A curl is not made stiff by being carried along: no stiffer with 61 particles than with 25."""
+    tips = []
+    for particles in (25, 61):
+        curl = {"emitter.curl_angle": angle, "emitter.curl_turns": turns, "rod.damping": 0.05}
+        solver = solver_of(scene(10.0, **{"emitter.particles": particles, **curl}))
+        for i in range(300):
+            solver.step((i + 1) / 10, 1 / 10)
+        tips.append(first(solver)[-1] - first(solver)[0])
+    assert tips[0][1] < -0.5
+    assert np.abs(tips[1] - tips[0]).max() < 0.02

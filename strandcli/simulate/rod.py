@@ -21,11 +21,12 @@ from numpy.typing import NDArray
 from ..blocks import aligned, lanes
 from ..constants import VECTOR, W
 from ..errors import UsageError
-from ..groom.emit import Groom, frame
+from ..groom.emit import Groom
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose
-from . import sag_free
 from .kernels import rod_dense, rod_long, rod_step
+from .rest_shape import carried
+from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
 
@@ -54,6 +55,14 @@ WORTH = 10_000
 """Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
+COILED = 0.9
+"""Distance of a strand's ends, as a share of its length, below which it is a coil."""
+STEADY = {False: 0.25, True: 0.5}
+"""Of a step, the least inner damping of grooms with coils, with BDF2 where True: what rest shapes ask of the edges that
+carry them is taken from before the step, which without that rocks tight curls."""
+TORSION = {False: 4.0, True: 0.25}
+"""Torsional over bending rigidity, of grooms with coils where True; a round rod's is 0.75. As nothing resists twist but
+this, straight strands get more of it; of coils it is what limits the step, and they get less."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 STIFFEST = 1e30
@@ -96,12 +105,14 @@ class RodSolver(Solver):
         self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
-        self.stiffness = lanes(np.minimum(rigidity(rod) / lengths**4, STIFFEST)[:, None], self.dtype)
+        self.stiffness = lanes(_stiffness(rod, lengths)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self._pose(0.0)
         self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
+        if rod.rest == "sag_free":  # not even by what single precision is off may a length make it move
+            edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
             if mended:
@@ -116,9 +127,15 @@ class RodSolver(Solver):
         self.directions = lanes(groom.directions, self.dtype)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
-        bends = self._rest_shape(rod, groom, edges, lengths)
-        self.curled = bends is not None
-        self.bends = np.zeros((1, n + 1, 3 * W), self.dtype) if bends is None else bends
+        self.curled = rod.rest == "sag_free" or not (
+            rod.rest == "straight" or _straight([groom.directions.astype(np.float64), *edges])
+        )
+        self.bends = aligned((len(self.lengths) if self.curled else 1, n + 1, 3 * W), self.dtype)
+        self.twist = aligned((len(self.bends), n, W), self.dtype)
+        coiled = self.curled and float(np.linalg.norm(np.mean(edges, axis=0), axis=1).min()) < COILED
+        self.steady, self.torsion = STEADY[bdf2] if coiled else 0.0, TORSION[coiled]
+        if self.curled:
+            self._bend(groom.directions.astype(np.float64), np.stack(edges), lengths)
         some = self.surroundings.any_solids
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
         self.touching = aligned((len(self.push), W), self.dtype)
@@ -152,8 +169,8 @@ class RodSolver(Solver):
         rod, around = self.scene.rod, self.surroundings
         h = 2 * dt / 3 if second else dt
         numbers = [
-            h, *around.gravity, *around.air(time), rod.drag, rod.damping, 1 / 3 if second else 0, rod.friction,
-            self.enough, self.rounding,
+            h, *around.gravity, *around.air(time), rod.drag, max(rod.damping, self.steady * h),
+            1 / 3 if second else 0, rod.friction, self.enough, self.rounding, self.torsion,
         ]  # fmt: skip
         self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
         if self.dtype != np.float32:
@@ -170,7 +187,7 @@ class RodSolver(Solver):
         given = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
             self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
+            self.twist, self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
             self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
         )  # fmt: skip
         tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
@@ -198,7 +215,7 @@ class RodSolver(Solver):
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
         the shorter the step, and how strands move would have no limit."""
         tension = self.tension.copy()
-        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding]
+        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding, self.torsion]
         self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
         self.tension[...] = tension
         for still in (self.velocity, self.before, self.moved, self.push, self.touching):
@@ -234,42 +251,30 @@ class RodSolver(Solver):
             rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
         self.pose = pose
 
-    def _rest_shape(
-        self, rod: Rod, groom: Groom, begun: list[NDArray[np.float64]], lengths: NDArray[np.float64]
-    ) -> NDArray[Any] | None:
-        """(blocks, N + 1, 3 W) rest bends as the kernel reads them, of rods whose edges are ``begun`` so; None where
-        they are straight."""
-        n = self.edges.shape[1]
-        axes = groom.directions.astype(np.float64)
-        if rod.rest == "straight" or (rod.rest == "shape" and _straight([axes, *begun])):
-            return None
-        edges = np.stack(begun)  # (N, strands, 3), the emitter's frame
+    def _bend(
+        self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]
+    ) -> None:
+        """Set the rest bends of strands clamped along ``axes`` (strands, 3) whose ``edges`` are (N, strands, 3), in the
+        emitter's frame."""
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
-        if rod.rest == "sag_free":
-            bends = bends - self._hold(edges, lengths)
-        rows = aligned((len(self.lengths), n + 1, 3 * W), self.dtype)
-        first = frame(axes)[0]
-        rows[:, 0] = lanes(first, self.dtype)
-        t, a = axes, first
-        for j in range(n):
-            b = np.cross(t, a)
-            local = np.stack([(bends[j] * axis).sum(1) for axis in (t, a, b)], 1)
-            rows[:, j + 1] = lanes(local, self.dtype)
-            e = edges[j]
-            f = (a * e).sum(1) / np.maximum(1 + (t * e).sum(1), 1e-6)
-            a = a - f[:, None] * (t + e)
-            a /= np.linalg.norm(a, axis=1, keepdims=True)
-            t = e
-        return rows
+        angles = np.zeros(edges.shape[:2])
+        if self.scene.rod.rest == "sag_free":
+            held = self._hold(axes, edges, lengths)
+            bends, angles = bends - held.bends, held.twist
+        first, local = carried(axes, edges, bends, angles)
+        self.bends[:, 0] = lanes(first, self.dtype)
+        for j, bend in enumerate(local):
+            self.bends[:, j + 1] = lanes(bend, self.dtype)
+            self.twist[:, j] = lanes(angles[j][:, None], self.dtype)
 
-    def _hold(self, edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N, strands, 3) bends beyond rest that hold these edges still under gravity; tension begins as it will be,
-        and strands that are too soft become stiffer, and say so."""
+    def _hold(self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> Held:
+        """What holds these edges still under gravity; tension begins as it will be, and strands that are too soft
+        become stiffer, and say so."""
         pull = self.pose[0].T @ self.surroundings.gravity
-        own = rigidity(self.scene.rod) / lengths**4
+        own = _stiffness(self.scene.rod, lengths)
         # of numbers as the kernel reads them: what they are rounded by would be a load
-        given = (self.mass.astype(np.float64), self.joint.astype(np.float64), own, pull / lengths[:, None])
-        held = sag_free.hold(edges, *given)
+        mass, joint = self.mass.astype(np.float64), self.joint.astype(np.float64)
+        held = hold(axes, edges, mass, joint, own, self.torsion, pull / lengths[:, None])
         for j, tension in enumerate(held.tension):
             self.tension[:, j] = lanes(tension[:, None], self.dtype)
         stiffer = held.stiffness > own
@@ -280,7 +285,7 @@ class RodSolver(Solver):
                 f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
                 "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
             )
-        return held.bends
+        return held
 
     def place_roots(self, frame_number: int) -> None:
         """By the emitter's pose at a frame."""
@@ -302,6 +307,11 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.residuals.reshape(-1)[: self.strands]
+
+
+def _stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(strands,) rigidities of a joint at the root in 1/s², of segments of these lengths in m."""
+    return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
 
 
 def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -2,7 +2,8 @@
 
 Statics. A strand is statically determinate: from the tip to the root, all that hangs on an edge is its tension and the
 difference of the moments at its ends, so the moments follow from shape and weight alone. A joint that is bent by b
-beyond its rest gives the moment κ b, however large b is: the targets of bends need not lead to unit vectors.
+beyond its rest gives the moment κ b, however large b is: the targets of bends need not lead to unit vectors. What of a
+moment is about an edge turns the frames by which targets are carried (`kernels.rod_curl`).
 
 Stability. Any groom can be balanced so, but a soft one as a pencil is on its tip, or a mousetrap: upright strands
 buckle, and level ones, whose natural shape is then a coil of many turns, snap into it when touched. What rest shapes
@@ -22,11 +23,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.rod_curl import FOLD
+
 Floats = NDArray[np.float64]
 
 TILT = np.radians(30)
 SAFETY = 1.5
-TURNS = 2 * np.pi
+TURNS = np.pi / 2
+"""Radians for a torsional rigidity that is that of bending; with its root, as loads go under which beams tip sideways
+(Prandtl 1899)."""
 HALVINGS = 40
 """Of the range in which the least stiffness lies, on a scale of logarithms."""
 
@@ -36,32 +41,43 @@ class Held(NamedTuple):
 
     bends: Floats
     """(N, strands, 3) bends beyond rest."""
+    twist: Floats
+    """(N, strands) angles, in radians, by which twist has turned the frames of edges."""
     tension: Floats
     """(N, strands) force densities of edges, over their mass."""
     stiffness: Floats
     """(strands,) of the joints, 1/s²; never less than was given."""
 
 
-def hold(edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, pull: Floats) -> Held:
-    """What holds strands still whose unit ``edges`` are (N, strands, 3), root to tip, of particles' relative ``mass``
-    and joints' relative rigidity ``joint``, (N,) both, and of ``stiffness`` (strands,) B / (ρ A ℓ⁴) in 1/s², under the
-    ``pull`` (strands, 3) of gravity in segments/s²."""
-    moments, tension, load = np.zeros_like(edges), np.zeros(edges.shape[:2]), np.zeros(edges.shape[:2])
+def hold(
+    axes: Floats, edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, torsion: float, pull: Floats
+) -> Held:  # fmt: skip
+    """What holds strands still that are clamped along ``axes`` (strands, 3) and whose unit ``edges`` are (N, strands,
+    3), root to tip, of particles' relative ``mass`` and joints' relative rigidity ``joint``, (N,) both, and of
+    ``stiffness`` (strands,) B / (ρ A ℓ⁴) in 1/s² and ``torsion`` times that against twist, under the ``pull``
+    (strands, 3) of gravity in segments/s²."""
+    forces, twist = np.zeros_like(edges), np.zeros(edges.shape[:2])
+    tension, load = np.zeros_like(twist), np.zeros_like(twist)
     moment, weight = np.zeros_like(edges[0]), np.zeros_like(edges[0])
+    after = weight  # force of the joint after, across its edge
     for j in reversed(range(len(edges))):
+        e, before = edges[j], edges[j - 1] if j > 0 else axes
         weight = weight + mass[j] * pull
-        along = (weight * edges[j]).sum(1)
-        size = np.linalg.norm(weight, axis=1)
+        along, size = (weight * e).sum(1), np.linalg.norm(weight, axis=1)
+        tension[j] = along + (after * e).sum(1)
         off = np.arccos(np.clip(along / np.maximum(size, 1e-300), -1, 1))
-        force = weight + moment
-        tension[j] = (force * edges[j]).sum(1)
         load[j] = tension[j] - along + size * np.cos(np.minimum(off + TILT, np.pi))
-        moment = moments[j] = force - tension[j][:, None] * edges[j]
-    moments /= joint[:, None, None]
-    turned = np.linalg.norm(np.cumsum(moments, axis=0), axis=2).max(0)
-    enough = np.maximum(np.maximum(stiffness, turned / TURNS), 1e-300)
+        # of the moment that carries all beyond, what is about the edge is twist, the rest bends
+        moment = moment - np.cross(e, weight)
+        twist[j] = (moment * e).sum(1)
+        open = np.maximum(1 + (e * before).sum(1), FOLD)
+        after = forces[j] = np.cross(e, moment - (twist[j] / open)[:, None] * (e + before))
+    forces /= joint[:, None, None]
+    turned = np.linalg.norm(np.cumsum(forces, axis=0), axis=2).max(0)
+    enough = np.maximum(np.maximum(stiffness, turned / (TURNS * np.sqrt(torsion))), 1e-300)
     enough = _stand(np.where(load < 0, SAFETY * load, load), joint, enough)
-    return Held(moments / enough[:, None], tension, enough)
+    twist = -np.cumsum(twist / (torsion * joint[:, None] * enough), axis=0)
+    return Held(forces / enough[:, None], twist, tension, enough)
 
 
 def _stand(load: Floats, joint: Floats, stiffness: Floats) -> Floats:

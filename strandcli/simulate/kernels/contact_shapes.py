@@ -83,7 +83,8 @@ def face(boxes, m, x, y, z):
 def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
     enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
-    edge, |d·G| F + |d·F| G. One that leaves by the opposite face, or not at all, is led out by the nearest face."""
+    edge, |d·G| F + |d·F| G. One that has passed G before it comes to F goes by the edge, at a negative depth. One that
+    leaves by the opposite face, or not at all, is led out by the nearest face. -1 / TINY: neither of them."""
     zero = spread(x, 0.0)
     enter = zero
     leave = reach
@@ -112,8 +113,8 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         by = where(sooner, way * boxes[m + 6 + k], by)
         bz = where(sooner, way * boxes[m + 9 + k], bz)
     inside = leave > enter
-    if not some(inside):
-        return zero, zero, zero, zero
+    if not some(inside | ((f > 0.0) & (g > 0.0))):
+        return spread(x, -1.0 / TINY), zero, zero, zero
     nx = g * ax + f * bx
     ny = g * ay + f * by
     nz = g * az + f * bz
@@ -131,7 +132,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         nx = where(edge, nx, ax)
         ny = where(edge, ny, ay)
         nz = where(edge, nz, az)
-    return where(inside, depth, 0.0), nx, ny, nz
+    return where(inside | edge, depth, -1.0 / TINY), nx, ny, nz
 
 
 @inlined
@@ -185,12 +186,13 @@ def deeper(one, other):
 
 
 @inner
-def past_edge(boxes, m, x, y, z, under, edge, next, lever, length):
-    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are."""
+def past_edge(boxes, m, x, y, z, under, edge, next, lever, length, far):
+    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are, if
+    no further away than ``far``."""
     out = under[0] <= 0.0
     back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
     depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
-    return deeper((where(out & (depth > 0.0), depth, -1.0 / TINY), nx, ny, nz), under)
+    return deeper((where(out & (depth > -far), depth, -1.0 / TINY), nx, ny, nz), under)
 
 
 @inlined
@@ -239,7 +241,7 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
         d, ox, oy, oz = face(boxes, m, x, y, z)
         if some(d + lever > most):
             if whole:
-                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length)
+                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length, reach)
             level = d + x * ox + y * oy + z * oz
             found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + 16, positions, here)
             most = max(most, d)

@@ -35,6 +35,7 @@ segments of zeros before the first and after the last spare the recurrences thei
 
 from __future__ import annotations
 
+from ...constants import W
 from ...jit import inner
 from .simd import get, get3, put, put3, root, some, spread, where
 
@@ -46,6 +47,9 @@ FAR = 0.3
 """Error of |e|² above which edges go back to unit length before the next iteration."""
 TINY = 1e-30
 MOST = 1e18
+
+AXES = 3 * W
+"""Numbers of a row of three coordinates, of all strands of a block."""
 
 # vectors of a segment: edge, displacement, u*, c̄, its change g by loads alone (3 each); τ, M, κ; the inverse pivot i,
 # i κ and i B; r and then δ

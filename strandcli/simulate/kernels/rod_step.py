@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import function, inner
-from . import rod, rod_newton, rod_sweep
-from .rod import FIRST, HARD, SEGMENT, SHIFT, TINY, A, C, E, K, M, R, T, U
-from .rod_sweep import AXES
+from . import rod, rod_curl, rod_newton, rod_sweep
+from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, A, C, E, K, M, R, T, U
 from .simd import get, get3, heap, lay, put, put3, root, some, spread, where, width
 from .tickets import take
 
@@ -24,8 +23,8 @@ SHARE = 16
 @function
 def step(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
-    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes, boxes,
-    whole, scratch, residuals, tickets, long,
+    directions, bends, twist, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes,
+    boxes, whole, scratch, residuals, tickets, long,
 ):  # fmt: skip
     """Move strands by one step, in place, `SHARE` to each ticket from ``tickets`` while there are any.
 
@@ -37,11 +36,12 @@ def step(
     / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass and the rigidity of the joint before an edge, relative (root
     joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
     unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
-    strand; where not `curled`, (1, …) and not read; gust (blocks, W): factor of the air's velocity; pose, delta (12,):
-    the emitter's rotation by rows and its translation, and what they changed by in this step; numbers: [0] step in s,
-    [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the
-    Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations stop, [12] that which is no
-    more than rounding; spheres, capsules, planes, boxes: solids as in `contact`, `solid` whether there are any; whole:
+    strand; twist (blocks, N, W): angles by which frames are turned besides; where not `curled`, both (1, …) and not
+    read; gust (blocks, W): factor of the air's velocity; pose, delta (12,): the emitter's rotation by rows and its
+    translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of
+    the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10]
+    friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over
+    bending rigidity; spheres, capsules, planes, boxes: solids as in `contact`, `solid` whether there are any; whole:
     segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W):
     greatest | |e| − 1 | before lengths are made exact; tickets (2,): the next one's number and how many there are;
     long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a None would
@@ -55,9 +55,9 @@ def step(
     while ticket < tickets[1]:
         run(
             lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
-            lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(gust),
-            lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole, heap(scratch),
-            lay(residuals), ticket * SHARE, long, edges.shape[1],
+            lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(twist),
+            lay(gust), lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole,
+            heap(scratch), lay(residuals), ticket * SHARE, long, edges.shape[1],
         )  # fmt: skip
         ticket = take(tickets)
 
@@ -65,8 +65,8 @@ def step(
 @inner
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
-    directions, bends, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch, residuals,
-    first, long, n,
+    directions, bends, twist, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch,
+    residuals, first, long, n,
 ):  # fmt: skip
     """As `step`, of rows, and of a ticket's strands from number ``first`` on; a vector of them at a time."""
     b = first // W
@@ -79,7 +79,10 @@ def run(
         weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
         predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
         if curled:
-            recall(scratch, n, edge, b * (n + 1) * AXES + lane, edges, bends, pose, numbers[8] / numbers[0])
+            rod_curl.recall(
+                scratch, n, edge, b * (n + 1) * AXES + lane, tip, edges, bends, twist, pose, joint,
+                numbers[13], numbers[8] / numbers[0],
+            )  # fmt: skip
         touched = solid and some(get(touching, strand) > 0.0)
         if touched:
             press(scratch, n, edge, strand, push, lengths, numbers)
@@ -168,37 +171,6 @@ def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers,
             else:
                 u = rest * (v + fall)
             put(s, FIRST + j * SEGMENT + A + c, min(max(u, -FARTHEST), FARTHEST))
-
-
-@inner
-def recall(s, n, edge, bend, edges, bends, pose, damping):
-    """Add the rest shape to c̄: bends are carried along by a frame that is transported without twist from the clamp, on
-    the edges as they were before the step."""
-    share = 1 / (1 + damping)
-    tx, ty, tz = get3(s, FIRST - SEGMENT + E, 1)
-    ax, ay, az = get3(bends, bend, W)
-    ax, ay, az = rotated(pose, ax, ay, az)
-    for j in range(n):
-        u, v, w = get3(bends, bend + (j + 1) * AXES, W)
-        o = FIRST + j * SEGMENT + C
-        x, y, z = get3(s, o, 1)
-        x += share * (u * tx + v * ax + w * (ty * az - tz * ay))
-        y += share * (u * ty + v * ay + w * (tz * ax - tx * az))
-        z += share * (u * tz + v * az + w * (tx * ay - ty * ax))
-        put3(s, o, 1, x, y, z)
-        ex, ey, ez = get3(edges, edge + j * AXES, W)
-        # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
-        f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
-        ax -= f * (tx + ex)
-        ay -= f * (ty + ey)
-        az -= f * (tz + ez)
-        f = 1.0 / root(max(ax * ax + ay * ay + az * az, TINY))
-        ax *= f
-        ay *= f
-        az *= f
-        tx = ex
-        ty = ey
-        tz = ez
 
 
 @inner

@@ -5,13 +5,11 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import inner
 from . import contact
-from .rod import FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, E, U
+from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, E, U
 from .simd import get, get3, put, put3, root, some, spread, where
 
 HUGE = 1e18
 NONE = 1e-12
-AXES = 3 * W
-"""Numbers of a row of three coordinates, of all strands of a block."""
 
 
 @inner

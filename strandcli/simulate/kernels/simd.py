@@ -11,7 +11,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x)
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), sine(x), cosine(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
     greatest(x), spread(x, 2.0)
@@ -289,6 +289,24 @@ def root(typingctx: Any, x: Any) -> Any:
     if not isinstance(x, Lanes):
         return None
     call = _call("llvm.sqrt")
+    return x(x), lambda context, builder, sig, args: call(builder, *args)
+
+
+@intrinsic
+def sine(typingctx: Any, x: Any) -> Any:
+    """Sine of radians, number by number: not to be used where time counts."""
+    if not isinstance(x, Lanes):
+        return None
+    call = _call("llvm.sin")
+    return x(x), lambda context, builder, sig, args: call(builder, *args)
+
+
+@intrinsic
+def cosine(typingctx: Any, x: Any) -> Any:
+    """Cosine likewise."""
+    if not isinstance(x, Lanes):
+        return None
+    call = _call("llvm.cos")
     return x(x), lambda context, builder, sig, args: call(builder, *args)
 
 

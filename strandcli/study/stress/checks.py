@@ -13,6 +13,7 @@ from .strand import Metrics
 
 Check = Callable[[str], Metrics]
 
+WAYS = {"level": (1.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0), "hanging": (0.0, -1.0, 0.0), "rising": (1.0, 1.0, 0.0)}
 PHYSICS: dict[str, Check] = {
     **{f"check=droop/gamma={g}": partial(physics.check_droop, gamma=g) for g in ("0.1", "1", "10")},
     **{f"check=order/gamma={g}": partial(physics.check_order, gamma=g) for g in ("1", "10")},
@@ -30,21 +31,29 @@ PHYSICS: dict[str, Check] = {
     "check=swing/integrator=bdf2": physics.check_swing,
     **{f"check=swing/of={of}/integrator=bdf2": partial(physics.check_mode, of=of) for of in ("beam", "chain")},
     **{
-        f"check=sag-free/gamma={g}/n={n}": partial(physics.check_sag, gamma=g, n=n)
-        for g in ("1", "10", "100")
-        for n in (10, 32)
+        f"check=sag-free/gamma={g}/n={n}/way={name}": partial(physics.check_sag, gamma=g, n=n, way=way)
+        for g in ("1", "10", "100", "1e4")
+        for n in (1, 2, 10, 32)
+        for name, way in WAYS.items()
+    },
+    **{
+        f"check=sag-free/gamma=1e4/n={n}/way={name}/dt={dt}": partial(
+            physics.check_sag, gamma="1e4", n=n, way=way, dt=dt
+        )
+        for n, dt in ((10, "240Hz"), (10, "0.5"), (1000, "24Hz"))
+        for name, way in WAYS.items()
     },
     "check=twist": physics.check_twist,
 }
 SAMENESS: dict[str, Check] = {
     **{
-        f"check=rest{'/contact' * contact}/dt={dt}/n={n}": partial(sameness.check_rest, contact=contact, dt=dt, n=n)
-        for contact in (False, True)
+        f"check=rest{found}/dt={dt}/n={n}": partial(sameness.check_rest, contact=contact, dt=dt, n=n)
+        for found, contact in (("", ""), ("/contact", "ball"), ("/contact=edge", "edge"))
         for dt in ("24Hz", "60Hz", "240Hz")
         for n in (10, 32)
     },
     "check=rest/dt=240Hz/n=10/precision=double": partial(
-        sameness.check_rest, contact=False, dt="240Hz", precision="double"
+        sameness.check_rest, dt="240Hz", precision="double"
     ),
     **{
         f"check=rate/gamma={g:g}/n={n}": partial(sameness.check_rate, gamma=g, n=n)

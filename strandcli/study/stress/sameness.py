@@ -11,28 +11,33 @@ from typing import Any
 import numpy as np
 
 from ... import runtime
-from ...scene.model import RuleUse, SphereSolid
+from ...scene.model import BoxSolid, RuleUse, Solid, SphereSolid
 from ...simulate import solver_of
 from ...simulate.rules import registry
 from .axes import Case
 from .scenes import groom_of, scene_of, times_of
 from .strand import STEPS, Metrics, NotRepresented, only, prepared, rest, stepped
 
+DRAPED: dict[str, Solid] = {
+    "ball": SphereSolid(radius=0.2, position=(0.5, -0.25, 0.0)),
+    "edge": BoxSolid(size=(0.4, 0.4, 0.4), position=(0.5, -0.4, 0.0)),
+}
 SINGLE = "it is single precision throughout"
 
 
-def check_rest(solver: str, *, contact: bool, dt: str = "60Hz", n: int = 10, precision: str = "single") -> Metrics:
-    """How far anything moves within a second, once it has come to rest; in contact, draped over a ball."""
+def check_rest(solver: str, *, contact: str = "", dt: str = "60Hz", n: int = 10, precision: str = "single") -> Metrics:
+    """How far anything moves within a second, once it has come to rest; in contact, draped over a ball, or with whole
+    segments over an edge of a box."""
     if precision == "double":
         only(solver, "rod", SINGLE)
     scene, groom = prepared(solver, gamma=100.0 if contact else 10.0, n=n, drag=2.0, precision=precision)
     if contact:
-        touching = RuleUse("collision", registry()["collision"].Parameters(), "collision")
+        touching = RuleUse("collision", registry()["collision"].Parameters(segments=contact == "edge"), "collision")
         rules = tuple(use for use in scene.rules if use.name != "collision")
         last = len(rules) - (solver == "thesis")  # the source's elasticity comes last
         scene = replace(
             scene, rules=(*rules[:last], touching, *rules[last:]),
-            solids=(SphereSolid(radius=0.2, position=(0.5, -0.25, 0.0)),),
+            solids=(DRAPED[contact],),
         )  # fmt: skip
     step = STEPS[dt]
     one = stepped(scene, groom, step, round(30 / step))

@@ -37,6 +37,8 @@ LIMITS: dict[str, tuple[str, float]] = {
     "tilted": (">=", 0.1),
     "differences": ("<=", 0.0),
     "sag": ("<=", 1e-6),
+    "sag_later": ("<=", 1e-6),
+    "sag_regained": ("<=", 1e-4),
     "refused": (">=", 1.0),
 }
 """Metric: how it compares with which limit; "" is told and not judged."""
@@ -63,6 +65,8 @@ MEANING = {
     "tilted": "tip aside at gamma 7.9, L",
     "differences": "bits that differ between runs or threads",
     "sag": "first frame's motion of a sag-free start, L",
+    "sag_later": "most motion of a sag-free start in 96 steps, L",
+    "sag_regained": "sag-free start after its root turned and back, L",
     "refused": "bad input refused by name",
 }
 

@@ -1,0 +1,144 @@
+"""Rest shapes that are not straight: what they add to a step.
+
+A joint's rest is a vector m_j in the frame of the edge before it, and its energy κ_j |e_j − m_j|² / 2. Frames are
+carried along the strand without twist from the clamp, and then turned about their edges by angles ψ_j, of which
+differences cost χ κ_j (ψ_j − ψ_{j−1})² / 2. Twist has no inertia: ψ is where torques about
+edges balance (Bergou et al. 2008, "Discrete Elastic Rods", §5), by one iteration of Newton's a step from where it was.
+
+A target that is carried along pulls at the edge before the joint as well, and through the frames at all before that:
+with the moments T_j = κ_j e_j × m_j and twist q_j the edge j feels
+
+    T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
+
+Without that the force is no gradient, and strands of many curls gain energy from nothing. It enters as c̄, on the edges
+as they were before the step, and so no coefficient of the step's matrix changes.
+"""
+
+from __future__ import annotations
+
+from ...constants import W
+from ...jit import inner
+from .rod import AXES, DI, FIRST, N1, N2, SEGMENT, TINY, C, E, G
+from .simd import cosine, get, get3, put, put3, root, sine, spread
+
+FOLD = 0.02
+"""Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
+MOST = 1.0
+"""Radians that ψ changes by in a step at the most."""
+
+
+@inner
+def recall(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion, damping):
+    """Add the rest shape to c̄, of rows as `rod_step.step` has them."""
+    frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion)
+    react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, 1 / (1 + damping))
+
+
+@inner
+def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
+    """From the root to the tip: G takes what of a target is across the edge before it, for the ψ that there is, and N1
+    and N2 the elimination of ψ_{j−1} = N1 + N2 ψ_j."""
+    tx, ty, tz = get3(s, FIRST - SEGMENT + E, 1)
+    x, y, z = get3(bends, bend, W)
+    ax = pose[0] * x + pose[1] * y + pose[2] * z
+    ay = pose[3] * x + pose[4] * y + pose[5] * z
+    az = pose[6] * x + pose[7] * y + pose[8] * z
+    zero = spread(s, 0.0)
+    angle = zero
+    a = zero
+    b = zero
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        _, v, w = get3(bends, bend + (j + 1) * AXES, W)
+        c = cosine(angle)
+        d = sine(angle)
+        v, w = v * c - w * d, v * d + w * c
+        bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
+        x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
+        put3(s, o + G, 1, x, y, z)
+        ex, ey, ez = get3(edges, edge + j * AXES, W)
+        if j > 0:
+            before = torsion * joint[j - 1]
+            after = torsion * joint[j] if j + 1 < n else 0.0
+            stiff = joint[j] * max(ex * x + ey * y + ez * z, 0.0)
+            turn = (v * bx - w * ax) * ex + (v * by - w * ay) * ey + (v * bz - w * az) * ez
+            over = 1.0 / (before * (1.0 - b) + after + stiff)
+            a = (joint[j] * turn + stiff * angle + before * a) * over
+            b = after * over
+            put(s, o + N1, a)
+            put(s, o + N2, b)
+        put(s, o + DI, angle)
+        angle = get(twist, tip + j * W)
+        # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
+        f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
+        ax -= f * (tx + ex)
+        ay -= f * (ty + ey)
+        az -= f * (tz + ez)
+        f = 1.0 / root(max(ax * ax + ay * ay + az * az, TINY))
+        ax *= f
+        ay *= f
+        az *= f
+        tx = ex
+        ty = ey
+        tz = ez
+
+
+@inner
+def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
+    """From the tip to the root: the new ψ, targets by it, and what they ask of the edges before them."""
+    zero = spread(s, 0.0)
+    sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after, and the edge after it
+    nx, ny, nz = zero, zero, zero
+    bx, by, bz = zero, zero, zero  # Σ of forces on edges so far
+    after = zero  # q / (1 + e·e) of the joint after
+    angle = zero
+    ex, ey, ez = get3(edges, edge + (n - 1) * AXES, W)
+    for j in range(n - 1, -1, -1):
+        o = FIRST + j * SEGMENT
+        if j > 0:
+            px, py, pz = get3(edges, edge + (j - 1) * AXES, W)
+        else:
+            px, py, pz = get3(s, FIRST - SEGMENT + E, 1)
+        past = get(s, o + DI)
+        now = zero
+        q = zero
+        if j > 0:
+            now = get(s, o + N1) + get(s, o + N2) * angle
+            now = past + min(max(now - past, -MOST), MOST)
+            put(twist, tip + (j - 1) * W, now)
+        if j + 1 < n:
+            q = (torsion * joint[j]) * (now - angle)
+        q = q / max(1.0 + ex * px + ey * py + ez * pz, FOLD)
+        angle = now
+        # the joint after: its moment and twist, and the twist of this one
+        mx, my, mz = cross(nx, ny, nz, sx, sy, sz)
+        fx, fy, fz = cross(
+            ex, ey, ez, mx - q * px + after * nx, my - q * py + after * ny, mz - q * pz + after * nz
+        )
+        f = sx * ex + sy * ey + sz * ez
+        bx += fx + sx - f * ex
+        by += fy + sy - f * ey
+        bz += fz + sz - f * ez
+        # this joint's target
+        x, y, z = get3(s, o + G, 1)
+        c = cosine(now - past)
+        d = sine(now - past)
+        wx, wy, wz = cross(px, py, pz, x, y, z)
+        u = get(bends, bend + (j + 1) * AXES)
+        x = u * px + c * x + d * wx
+        y = u * py + c * y + d * wy
+        z = u * pz + c * z + d * wz
+        f = joint[j]
+        sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
+        f = 1.0 / joint[j]
+        cx, cy, cz = get3(s, o + C, 1)
+        put3(s, o + C, 1, cx + share * (x + f * bx), cy + share * (y + f * by), cz + share * (z + f * bz))
+        nx, ny, nz = ex, ey, ez
+        ex, ey, ez = px, py, pz
+        after = q
+
+
+@inner
+def cross(ax, ay, az, bx, by, bz):
+    """Vector product."""
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

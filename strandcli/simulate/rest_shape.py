@@ -1,0 +1,31 @@
+"""Rest bends as `kernels.rod_curl` reads them: in frames that are carried along each strand."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..groom.emit import frame
+
+Floats = NDArray[np.float64]
+
+
+def carried(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple[Floats, Floats]:
+    """A unit vector across each of the ``axes`` (strands, 3) that strands are clamped along, and the ``bends``
+    (N, strands, 3) of joints by the frame of the edge before each: along that edge and two ways across it.
+
+    Frames are carried along the ``edges`` (N, strands, 3) without twist and then turned by ``angles`` (N, strands)
+    about them; that of the clamp is not."""
+    first = a = frame(axes)[0]
+    t, local = axes, np.empty_like(bends)
+    for j in range(len(edges)):
+        if j > 0:
+            e = edges[j - 1]
+            a = a - ((a * e).sum(1) / np.maximum(1 + (t * e).sum(1), 1e-6))[:, None] * (t + e)
+            a /= np.linalg.norm(a, axis=1, keepdims=True)
+            t = e
+        angle = (angles[j - 1] if j > 0 else np.zeros(len(axes)))[:, None]
+        b = np.cross(t, a)
+        ways = (t, a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle))
+        local[j] = np.stack([(bends[j] * way).sum(1) for way in ways], 1)
+    return first, local
