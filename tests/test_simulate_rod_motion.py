@@ -13,6 +13,7 @@ from test_simulate_rod import PULL, scene
 import strandcli
 from strandcli.groom.emit import Groom, emit
 from strandcli.simulate.rod import RodSolver
+from strandcli.study.stress.shaking import check_shake
 
 
 def solver_of(one: Any) -> RodSolver:
@@ -157,6 +158,13 @@ def test_a_root_that_turns_over_in_one_step(gamma: float, integrator: str) -> No
         errors = solver.errors(1)
         assert errors["nonfinite"] == 0
         assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("n", [10, 32])
+@pytest.mark.parametrize("way", ["along", "aslant"])
+def test_a_root_that_is_shaken_leaves_no_residual(way: str, n: int) -> None:
+    found = check_shake("rod", way=way, n=n, integrator="bdf2", rates=("60Hz", "24Hz"), pulls=("0", "100"))
+    assert found["residual"] <= 1e-3
 
 
 def test_brushes_that_are_pressed_together_converge() -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from . import films, physics, sameness
+from . import films, physics, sameness, shaking
 from .strand import Metrics
 
 Check = Callable[[str], Metrics]
@@ -73,7 +73,13 @@ FILMS: dict[str, Check] = {
     for n, substeps in ((15, 1), (15, 8), (30, 16))
     for kind in ("euler", "bdf2")
 }
-CHECKS = {**PHYSICS, **SAMENESS, **FILMS}
+SHAKING: dict[str, Check] = {
+    f"check=shake/way={way}/n={n}/integrator={kind}": partial(shaking.check_shake, way=way, n=n, integrator=kind)
+    for way in shaking.WAYS
+    for n in (10, 32)
+    for kind in ("euler", "bdf2")
+}
+CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **FILMS}
 """By the name that follows the solver's."""
 
 QUICK = (
