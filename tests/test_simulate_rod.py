@@ -108,7 +108,7 @@ def test_edges_keep_their_length() -> None:
 
 def test_the_kernel_for_long_strands_agrees(monkeypatch: pytest.MonkeyPatch) -> None:
     one = scene(10.0)
-    short = settled(one, 1 / 60, 2.0)  # in single precision; the other is in double
+    short = settled(one, 1 / 60, 2.0)
     monkeypatch.setattr(rod_solver, "DENSE_MOST", 0)
     np.testing.assert_allclose(settled(one, 1 / 60, 2.0), short, atol=1e-5)
 

@@ -16,6 +16,9 @@ PULLED = 4.0
 RISE = 1.00001
 """Energy that is no more than so many times what it was has not risen but for rounding."""
 MEND = 1.5
+STUCK = 20
+FAST = 1.9
+"""Steps with bounded τ are too short where they go on for long, as near a saddle; twice as long is safe."""
 
 
 @inner
@@ -50,7 +53,8 @@ def iterate(s, n, iterations, enough, long):
                 rod.foresee(s, n)
                 if programmed:
                     rose = energy > before * RISE
-                    share = where(mine, where(rose, 0.5 * share, min(MEND * share, 1.0)), 1.0)
+                    most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
+                    share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
             else:
                 rod.demand(s, n)
