@@ -111,7 +111,8 @@ class RodSolver(Solver):
         self.pose = self._pose(0.0)
         self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
-        if rod.rest == "sag_free":  # not even by what single precision is off may a length make it move
+        if rod.rest == "sag_free":  # not even what single precision is off by may move it
+            mended = mended or self.dtype == np.float32
             edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
         for j, edge in enumerate(edges):
             self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
