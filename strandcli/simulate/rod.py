@@ -46,6 +46,9 @@ one is a load to the other. A tip twenty times as thick as the root has it, and 
 THROW = 1e6
 """Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
 that many times the inertia, and leaves too few digits to it."""
+STEADIEST = 20
+"""Segments up to which a sag-free start holds still to 1e-6 of its length in single precision: its joints bear as much
+as a natural shape that turns by radians, and beyond, what rounding leaves of that moves it by 1e-5 (of 1,000)."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
@@ -101,7 +104,10 @@ class RodSolver(Solver):
         mass, joint = _matter_along(rod, n)
         lengths = groom.lengths.astype(np.float64) / n
         fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
-        hard = float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
+        hard = (
+            float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
+            or (rod.rest == "sag_free" and n > STEADIEST)
+        )  # fmt: skip
         self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
