@@ -211,6 +211,9 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert json.loads(result.out) == BENCH
     assert (asked["strands"], asked["particles"], asked["size"], asked["frames"]) == (500, 10, (80, 60), 3)
     assert (asked["threads"], asked["solver"], asked["quality"]) == (1, "thesis", "preset")
+    assert asked["overrides"] == ()
+    run("bench", "--set", "image.resolver=sorted", "--set", "material.width=0.0014")
+    assert asked["overrides"] == ("image.resolver=sorted", "material.width=0.0014")
     table = run("bench").out
     assert "simulate            1.50        1.25        2.00" in table
     assert "50.0 frames/s" in table

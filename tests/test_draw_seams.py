@@ -60,6 +60,7 @@ def test_normals_are_the_gradient_and_turn_without_a_crease() -> None:
     bar = CapsuleSolid(radius=0.2, length=0.8, position=(0.0, 0.3, 0.2), rotation=(20.0, 0.0, 30.0), blend=0.04)
     solid = group(0.04, bar)
     last = None
+    off = []
     for x in np.linspace(-0.7, 0.7, 281):
         t = met(solid, (x, 0.05, 4), (0, 0, -1))
         point = np.array([x, 0.05, 4 - t])
@@ -68,10 +69,13 @@ def test_normals_are_the_gradient_and_turn_without_a_crease() -> None:
         h = 2e-3
         sides = [[far(solid, point + side * h * axis) for side in (1, -1)] for axis in np.eye(3)]
         step = np.subtract(*np.transpose(sides))
-        assert normal == pytest.approx(step / np.linalg.norm(step), abs=0.01)
+        off.append(float(np.abs(normal - step / np.linalg.norm(step)).max()))
         if last is not None:
             assert normal @ last > 0.99
         last = normal
+    assert np.median(off) < 0.005
+    # a solid is left out where it would count e^-6 of the nearest: k e^-6 / 2h
+    assert max(off) < 0.03
 
 
 def test_solids_without_the_column_do_not_blend() -> None:

@@ -196,6 +196,16 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
         assert word in done.error()
 
 
+def test_what_memory_cannot_hold_is_refused_before_anything_runs(
+    run: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("strandcli.plan.available_memory", lambda: 10**8)
+    for words in (("study", "brush.yaml", "--axis", "lod"), ("bench", "--strands", "100000000")):
+        done = run(*words)
+        assert done.code == 4
+        assert "GB are free" in done.error()
+
+
 def test_an_error_that_nothing_keeps_under(run: Runner) -> None:
     done = run("study", "brush.yaml", "--axis", "coverage", "--max-error", "0.0001%", "-q", "-o", "s")
     assert done.code == 3

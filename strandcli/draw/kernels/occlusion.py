@@ -107,12 +107,18 @@ def sweep(cells, counts, sides, ways, left):
                 axis = k
         one = 1 if axis == 0 else 0
         two = 1 if axis == 2 else 2
-        across(cells, counts, sides, ways, d, axis, one, two, left)
+        size = (counts[one] + 2) * (counts[two] + 2)
+        before = np.ones(size, np.float32)
+        after = np.ones(size, np.float32)
+        thick = np.zeros(size, np.float32)
+        thicker = np.zeros(size, np.float32)
+        across(cells, counts, sides, ways, d, axis, one, two, before, after, thick, thicker, left)
 
 
 @inner
-def across(cells, counts, sides, ways, d, axis, one, two, left):
-    """`sweep` of one direction, slab by slab along the axis on which it crosses most cells."""
+def across(cells, counts, sides, ways, d, axis, one, two, before, after, thick, thicker, left):
+    """`sweep` of one direction, slab by slab along the axis on which it crosses most cells; what is left and how thick
+    it is before and after a slab."""
     stride_z = np.int64(1)
     stride_y = counts[2]
     stride_x = counts[1] * counts[2]
@@ -132,10 +138,6 @@ def across(cells, counts, sides, ways, d, axis, one, two, left):
     f -= np.float32(low_f)
     g -= np.float32(low_g)
     row = counts[two] + 2
-    before = np.ones((counts[one] + 2) * row, np.float32)
-    after = np.ones((counts[one] + 2) * row, np.float32)
-    thick = np.zeros((counts[one] + 2) * row, np.float32)
-    thicker = np.zeros((counts[one] + 2) * row, np.float32)
     for m in range(counts[axis]):
         slab = (counts[axis] - 1 - m if ways[d, axis] > ZERO else m) * down
         for p in range(counts[one]):

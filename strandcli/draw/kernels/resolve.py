@@ -126,7 +126,7 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     """
     rows = lay(depths)
     ranks = lay(behind)
-    for p in range(PIXELS):
+    for p in range(counts.shape[0]):
         n = counts[p]
         first = ends[p] - n
         for low in range(first, first + n, RUN):

@@ -23,6 +23,8 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
+BEHIND = np.float32(1 - 2e-6)
+"""What is as far away as a line, but for rounding, does not shade it."""
 MOST = np.int64(32)
 """Pieces to each side of a vertex that its light is averaged over, at most."""
 STRANDS = 32
@@ -137,8 +139,8 @@ def equations(first, bands, focal, middle, out):
             out[v, ALONG] = -(gx * bands[v, 0] + gy * bands[v, 1]) * per
             out[v, WIDTH] = bands[v, 3] * wider if seen else -ONE
             out[v, WIDENS] = (bands[v + 1, 3] - bands[v, 3]) * wider if seen else ZERO
-            out[v, DEPTH] = bands[v, 2]
-            out[v, GROWS] = ZERO if last else bands[v + 1, 2] - bands[v, 2]
+            out[v, DEPTH] = bands[v, 2] * BEHIND
+            out[v, GROWS] = ZERO if last else (bands[v + 1, 2] - bands[v, 2]) * BEHIND
 
 
 @parallel

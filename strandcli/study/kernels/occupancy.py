@@ -7,13 +7,11 @@ import math
 import numpy as np
 
 from ...draw.kernels.approximations import exp
-from ...draw.kernels.resolve import LAST, STEP, rank
-from ...draw.kernels.tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
+from ...draw.kernels.resolve import RUN, rank
+from ...draw.kernels.tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH
 from ...jit import function, parallel, prange
 
-LOW = np.int64(0x7FFFFFFF)
 NEAREST = np.float32(-1e6)
-SHIFT = np.int64(32)
 
 
 @parallel
@@ -62,23 +60,26 @@ def in_order(begin, place, alpha, along, depth, stride, vertex, edges, image):
     tasks = 64
     size = begin.shape[0] - 1
     for task in prange(tasks):
-        keys = np.empty(most + STEP, np.int64)
-        order = np.empty(most + STEP, np.int64)
-        spare = np.empty(most + STEP, np.int64)
+        fragments = np.empty(most * NUMBERS, np.int32)
+        depths = np.empty(most + RUN, np.float32)
+        behind = np.empty(RUN, np.float32)
+        listed, order, spare = np.empty(most, np.uint32), np.empty(most, np.uint32), np.empty(most, np.uint32)
+        counts, ends = np.empty(1, np.int64), np.empty(1, np.int64)
         for p in range(task * size // tasks, (task + 1) * size // tasks):
             n = begin[p + 1] - begin[p]
             if n == 0:
                 continue
             for i in range(n):
-                # the depth number is not positive: the nearer, the greater are its bits
-                bits = np.int64(np.float32(-depth[begin[p] + i]).view(np.uint32))
-                keys[i] = ((LOW - bits) << SHIFT) | i
-            keys[n : n + STEP] = LAST
-            rank(keys, 0, n, order, spare)
+                depths[i] = -depth[begin[p] + i]
+                fragments[i * NUMBERS] = np.float32(depths[i]).view(np.int32)
+                fragments[i * NUMBERS + 2] = i
+                listed[i] = i
+            counts[0] = ends[0] = n
+            rank(fragments, counts, ends, depths, listed, behind, spare, order)
             through = 1.0
             r, g, b = 0.0, 0.0, 0.0
             for i in range(n):
-                f = begin[p] + order[i]
+                f = begin[p] + np.int64(order[i])
                 w = through * alpha[f]
                 r += w * light(vertex, edges, place, along, stride, f, 0)
                 g += w * light(vertex, edges, place, along, stride, f, 1)

@@ -20,7 +20,7 @@ from ...draw.scratch import Scratch
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
 from ...groom.emit import emit
-from ...plan import available_memory
+from ...plan import available_memory, make_plan, require_memory
 from ...scene.fields import ChoiceSpec, settings_of
 from ...scene.model import AmbientOcclusion, Detail, Scene
 from ..axes import Request
@@ -108,6 +108,7 @@ class Subject:
         self.name, self.frame = request.name, request.frame
         if self.frame > scene.time.frames:
             raise UsageError(f"--frame {self.frame}: the film of {self.name} has {scene.time.frames} frames")
+        require_memory(make_plan(self._guiding, (self.frame,)))
         self.at = (self.frame - 1) / scene.time.fps
         self.groom = emit(drawn.emitter, drawn.seed)
         self.scene = drawn
