@@ -14,7 +14,7 @@ from strandcli.blocks import lanes
 from strandcli.draw import chiang, marschner
 from strandcli.draw.body import N_PHI, N_THETA, columns_of
 from strandcli.draw.kernels import body as kernel
-from strandcli.jit import function
+from strandcli.jit import parallel
 from strandcli.scene.model import Material, Scene
 from strandcli.study import chiang_reference
 from strandcli.study.pictures.subject import LinearRenderer, changed
@@ -81,7 +81,7 @@ def test_columns_average_to_nothing_and_with_the_average_are_the_light_at_an_off
                 np.testing.assert_allclose(found, means, atol=0.01 * max(means.max(), 0.1))
 
 
-@function
+@parallel
 def means(profile, places):
     """Means of the first channel of profile 0 between neighbouring places."""
     slots = np.zeros(1, np.int32)

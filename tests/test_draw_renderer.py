@@ -168,7 +168,9 @@ lights: [{kind: directional, direction: [0, -1, 0], shadow: {model: 'off'}}]
     assert image is not None
     share = (np.arange(40) + 0.5)[:, None] / 40
     sky = encoded(np.array([0.1, 0.2, 0.4]) + share * (np.array([0.6, 0.5, 0.3]) - np.array([0.1, 0.2, 0.4])))
-    assert np.abs(image[:15, 0] - sky[:15]).max() < 0.8  # above the horizon
+    above = image[:15, :] - sky[:15, None]
+    assert np.abs(above).max() < 1.05  # half a level of rounding, and half of noise
+    assert np.abs(above.mean(1)).max() < 0.25
     assert np.abs(image[20:22, 0] - sky[20:22]).max() < 3  # the ground, faded with the distance
     assert np.abs(image[39, 20] - sky[39]).max() > 40
 

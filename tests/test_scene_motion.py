@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from strandcli.scene.model import BoxSolid, Camera, CameraKey, Emitter, PoseKey, SphereSolid
 from strandcli.scene.motion import (
-    IDENTITY,
     Pose,
     apply,
     camera_at,
@@ -26,6 +25,7 @@ from strandcli.scene.motion import (
 
 angles = st.floats(-3600, 3600)
 lengths = st.floats(-100, 100)
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 triples = st.tuples(lengths, lengths, lengths)
 turns = st.tuples(angles, angles, angles)
 

@@ -40,17 +40,29 @@ def curve_of(tone: str) -> tuple[NDArray[np.uint8], np.float32]:
     return (filmic_curve(), np.float32(1)) if tone == "filmic" else (srgb_curve(), np.float32(0))
 
 
-def dithered(rows: NDArray[np.float32], width: int, samples: int, tone: str, exposure: float) -> NDArray[np.float32]:
+def dithered(
+    rows: NDArray[np.float32], width: int, samples: int, tone: str, exposure: float, corner: tuple[int, int] = (0, 0)
+) -> NDArray[np.float32]:
     """(height, width, 3): rows (height, 3) of light, ``samples`` to a pixel each way, with noise of half an 8-bit level
     to both sides, the same throughout a pixel. Without it, a gradient over a whole picture shows its levels, as bands.
+    ``corner`` (x, y) in pixels: where the rows begin in the whole picture, so that a window of it has the same noise.
     """
     lines = rows.reshape(-1, samples, 3).mean(1, dtype=np.float64)
     step = np.maximum(1e-3 * lines, 1e-5)
     slope = (_response(lines + step, tone, exposure) - _response(lines - step, tone, exposure)) / (2 * step)
-    noise = np.random.Generator(np.random.Philox(key=0)).random((len(lines), width // samples, 1)) - 0.5
+    x, y = np.arange(width // samples, dtype=np.uint32), np.arange(len(lines), dtype=np.uint32)
+    noise = _noise(x + np.uint32(corner[0]), (y + np.uint32(corner[1]))[:, None])[..., None] - 0.5
     spread = noise / np.maximum(slope, 1e-3)[:, None]
     wide = np.repeat(np.repeat(spread, samples, 0), samples, 1)
     return np.maximum(rows[:, None] + wide, 0).astype(np.float32)
+
+
+def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:
+    """Even noise in [0, 1) of a pixel's place alone, by Wellons's `lowbias32` hash of 32 bits."""
+    bits = x + np.uint32(0x9E3779B9) * y
+    for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B), (16, 1)):
+        bits = (bits ^ (bits >> np.uint32(shift))) * np.uint32(factor)
+    return bits / 2.0**32
 
 
 def _response(light: NDArray[np.float64], tone: str, exposure: float) -> NDArray[np.float64]:

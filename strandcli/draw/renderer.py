@@ -102,7 +102,7 @@ class Renderer:
         rows = gradient(top, bottom, scene.image.size[1] * samples)[crop[1] * samples :][: self.size[1]]
         self._backdrop = np.ascontiguousarray(np.broadcast_to(rows[:, None], (self.size[1], self.size[0], 3)))
         if scene.image.horizon is not None:
-            self._backdrop = dithered(rows, self.size[0], samples, scene.image.tone, scene.image.exposure)
+            self._backdrop = dithered(rows, self.size[0], samples, scene.image.tone, scene.image.exposure, crop[:2])
         self._drawing: Drawing
 
     def draw(
