@@ -10,7 +10,7 @@ import pytest
 from strand_kit import frames_of, groom_of, scene_of
 
 from strandcli import rehearsal
-from strandcli.draw.kernels import edges, film, gather, resolve, shade_strands, shade_surfaces
+from strandcli.draw.kernels import edges, film, parts, resolve, shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
 
 SCENE = """
@@ -27,8 +27,8 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.compose, film.develop),
     "coverage": (
-        edges.depths, edges.count, edges.collect, edges.sample, edges.part, edges.lay, gather.spans, gather.gather,
-        resolve.sizes, resolve.resolve,
+        edges.depths, edges.count, edges.collect, edges.sample, edges.part, edges.lay, parts.spans, parts.share_out,
+        resolve.resolve,
     ),
 }  # fmt: skip
 

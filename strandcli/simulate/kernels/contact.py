@@ -71,9 +71,11 @@ def circle(s, found, q, over):
     size *= over
     share = where(round, 0.5 + 0.5 * (square - size * size), height) * inverse
     high = share * share * square
-    if some(high > 1.0):
-        share = where(high > 1.0, share / root(max(high, 1.0)), share)
-        high = min(high, 1.0)
+    beyond = high > 1.0
+    if some(beyond):  # however far, even more than numbers can tell; from a ball's very centre, any way is as near
+        least = root(inverse)
+        share = where(beyond, where(share > 0.0, least, -least), share)
+        high = where(beyond, where(square > TINY, spread(high, 1.0), 0.0), high)
     return axis, inverse, share, 1.0 - high
 
 
@@ -145,8 +147,13 @@ def touch(
     over = get(s, OVER)
     round = get(s, found + 7) > 0.0
     centre = get3(s, found, 1)
-    away = 1.0 / where(round, max(get(s, found + 3) - depth, TINY), 1.0)
-    n = select(round, (away * (x - centre[0]), away * (y - centre[1]), away * (z - centre[2])), centre)
+    n = x - centre[0], y - centre[1], z - centre[2]
+    away = get(s, found + 3) - depth
+    deep = round & (depth > away)
+    if some(deep):  # a great ball's radius leaves nothing of a small distance
+        away = where(deep, root(dot(n, n)), away)
+    away = 1.0 / max(away, TINY)
+    n = select(round, (away * n[0], away * n[1], away * n[2]), centre)
     force = max(dot(held, n), 0.0) + depth
     near = (depth > -grip) & (force > 0.0)
     free = was & ~near
