@@ -177,7 +177,8 @@ def touch(
         p = across(along(d, over, along(kept, -1.0, held)), axis, inverse, square)
         turned = select(near, along(p, share, axis), turned)
         kept = along(kept, force, n)
-        f = 1.0 / (alone * light)
+        # an edge too deep inside to end at the surface is only turned: no force of its depth would be the right one
+        f = where(square > 0.0, 1.0 / (alone * light), 0.0)
         new = near & ~was
         if some(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
