@@ -88,6 +88,7 @@ def _helps() -> bool:
 def main() -> None:
     """Compile what the scene on standard input needs, part by part, of those that nobody has taken."""
     scene, folder = pickle.load(sys.stdin.buffer)
+    from .draw.rehearse import rehearse
     from .draw.renderer import Renderer
     from .groom.emit import emit
 
@@ -95,7 +96,7 @@ def main() -> None:
     renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))
     for part in PARTS:
         if take(folder, part):
-            renderer.rehearse(part)
+            rehearse(renderer, part)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from strand_kit import frames_of, groom_of, scene_of
 
 from strandcli import rehearsal
 from strandcli.draw.kernels import edges, film, parts, resolve, shade_strands, shade_surfaces
+from strandcli.draw.rehearse import rehearse
 from strandcli.draw.renderer import Renderer
 
 SCENE = """
@@ -47,7 +48,7 @@ def test_a_rehearsal_compiles_what_a_frame_calls_and_nothing_else(part: str) -> 
     assert all(drawn.values())
     calls = {kernel: sum(kernel.stats.cache_hits.values()) for kernel in KERNELS[part]}
     small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
-    Renderer(small, groom_of(scene)).rehearse(part)
+    rehearse(Renderer(small, groom_of(scene)), part)
     assert {kernel: list(kernel.signatures) for kernel in KERNELS[part]} == drawn
     assert {kernel: sum(kernel.stats.cache_hits.values()) for kernel in KERNELS[part]} == calls
 

@@ -20,7 +20,7 @@ background leaves there. Each is an array of the picture's height and width:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,8 @@ from .camera import View
 from .coverage import Layer
 from .curves import Polylines
 from .kernels import aovs as kernel
-from .shadow import ShadowMaps
-
-if TYPE_CHECKING:
-    from .renderer import Renderer
+from .lighting import Lighting
+from .shadow import map_arrays
 
 NOTHING = -1
 SOLID = -2
@@ -43,11 +41,12 @@ LEAST = 1 / 64
 class Recorder:
     """Gathers the layers of one frame while it is drawn: `strands` after each portion, then `rest`."""
 
-    def __init__(self, renderer: Renderer) -> None:
-        self._names: tuple[str, ...] = renderer.scene.image.aovs
-        self._samples: int = renderer.scene.image.supersample
-        self._ids = renderer.ids
-        width, height = renderer.scene.image.drawn
+    def __init__(self, image: Any, ids: NDArray[np.int32] | None) -> None:
+        """``image``: the scene's settings; ``ids``: of each strand its index in the groom, where some are left out."""
+        self._names: tuple[str, ...] = image.aovs
+        self._samples: int = image.supersample
+        self._ids = ids
+        width, height = image.drawn
         self._found: dict[str, NDArray[Any]] = {
             "strand_id": np.full((height, width), NOTHING, np.int32),
             "tangent": np.zeros((height, width, 3), np.float32),
@@ -79,27 +78,22 @@ class Recorder:
             found["tangent"], found["orientation"],
         )  # fmt: skip
 
-    def rest(
-        self, keys: NDArray[np.uint64], view: View, packed: list[NDArray[np.float32]] | None,
-        lights: NDArray[np.float32], maps: ShadowMaps | None, skin: np.float32,
-    ) -> None:  # fmt: skip
+    def rest(self, keys: NDArray[np.uint64], lighting: Lighting) -> None:
         """What a finished z-buffer tells of depth, mask and solids, and the light that arrives there."""
         shape = self._found["strand_id"].shape
         depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
         point = np.empty((*shape, 3), np.float32)
-        solids = packed or [np.zeros((0, 1), np.float32)] * 4
+        solids = lighting.solids or [np.zeros((0, 1), np.float32)] * 4
         kernel.depths(
-            keys, self._shares, self._samples, view.pack(), *solids, depth, mask, point, self._found["strand_id"]
-        )
+            keys, self._shares, self._samples, lighting.view.pack(), *solids, depth, mask, point,
+            self._found["strand_id"],
+        )  # fmt: skip
         self._found |= {"depth": depth, "mask": mask}
         if "shadow" in self._names:
             through = np.ones(shape, np.float32)
-            shades: tuple[Any, ...] = (None,) * 5
-            if maps is not None:
-                shades = (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)
             kernel.shadows(
-                self._found["strand_id"], keys, self._samples, point, lights, *shades, *(packed or (None,) * 4), skin,
-                through,
+                self._found["strand_id"], keys, self._samples, point, lighting.lights, *map_arrays(lighting.maps),
+                *(lighting.solids or (None,) * 4), lighting.skin, through,
             )  # fmt: skip
             self._found["shadow"] = through
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,3 +87,15 @@ def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int)
     """(height, 3): the background's colour in each row, from that of the top to that of the bottom."""
     t = (np.arange(height, dtype=np.float32)[:, None] + np.float32(0.5)) / np.float32(height)
     return np.asarray(top + t * (bottom - top))
+
+
+def backdrop_of(image: Any) -> NDArray[np.float32]:
+    """What is behind everything, (height, width, 3) linear, in the samples that are drawn of these settings."""
+    samples, (width, height) = image.supersample, image.drawn
+    crop = image.crop or (0, 0, *image.size)
+    top = np.array(image.background, np.float32)
+    bottom = top if image.horizon is None else np.array(image.horizon, np.float32)
+    rows = gradient(top, bottom, image.size[1] * samples)[crop[1] * samples :][: height * samples]
+    if image.horizon is not None:
+        return dithered(rows, width * samples, samples, image.tone, image.exposure, crop[:2])
+    return np.ascontiguousarray(np.broadcast_to(rows[:, None], (height * samples, width * samples, 3)))

@@ -252,3 +252,8 @@ def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
     centre, radius = ball(bounds)
     depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
     return depth / view.focal
+
+
+def map_arrays(maps: ShadowMaps | None) -> tuple[Any, ...]:
+    """Maps as kernels read them: texels, stacks, starts, sizes, packed views."""
+    return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)

@@ -15,6 +15,7 @@ from ...draw.camera import View, camera_view
 from ...draw.chiang import ChiangTables
 from ...draw.curves import Polylines
 from ...draw.marschner import MarschnerTables
+from ...draw.portions import Portion
 from ...draw.renderer import Renderer
 from ...draw.scratch import Scratch
 from ...errors import RefusedError, SimulationError, UsageError
@@ -62,21 +63,22 @@ class LinearRenderer(Renderer):
         """By the first strand of a portion."""
         return super().draw(*args, **kwargs)
 
-    def _develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
+    def develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
+        """As in `Renderer`."""
         height, width = self.scene.image.size[1], self.scene.image.size[0]
         samples = image.shape[0] // height
         self.linear = (
             image.reshape(height, samples, width, samples, 3).mean((1, 3), dtype=np.float64) if samples else None
         )
-        return super()._develop(image, *rest)
+        return super().develop(image, *rest)
 
-    def _shade(
-        self, lines: Polylines, marks: NDArray[np.uint8], begin: int, *args: Any, **kwargs: Any
-    ) -> NDArray[np.float32]:
+    def shade(self, lighting: Any, portion: Portion, *rest: Any) -> NDArray[np.float32]:
+        """As in `Renderer`."""
         if not self.keep_shading:
-            return super()._shade(lines, marks, begin, *args, **kwargs)
+            return super().shade(lighting, portion, *rest)
+        lines, begin = portion.lines, portion.begin
         self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
-        colours = super()._shade(lines, marks, begin, *args, **kwargs)
+        colours = super().shade(lighting, portion, *rest)
         if begin in self.shaded:  # the picture's next rows show others of the same strands
             kept = self.shaded[begin][1]
             np.copyto(kept, colours, where=np.isnan(kept))

@@ -1,0 +1,152 @@
+"""A linear picture in the making, onto which strands are drawn portion by portion.
+
+What is not seen is never shaded: either the z-buffer is filled first and holds, for each sample, the segment in front;
+or fragments are sorted first, and those that too much stands before are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import raster
+from .aovs import Recorder
+from .coverage import Coverage
+from .curves import Polylines
+from .drawing import Drawing
+from .edges import find_edges
+from .kernels import film, solids
+from .lighting import Lighting
+from .portions import Portion
+from .scratch import Scratch
+from .solids import frames_of
+from .traced import Grid
+
+Shade = Callable[[Lighting, Portion, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
+"""Light at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
+
+
+@dataclass
+class Canvas:
+    """The picture so far: `sort` all strands, or `hide` portion after portion and `finish`."""
+
+    size: tuple[int, int]
+    """Samples."""
+    samples: int
+    """Along each side of a pixel."""
+    backdrop: NDArray[np.float32]
+    """(height, width, 3)"""
+    lighting: Lighting
+    grids: Sequence[Grid]
+    """Of the lights with exact shadows."""
+    shade: Shade
+    before: Callable[[str], None]
+    """Called ahead of the parts "coverage" and "light"."""
+    recorder: Recorder | None
+    workers: int
+    drawing: Drawing
+    scratch: Scratch
+    segments: int = 0
+    fragments: int = 0
+    """Samples in which a strand is seen; of sorted strands, all that they cover before the solids."""
+    keys: NDArray[np.uint64] = field(init=False)
+    """(height * width,) the z-buffer, with solids in it from the beginning."""
+    image: NDArray[np.float32] = field(init=False)
+    """(height, width, 3) linear."""
+    _base: int = 0
+    """Number of the next portion's first vertex."""
+    _portions: int = 0
+
+    def __post_init__(self) -> None:
+        width, height = self.size
+        self.keys = self.scratch.take("keys", width * height, np.uint64)
+        clear(self.keys, self.size, self.lighting)
+        self.drawing.lap("raster")
+        self.image = self.scratch.take("image", (height, width, 3), np.float32)
+        np.copyto(self.image, self.backdrop)
+        self.drawing.lap("film")
+
+    def sort(self, portion: Portion, coverage: Coverage) -> None:
+        """Lay all strands, which are in one portion, over the solids, sorted in each pixel."""
+        lines, screen, light = portion.lines, portion.screen, self.lighting
+        front = None if self.recorder is None else self.keys.copy()
+        self.before("coverage")
+        edges = (
+            None if light.solids is None else find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
+        )
+        for layer in coverage.layers(lines, screen, portion.widths, edges, self.workers, self.scratch):
+            self.drawing.lap("raster")
+            self.before("light")
+            if edges is not None and layer.top == 0:
+                light.shade_surfaces(self.keys, *self.size, self.image)
+                edges.lay(light.shade_surfaces, self.image, self.backdrop)
+            colours = self._shade(portion, layer.marks)
+            layer.compose(colours, self.image)
+            if portion.body is not None:
+                layer.round_off(portion.body, self.image)
+            if self.recorder is not None and front is not None:
+                self.recorder.layer(layer, lines, screen, self.size[0], front)
+            self.drawing.lap("film")
+        if self.recorder is not None and front is not None:
+            self.recorder.strands(lines, screen, front, 0, portion.begin, light.view)
+            self.recorder.rest(front, light)
+        self.segments, self.fragments = lines.segments, coverage.fragments
+
+    def hide(self, portion: Portion) -> None:
+        """Draw strands in the z-buffer, and light what is seen of them so far."""
+        lines, screen = portion.lines, portion.screen
+        raster.draw(lines, screen, portion.widths, self._base, self.size, self.workers, self.scratch, self.keys)
+        if self.recorder is not None:
+            self.recorder.strands(lines, screen, self.keys, self._base, portion.begin, self.lighting.view)
+        self.drawing.lap("raster")
+        self.before("light")
+        marks, seen = mark(self.keys, lines, self._base, self.scratch)
+        colours = self._shade(portion, marks)
+        film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
+        if portion.body is not None:
+            portion.body.over_seen(self.keys, self._base, lines, self.image)
+        self.drawing.lap("film")
+        self.fragments = seen
+        self.segments += lines.segments
+        self._base += len(lines.world)
+        self._portions += 1
+
+    def finish(self) -> None:
+        """When the z-buffer holds all strands: light the solids that are seen in it."""
+        if self._portions > 1:  # a later one may hide what an earlier one counted
+            self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
+        self.lighting.shade_surfaces(self.keys, *self.size, self.image)
+        self.drawing.lap("shade")
+        if self.recorder is not None:
+            self.recorder.rest(self.keys, self.lighting)
+
+    def _shade(self, portion: Portion, marks: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """(V, 3) light at the marked vertices."""
+        found = None
+        if self.grids:
+            found = self.scratch.take("clear", (len(self.grids), len(portion.lines.world)), np.float32)
+            for row, grid in zip(found, self.grids, strict=True):
+                grid.visibility(portion.lines, marks, portion.screen, row)
+            self.drawing.lap("shadow")
+        colours = self.shade(self.lighting, portion, marks, found)
+        self.drawing.lap("shade")
+        return colours
+
+
+def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:
+    """A z-buffer (height * width,) of nothing but solids."""
+    if lighting.solids is None:
+        keys.fill(raster.kernel.EMPTY)
+    else:
+        view = lighting.view
+        solids.draw(*lighting.solids, frames_of(lighting.solids, view), view.pack(), *size, keys)
+
+
+def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:
+    """(V,) not zero at the lit vertices of what is seen in the z-buffer, and how many samples show it."""
+    marks = scratch.take("marks", len(lines.world), np.uint8)
+    marks.fill(0)
+    return marks, film.mark(keys, base, len(lines.world), lines.per, lines.stride, marks)

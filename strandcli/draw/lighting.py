@@ -1,0 +1,82 @@
+"""Light in one exposure: what falls on strands and on solids, and what they throw to the eye."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body
+from .camera import View
+from .curves import Polylines
+from .kernels import shade_strands, shade_surfaces
+from .occlusion import Occlusion
+from .shading import Palette
+from .shadow import ShadowMaps, map_arrays
+from .solids import paint_of
+
+NO_SPOTS = np.zeros((0, 2), np.float32)
+"""The pixels of a picture lie where they belong."""
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """What shading needs; None is what the scene does without."""
+
+    scene: Any
+    palette: Palette
+    sky: Any
+    """See `strandcli.draw.environment.sky_of`."""
+    view: View
+    at: float
+    """Seconds."""
+    lights: NDArray[np.float32]
+    """(n, 16) from `strandcli.draw.shading.pack_lights`."""
+    maps: ShadowMaps | None
+    occlusion: Occlusion | None
+    solids: list[NDArray[np.float32]] | None
+    """Those that are seen, packed by `strandcli.solids.pack`."""
+
+    @property
+    def skin(self) -> np.float32:
+        """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
+        return np.float32(0.01 * self.scene.emitter.length)
+
+    def shade_strands(
+        self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
+        clear: NDArray[np.float32] | None, body: Body | None, colours: NDArray[np.float32],
+    ) -> None:  # fmt: skip
+        """Into colours (V, 3): radiance at the vertices with ``marks`` (V,); the others are left as they are.
+
+        tones (strands,); clear (lights, V): what strands leave of each light with exact shadows.
+        """
+        p = self.palette
+        wide = (None,) * 3 if body is None else (body.slots, p.columns, body.profile)
+        shade_strands.strands(
+            lines.first, lines.world, marks, tones, self.view.pack(), p.colour, p.tint, p.diffuse, *self._sky(),
+            p.lobes, p.fibre, p.nodes, p.paths, p.dual, p.dual_scale, self.lights, clear, *map_arrays(self.maps),
+            *(self.solids or (None,) * 4), self.skin, *wide, colours,
+        )  # fmt: skip
+
+    def shade_surfaces(
+        self, keys: NDArray[np.uint64], width: int, height: int, image: NDArray[np.float32],
+        spots: NDArray[np.float32] = NO_SPOTS,
+    ) -> None:  # fmt: skip
+        """Light the solids that ``keys`` (height * width,) shows, into image (height, width, 3).
+
+        spots (pixels, 2): places on the screen, where pixels do not lie where they belong.
+        """
+        if self.solids is None:
+            return
+        paint = paint_of([solid for solid in self.scene.solids if solid.visible], self.scene.emitter, self.at)
+        shade_surfaces.surfaces(
+            keys, width, height, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
+            *map_arrays(self.maps), *self.solids, paint, self.skin, spots, image,
+        )  # fmt: skip
+
+    def _sky(self) -> tuple[Any, ...]:
+        found = self.occlusion
+        around = (None, None) if found is None else (found.volume, found.box)
+        return np.array(self.scene.ambient, np.float32), self.sky, *around

@@ -1,0 +1,62 @@
+"""Parts of a frame with nothing to be seen, so that they are compiled (see `strandcli.rehearsal`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import occlusion
+from .camera import camera_view
+from .canvas import mark
+from .curves import Polylines
+from .edges import find_edges
+from .kernels import film
+from .kernels.raster import EMPTY
+from .lighting import Lighting
+from .portions import Portion
+from .renderer import Renderer
+from .shading import pack_lights
+from .shadow import Thickness, plan_maps
+
+BOUNDS = np.array([[-1.0] * 3, [1.0] * 3])
+
+
+def rehearse(renderer: Renderer, part: str) -> None:
+    """Run a part of a frame: its "light", which is all that comes after the z-buffer, or its "coverage"."""
+    {"light": _light, "coverage": _coverage}[part](renderer)
+
+
+def _light(renderer: Renderer) -> None:
+    scene, size = renderer.scene, renderer.size
+    view = camera_view(scene.camera, 0.0, *size, BOUNDS)
+    maps = plan_maps(scene.lights, BOUNDS, renderer.scratch, Thickness(0.01), 0.1)
+    hidden = occlusion.nothing() if scene.occluded else None
+    lights = pack_lights(scene.lights, maps, BOUNDS)
+    lighting = Lighting(scene, renderer.palette, renderer.sky, view, 0.0, lights, maps, hidden, renderer.solids(0.0))
+    lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
+    keys = np.full(size[0] * size[1], EMPTY)
+    image = renderer.backdrop.copy()
+    marks = mark(keys, lines, 0, renderer.scratch)[0] if renderer.coverage is None else np.zeros(1, np.uint8)
+    clear = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
+    colours = renderer.shade(lighting, Portion(0, 1, lines, lines.world, None, None), marks, clear)
+    if renderer.coverage is None:
+        film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
+    else:
+        renderer.coverage.nothing().compose(colours, image)
+    lighting.shade_surfaces(keys, *size, image)
+    renderer.develop(image, renderer.blank())
+
+
+def _coverage(renderer: Renderer) -> None:
+    if renderer.coverage is None:
+        return
+    view = camera_view(renderer.scene.camera, 0.0, *renderer.size, BOUNDS)
+    lines = Polylines(np.array([0, 2]), np.zeros((2, 3), np.float32))
+    behind = np.zeros((2, 3), np.float32)  # the eye
+    keys = np.full(renderer.size[0] * renderer.size[1], EMPTY)
+    packed = renderer.solids(0.0)
+    edges = None if packed is None else find_edges(keys, packed, view, renderer.size, renderer.scratch)
+    if edges is not None:
+        edges.lay(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
+    widths = np.zeros(2, np.float32) if renderer.scene.material.width > 0 else None
+    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, renderer.scratch):
+        pass
