@@ -15,6 +15,7 @@ from strandcli.scene.fields import (
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
+    FileSpec,
     IntegerSpec,
     ItemsSpec,
     ModelSpec,
@@ -66,6 +67,8 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
             found = st.sampled_from(spec.options)
         case BooleanSpec():
             found = st.booleans()
+        case FileSpec():
+            found = st.just(__file__)
         case TextSpec():
             found = texts
         case NamesSpec():

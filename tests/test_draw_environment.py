@@ -12,6 +12,7 @@ from strandcli import load
 from strandcli.draw.environment import coefficients, read_hdr, sky_of
 from strandcli.draw.kernels.light import around
 from strandcli.errors import UsageError
+from strandcli.scene import SceneError
 
 HIGH, WIDE = 48, 96
 
@@ -112,8 +113,8 @@ def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path:
 
     preset = tmp_path / "scene.yaml"
     preset.write_text(PRESET % "sky.png")
-    with pytest.raises(UsageError, match=r"environment\.image: .*sky\.png: No such file"):
-        sky_of(load(str(preset)))
+    with pytest.raises(SceneError, match=r"scene\.yaml:\d+:\d+: environment\.image: .*there is no file .*sky\.png"):
+        load(str(preset))
     (tmp_path / "sky.png").write_bytes(b"nothing")
     with pytest.raises(UsageError, match="not a picture"):
         sky_of(load(str(preset)))
@@ -126,3 +127,24 @@ def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path:
     upper, lower = image[3:10, 15:25].mean((0, 1)), image[20:27, 15:25].mean((0, 1))
     assert upper[2] > upper[0]
     assert lower[0] > lower[2]
+
+
+def test_a_path_is_meant_from_where_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a preset from the preset's folder, also where another extends it; after --set from here."""
+    (tmp_path / "looks").mkdir()
+    base, child = tmp_path / "looks" / "base.yaml", tmp_path / "child.yaml"
+    base.write_text(PRESET % "sky.png")
+    child.write_text("extends: looks/base.yaml\n")
+    for place in (tmp_path / "looks" / "sky.png", tmp_path / "here.png"):
+        place.write_bytes(b"")
+    monkeypatch.chdir(tmp_path)
+    for preset in (base, child):
+        found = load(str(preset)).environment
+        assert found is not None
+        assert found.image == str(tmp_path / "looks" / "sky.png")
+    found = load(str(base), ["environment.image=here.png"]).environment
+    assert found is not None
+    assert found.image == str(tmp_path / "here.png")
+    child.write_text("environment: {intensity: 2}\n")
+    with pytest.raises(SceneError, match="must be the path of a lat-long picture"):
+        load(str(child))

@@ -9,7 +9,7 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import pack, unpack
 from strandcli.draw.camera import camera_view
-from strandcli.draw.lens import Exposure, between, circle_of_confusion, concentric, exposures
+from strandcli.draw.lens import Exposure, between, concentric, exposures, focus_of
 from strandcli.scene.model import Camera, Emitter, PoseKey
 from strandcli.scene.motion import apply, emitter_pose
 
@@ -65,6 +65,11 @@ def test_exposures_fill_lens_and_shutter_evenly_and_the_seed_alone_decides_them(
     assert np.mean((lens**2).sum(1)) == pytest.approx(0.005, rel=0.02)
     assert exposures(Camera(samples=256), 3, 2.0, 10.0) == [Exposure(2.0, 1.0)]
     assert all(shot.at == 0 for shot in exposures(camera, 3, 0.0, 10.0))  # nothing moves before the first frame
+
+
+def circle_of_confusion(camera: Camera, focal: float, depth: float) -> float:
+    """Diameter in pixels of the disc that a point at a depth becomes; ``focal``: pixels a metre at a depth of one."""
+    return focal * camera.aperture * abs(1 / focus_of(camera, 0.0) - 1 / depth)
 
 
 def test_a_lens_keeps_the_plane_in_focus_and_moves_the_rest_by_the_circle_of_confusion() -> None:

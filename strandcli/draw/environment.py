@@ -36,8 +36,6 @@ def sky_of(scene: Scene) -> NDArray[np.float32] | None:
     if environment is None:
         return None
     path = Path(environment.image)
-    if not path.is_absolute() and scene.source:
-        path = Path(scene.source).parent / path
     try:
         picture = read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
     except (OSError, ValueError) as error:

@@ -92,11 +92,6 @@ def through_lens(view: View, camera: Camera, exposure: Exposure) -> View:
     return view.through(exposure.right, exposure.up, focus_of(camera, exposure.at))
 
 
-def circle_of_confusion(camera: Camera, focal: float, depth: float, at: float = 0.0) -> float:
-    """Diameter in pixels of the disc that a point at a depth becomes; ``focal``: pixels a metre at a depth of one."""
-    return focal * camera.aperture * abs(1 / focus_of(camera, at) - 1 / depth)
-
-
 def between(
     before: NDArray[np.float32], after: NDArray[np.float32], emitter: Emitter, carried: bool,
     start: float, end: float, exposure: Exposure, out: NDArray[np.float32],

@@ -42,6 +42,9 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _times(scene.camera.keys, "camera.keys")
     yield from _lens(scene.camera)
     yield from _picture(scene.image)
+    if scene.environment is not None and not scene.environment.image:
+        place = ("environment.image",)
+        yield Finding(place, "must be the path of a lat-long picture, PNG or .hdr", place)
 
 
 def _spacing(emitter: Emitter) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ from .fields import (
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
+    FileSpec,
     IntegerSpec,
     ItemsSpec,
     NamesSpec,
@@ -41,6 +42,8 @@ def wanted(spec: Spec) -> str:
             return spec.options[0] if len(spec.options) == 1 else f"one of {', '.join(spec.options)}"
         case BooleanSpec():
             return "true or false"
+        case FileSpec():
+            return "the path of a file"
         case TextSpec():
             return "text"
         case NamesSpec():

@@ -131,6 +131,10 @@ class TextSpec(Spec):
     """Any text."""
 
 
+class FileSpec(TextSpec):
+    """The path of a file that is there, beside the preset that names it."""
+
+
 class NamesSpec(Spec):
     """A list of names; one name may stand without the list."""
 
@@ -242,6 +246,11 @@ def boolean(default: bool, *, doc: str = "") -> Any:
 def text(default: str, *, doc: str = "") -> Any:
     """A field that is text."""
     return _field(TextSpec(default, doc=doc))
+
+
+def file(*, doc: str = "") -> Any:
+    """A field that is the path of a file; it has to be given."""
+    return _field(FileSpec("", doc=doc))
 
 
 def names(default: tuple[str, ...] = (), *, doc: str = "") -> Any:

@@ -7,16 +7,19 @@ A faulty value is noted and its default put in its place, so that one pass finds
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from .describe import wanted
-from .faults import Fault, Mark, fault_at, hint, shown
+from .faults import Fault, Mark, fault_at, hint, one_line, shown
 from .fields import (
     SMALLEST,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
+    FileSpec,
     IntegerSpec,
     ItemsSpec,
     ModelSpec,
@@ -125,6 +128,8 @@ class Reader:
                     return as_boolean(node)
                 case ChoiceSpec():
                     return _option(node, spec)
+                case FileSpec():
+                    return _file(node)
                 case TextSpec():
                     return node.text
         except Refusal as refusal:
@@ -297,6 +302,20 @@ def _window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
     if not all(spec.limits.holds(number) for number in found) or 0 in found[2:]:
         raise Refusal(f"not {_given(node)}")
     return found
+
+
+LONGEST_PATH = 240
+"""Characters of a path that messages show, from its end."""
+
+
+def _file(node: Scalar) -> str:
+    """A path as it is from here: one in a preset is meant from the preset's folder."""
+    path = Path(node.text)
+    if node.mark.line > 0:
+        path = Path(node.mark.file).parent / path
+    if not os.path.isfile(path):  # Path.is_file raises where a name is too long
+        raise Refusal(f"and there is no file {one_line(str(path)[-LONGEST_PATH:])}")
+    return str(path.absolute())  # so that it stays the same file wherever the scene is dumped to
 
 
 def _option(node: Scalar, spec: ChoiceSpec) -> str:

@@ -59,6 +59,19 @@ def locate(work, n, views, one, size, bias):
 
 
 @inner
+def mixed(work, k):
+    """Between the four texels around vertex k."""
+    return between(
+        work[U + k] - np.floor(work[U + k]),
+        work[V + k] - np.floor(work[V + k]),
+        work[TEXELS + k],
+        work[TEXELS + W + k],
+        work[TEXELS + 2 * W + k],
+        work[TEXELS + 3 * W + k],
+    )
+
+
+@inner
 def sink(work, n, views, one, stacks, layers, start, size, bias):
     """Strands between the light and each vertex, by one opacity map: as `shade`."""
     if size < 2:
@@ -75,14 +88,7 @@ def sink(work, n, views, one, stacks, layers, start, size, bias):
         work[TEXELS + 2 * W + k] = opacity.depth_at(d, texel + down, layers, stacks)
         work[TEXELS + 3 * W + k] = opacity.depth_at(d, texel + down + stride, layers, stacks)
     for k in range(n):
-        passed = between(
-            work[U + k] - np.floor(work[U + k]),
-            work[V + k] - np.floor(work[V + k]),
-            work[TEXELS + k],
-            work[TEXELS + W + k],
-            work[TEXELS + 2 * W + k],
-            work[TEXELS + 3 * W + k],
-        )
+        passed = mixed(work, k)
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
@@ -101,12 +107,5 @@ def beyond(work, n, stacks, layers, start, size):
         work[TEXELS + 2 * W + k] = stacks[last + down]
         work[TEXELS + 3 * W + k] = stacks[last + down + stride]
     for k in range(n):
-        total = between(
-            work[U + k] - np.floor(work[U + k]),
-            work[V + k] - np.floor(work[V + k]),
-            work[TEXELS + k],
-            work[TEXELS + W + k],
-            work[TEXELS + 2 * W + k],
-            work[TEXELS + 3 * W + k],
-        )
+        total = mixed(work, k)
         work[LEFT + k] += max(total - work[PASSED + k], ZERO) if work[INSIDE + k] > ZERO else ZERO

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Colour, Vector, choice, colour, integer, model, number, text, vector
+from ..fields import Colour, Vector, choice, colour, file, integer, model, number, vector
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -66,6 +66,6 @@ class AmbientOcclusion:
 class Environment:
     """Light from all round, from a lat-long picture; it is not drawn. `ambient_occlusion` shades it."""
 
-    image: str = text("", doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
+    image: str = file(doc="picture, beside the preset: PNG (taken as sRGB) or Radiance .hdr; its middle is at +z")
     intensity: float = number(1.0, low=0, doc="scale")
     rotation: float = number(0.0, unit="deg", doc="turn about +y")
