@@ -93,7 +93,7 @@ class Recorder:
             through = np.ones(shape, np.float32)
             kernel.shadows(
                 self._found["strand_id"], keys, self._samples, point, lighting.lights, *map_arrays(lighting.maps),
-                *(lighting.solids or (None,) * 4), lighting.skin, through,
+                *(lighting.solids or (None,) * 4), lighting.skin, lighting.sized, through,
             )  # fmt: skip
             self._found["shadow"] = through
 

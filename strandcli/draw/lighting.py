@@ -44,6 +44,11 @@ class Lighting:
         """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
         return np.float32(0.01 * self.scene.emitter.length)
 
+    @property
+    def sized(self) -> np.uint8 | None:
+        """Whether any light has a size, as kernels are told: None compiles without shadows of such lights."""
+        return np.uint8(1) if self.lights[:, 12].any() else None
+
     def shade_strands(
         self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
         clear: NDArray[np.float32] | None, body: Body | None, colours: NDArray[np.float32],
@@ -57,7 +62,7 @@ class Lighting:
         shade_strands.strands(
             lines.first, lines.world, marks, tones, self.view.pack(), p.colour, p.tint, p.diffuse, *self._sky(),
             p.lobes, p.fibre, p.nodes, p.paths, p.dual, p.dual_scale, self.lights, clear, *map_arrays(self.maps),
-            *(self.solids or (None,) * 4), self.skin, *wide, colours,
+            *(self.solids or (None,) * 4), self.skin, self.sized, *wide, colours,
         )  # fmt: skip
 
     def shade_surfaces(
@@ -73,7 +78,7 @@ class Lighting:
         paint = paint_of([solid for solid in self.scene.solids if solid.visible], self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             keys, width, height, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
-            *map_arrays(self.maps), *self.solids, paint, self.skin, spots, image,
+            *map_arrays(self.maps), *self.solids, paint, self.skin, self.sized, spots, image,
         )  # fmt: skip
 
     def _sky(self) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
@@ -92,5 +93,10 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
         kind = float(not isinstance(light, DirectionalLight))
         traced += is_traced(light)
         number = traced if is_traced(light) else 0
-        rows.append([kind, *where, *power, first, count, bias, layers, number, *[0.0] * 4])
+        rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), *[0.0] * 3])
     return np.array(rows, np.float32).reshape(-1, 16)
+
+
+def _size(light: Light) -> float:
+    """Sine of the angular radius of a light that is far away, radius in metres of one that is near."""
+    return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2

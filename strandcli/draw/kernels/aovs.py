@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import function, parallel, prange
-from . import opacity, solids
+from . import opacity, penumbra, solids
 from .light import toward
 from .raster import EMPTY, LOW, SHIFT
 from .resolve import OPAQUE
@@ -187,12 +187,13 @@ def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth,
 
 @parallel
 def shadows(
-    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, out
+    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+    sized, out,
 ):  # fmt: skip
     """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
 
-    lights (n, 16), maps and solids as in `shade_strands.strands`, `skin` as there; out (height, width), kept where
-    nothing is seen or no light is on.
+    lights (n, 16), maps and solids as in `shade_strands.strands`, `skin` and `sized` as there; out (height, width),
+    kept where nothing is seen or no light is on.
     """
     height, width = ids.shape
     for y in prange(height):
@@ -218,7 +219,13 @@ def shadows(
                 power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
                 whole += power
                 if spheres is not None:
-                    power *= solids.lit(spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin)
+                    if sized is None:
+                        power *= solids.lit(spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin)
+                    else:
+                        power *= penumbra.lit(
+                            spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights[i, 12],
+                            lights[i, 0],
+                        )  # fmt: skip
                 if maps is not None and power > ZERO and lights[i, 10] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
                 if stacks is not None and power > ZERO and lights[i, 10] > ZERO:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, inner, parallel, prange
-from . import body, solids
+from . import body, penumbra, solids
 from .ambient import ambient_light
 from .approximations import exp
 from .batch import (
@@ -57,8 +57,8 @@ STRANDS = 128
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths,
-    twice, scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, slots,
-    columns, profile, out,
+    twice, scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, sized,
+    slots, columns, profile, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
 
@@ -73,7 +73,8 @@ def strands(
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
     only count strands; maps (T, 2) and stacks, like clear each None where there is none of its kind; starts, sizes
     (M,), views (M, 24); solids packed, `skin` metres;
-    spheres None where no solid casts shadows; slots, columns, profile: of `strandcli.draw.body`, None where no strand
+    spheres None where no solid casts shadows; sized: None where no light has a size, [12] in lights: the sine of its
+    angular radius, or its radius in metres; slots, columns, profile: of `strandcli.draw.body`, None where no strand
     is wide; out (V, 3).
     """
     count = first.shape[0] - 1
@@ -98,14 +99,14 @@ def strands(
                     batch(
                         work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale,
                         lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
-                        which, slots, columns, profile,
+                        sized, which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
             work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
             maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
-            which, slots, columns, profile,
+            sized, which, slots, columns, profile,
         )  # fmt: skip
         scatter(work, which, n, out)
 
@@ -139,7 +140,8 @@ def scatter(work, which, n, out):
 @inner
 def batch(
     work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, which, slots, columns, profile,
+    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, sized, which, slots,
+    columns, profile,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
     frames(work, n, view)
@@ -147,7 +149,10 @@ def batch(
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
         if spheres is not None:
-            hide(work, n, spheres, capsules, planes, boxes, skin)
+            if sized is None:
+                hide(work, n, spheres, capsules, planes, boxes, skin)
+            else:
+                soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
         if maps is not None and lights[i, 10] == ZERO:
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, 9])
@@ -243,6 +248,16 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
                     capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k],
                     work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
                 )  # fmt: skip
+
+
+@inner
+def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
+    """`hide` for a light that has a size."""
+    for k in range(n):
+        work[ARRIVES + k] *= penumbra.lit(
+            spheres, capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k],
+            work[LZ + k], work[REACH + k], skin, lights[i, 12], lights[i, 0],
+        )  # fmt: skip
 
 
 @function

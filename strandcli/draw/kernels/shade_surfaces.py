@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import parallel, prange
-from . import dual, occlusion, opacity, solids
+from . import dual, occlusion, opacity, penumbra, solids
 from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
@@ -22,7 +22,7 @@ INV_PI = np.float32(1 / math.pi)
 @parallel
 def surfaces(
     keys, width, height, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, paint, skin, spots, image,
+    spheres, capsules, planes, boxes, paint, skin, sized, spots, image,
 ):  # fmt: skip
     """Lambertian radiance of the solids that are seen.
 
@@ -76,7 +76,13 @@ def surfaces(
                 px = x + nx * skin
                 py = y + ny * skin
                 pz = z + nz * skin
-                falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
+                if sized is None:
+                    falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
+                else:
+                    falloff *= penumbra.lit(
+                        spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights[i, 12],
+                        lights[i, 0],
+                    )  # fmt: skip
                 if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
                     falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
                 if stacks is not None and falloff > ZERO and lights[i, 10] > ZERO:

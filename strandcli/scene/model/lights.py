@@ -36,6 +36,9 @@ class DirectionalLight:
     direction: Vector = vector((-0.5, -1.0, -0.5), unit="1", nonzero=True, doc="where the light travels to")
     colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
     intensity: float = number(3.0, low=0, doc="irradiance on a surface that faces it")
+    size: float = number(
+        0.0, low=0, high=90, unit="deg", doc="diameter as seen from here, the sun's .53: solids' shadows become soft"
+    )
     shadow: Shadow = model(Shadow, doc="the strands' shadow map")
 
 
@@ -47,6 +50,7 @@ class PointLight:
     position: Vector = vector((3.0, 3.0, 3.0), unit="m", doc="where it is")
     colour: Colour = colour((1.0, 1.0, 1.0), doc="colour")
     intensity: float = number(30.0, low=0, unit="W/sr", doc="irradiance at one metre")
+    size: float = number(0.0, low=0, unit="m", doc="its diameter: solids' shadows become soft")
     shadow: Shadow = model(Shadow, doc="the strands' shadow map")
 
 

@@ -1,0 +1,188 @@
+"""Shadows of solids in lights that have a size: how much of a round light stands free of them.
+
+A light is a disc of angular radius α about the direction to its middle. The angle from there to the edge of a solid, as
+seen from a point, is negative inside; of all solids the least one counts, as if its edge were straight where it cuts
+the disc:
+
+    1 − (acos x − x √(1 − x²)) / π,  x = sin(angle) / sin α.
+
+Exact for planes; else for edges that are straight over the light's width. Where several solids cut a light from
+different sides, too much of it is left.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function, inner
+from .approximations import asin
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-20)
+SHARP = np.float32(1e-6)
+"""Sine of the radius of a light without a size among others."""
+CLEAR = np.float32(2.0)
+"""More than any sine: not in the way at all."""
+INV_PI = np.float32(1 / math.pi)
+CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
+STEPS = 32
+"""Of a search along the way to the light."""
+ALONG = 16
+"""Along an axis."""
+
+
+@function
+def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, size, point):
+    """Share of a light that a point sees past all solids, packed by `strandcli.solids.pack`.
+
+    l: unit direction to its middle, at ``reach``; size: sine of its angular radius, or where ``point`` is 1 its radius
+    in metres; skin: as in `solids.lit`.
+    """
+    radius = max(min(size / reach, ONE) if point > ZERO else size, SHARP)
+    x += skin * lx
+    y += skin * ly
+    z += skin * lz
+    least = radius
+    for m in range(spheres.shape[0]):
+        r = spheres[m, 3] - skin
+        least = min(least, ball(r, spheres[m, 0] - x, spheres[m, 1] - y, spheres[m, 2] - z, lx, ly, lz, reach))
+    for m in range(capsules.shape[0]):
+        if least > -radius:
+            least = min(least, capsule(capsules, m, x, y, z, lx, ly, lz, reach, skin, radius))
+    for m in range(planes.shape[0]):
+        over = planes[m, 0] * x + planes[m, 1] * y + planes[m, 2] * z - planes[m, 3]
+        up = planes[m, 0] * lx + planes[m, 1] * ly + planes[m, 2] * lz
+        if over >= ZERO:
+            least = min(least, over / reach + up)
+    for m in range(boxes.shape[0]):
+        if least > -radius:
+            least = min(least, box(boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
+    side = max(least / radius, -ONE)
+    return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
+
+
+@inner
+def ball(r, cx, cy, cz, lx, ly, lz, reach):
+    """Sine of the angle from the light's middle to the edge of a ball whose centre is at c from the point."""
+    t = cx * lx + cy * ly + cz * lz
+    cc = cx * cx + cy * cy + cz * cz
+    ex = cx - t * lx
+    ey = cy - t * ly
+    ez = cz - t * lz
+    off = math.sqrt(ex * ex + ey * ey + ez * ez)
+    tangent = math.sqrt(max(cc - r * r, ZERO))
+    ahead = (t > ZERO) | (t * tangent + off * r > ZERO)
+    there = ahead & (tangent < reach) & (r > ZERO)
+    return (off * tangent - t * r) / max(cc, TINY) if there else CLEAR
+
+
+@inner
+def aside(r, cx, cy, cz, lx, ly, lz, reach, radius):
+    """Whether a light is seen past a whole ball, from outside of it."""
+    return cx * cx + cy * cy + cz * cz > r * r and ball(r, cx, cy, cz, lx, ly, lz, reach) > radius
+
+
+@function
+def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
+    """As `ball`, the least of a capsule's balls: along the axis there is one minimum, since the capsule is convex.
+    ``radius`` (sine) of the light, beyond which nothing has to be known."""
+    bx = p[m, 3]
+    by = p[m, 4]
+    bz = p[m, 5]
+    r = p[m, 6] - skin
+    wx = p[m, 0] - x
+    wy = p[m, 1] - y
+    wz = p[m, 2] - z
+    bb = bx * bx + by * by + bz * bz
+    around = r + HALF * math.sqrt(bb)
+    if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, reach, radius):
+        return CLEAR
+    # where the way to the light passes nearest, the whole light may be hidden already
+    bw = -(bx * wx + by * wy + bz * wz)
+    bl = bx * lx + by * ly + bz * lz
+    lw = lx * wx + ly * wy + lz * wz
+    askew = bb - bl * bl
+    t = max((bl * bw + bb * lw) / askew, ZERO) if askew > SHARP * bb else ZERO
+    s = min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
+    least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
+    if least <= -radius:
+        return least
+    low = ZERO
+    high = ONE
+    near = ONE - CLOSER
+    far = CLOSER
+    at_near = ball(r, wx + near * bx, wy + near * by, wz + near * bz, lx, ly, lz, reach)
+    at_far = ball(r, wx + far * bx, wy + far * by, wz + far * bz, lx, ly, lz, reach)
+    for _ in range(ALONG):
+        if at_near < at_far:
+            high = far
+            far = near
+            at_far = at_near
+            near = high - CLOSER * (high - low)
+            at_near = ball(r, wx + near * bx, wy + near * by, wz + near * bz, lx, ly, lz, reach)
+        else:
+            low = near
+            near = far
+            at_near = at_far
+            far = low + CLOSER * (high - low)
+            at_far = ball(r, wx + far * bx, wy + far * by, wz + far * bz, lx, ly, lz, reach)
+    return min(least, min(at_near, at_far))
+
+
+@function
+def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
+    """As `ball`, for a box: the least of its distance over the distance travelled, which has one minimum on the way to
+    the light because the box is convex. ``radius`` (sine) of the light, beyond which nothing has to be known."""
+    cx = x - p[m, 0]
+    cy = y - p[m, 1]
+    cz = z - p[m, 2]
+    ox = p[m, 3] * cx + p[m, 6] * cy + p[m, 9] * cz
+    oy = p[m, 4] * cx + p[m, 7] * cy + p[m, 10] * cz
+    oz = p[m, 5] * cx + p[m, 8] * cy + p[m, 11] * cz
+    dx = p[m, 3] * lx + p[m, 6] * ly + p[m, 9] * lz
+    dy = p[m, 4] * lx + p[m, 7] * ly + p[m, 10] * lz
+    dz = p[m, 5] * lx + p[m, 8] * ly + p[m, 11] * lz
+    hx = p[m, 12] - skin
+    hy = p[m, 13] - skin
+    hz = p[m, 14] - skin
+    around = math.sqrt(hx * hx + hy * hy + hz * hz)
+    if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, reach, radius):
+        return CLEAR
+    high = min(around - (ox * dx + oy * dy + oz * dz), reach)
+    low = high * SHARP
+    if high <= ZERO:
+        return CLEAR
+    near = high - CLOSER * (high - low)
+    far = low + CLOSER * (high - low)
+    at_near = away(ox + near * dx, oy + near * dy, oz + near * dz, hx, hy, hz) / near
+    at_far = away(ox + far * dx, oy + far * dy, oz + far * dz, hx, hy, hz) / far
+    for _ in range(STEPS):
+        if at_near < at_far:
+            high = far
+            far = near
+            at_far = at_near
+            near = high - CLOSER * (high - low)
+            at_near = away(ox + near * dx, oy + near * dy, oz + near * dz, hx, hy, hz) / near
+        else:
+            low = near
+            near = far
+            at_near = at_far
+            far = low + CLOSER * (high - low)
+            at_far = away(ox + far * dx, oy + far * dy, oz + far * dz, hx, hy, hz) / far
+    return min(at_near, at_far)
+
+
+@inner
+def away(x, y, z, hx, hy, hz):
+    """Distance of a point from a box of half extents h about the origin, negative inside."""
+    ax = abs(x) - hx
+    ay = abs(y) - hy
+    az = abs(z) - hz
+    ox = max(ax, ZERO)
+    oy = max(ay, ZERO)
+    oz = max(az, ZERO)
+    return math.sqrt(ox * ox + oy * oy + oz * oz) + min(max(ax, max(ay, az)), ZERO)
