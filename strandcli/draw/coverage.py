@@ -201,6 +201,7 @@ class Coverage:
         held = int(np.abs(found).sum())
         if found.min() < 0:
             return None, held
+        marks[lines.stride :] |= marks[: -lines.stride]  # light comes from the lit vertex after a fragment as well
         self._note(found, top, bottom)
         self.most = max(self.most, held * SORTED_BYTES + int(used.sum()) * parts.BLOCK * PART_BYTES)
         light = NONE if edges is None else edges.light
