@@ -30,7 +30,6 @@ from .tiles import NUMBERS, ROW_BITS
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 
 
 @inner
@@ -139,8 +138,6 @@ def thin(
     """
     x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
     x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
-    seen = (max(y0, y1) + TWO >= np.float32(top)) & (min(y0, y1) - TWO < np.float32(bottom))
-    seen &= (max(x0, x1) + TWO >= np.float32(left)) & (min(x0, x1) - TWO < np.float32(right))
     flat = abs(run) == 1
     sign = ONE if run > 0 else -ONE
     u0 = sign * (x0 if flat else y0)
@@ -150,7 +147,7 @@ def thin(
     low = left if flat else top
     high = right if flat else bottom
     cell = max(whole(u0), low if run > 0 else -high)
-    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low) if seen else cell
+    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low)
     per = ONE / (u1 - u0)
     slope = (v1 - v0) * per
     rise = q1 - q0

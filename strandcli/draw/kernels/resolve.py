@@ -222,7 +222,8 @@ def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, plac
             through = front * room
             if identity < vertices:
                 identity -= t >> bits
-                marks[np.uint64(identity)] = 1
+                if marks[np.uint64(identity)] == 0:  # to look costs less than to write all over the memory
+                    marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             place[to] = np.uint32(identity)
             weight[to] = front * alpha
