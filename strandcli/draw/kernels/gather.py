@@ -25,17 +25,22 @@ from .coverage import (
     whole,
 )
 from .parts import BEHIND, BLOCK, LOW, NO_WAY, RIBBON, SHIFT, WIDE, way_of
+from .prefetch import prefetch
 from .ribbon import ribbon
 from .tiles import NUMBERS, ROW_BITS
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+AHEAD = np.int64(2)
+"""Parts that memory is asked for before they are looked at."""
+LINE = np.int64(16)
+"""Numbers of a cache line."""
 
 
 @inner
 def gather(
     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
-    top, bottom, left, right, width, work, cells, veil, found, counts,
+    top, bottom, left, right, width, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
@@ -47,7 +52,7 @@ def gather(
     work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
     what the last tile left;
     found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
-    how many there are.
+    how many there are. marks: not read, but soon to be written to, as all that is seen.
     """
     counts[:] = 0
     if hides is not None:
@@ -63,6 +68,7 @@ def gather(
         while stop > 0:
             final = block == (stop - 1) // BLOCK
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
+                ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
                 s = pool[slot, 1] >> SHIFT
                 a = first[s]
                 end = first[s + 1]
@@ -104,6 +110,18 @@ def gather(
                 break
             block = links[block]
     return fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
+
+
+@inlined
+def ask(pool, slot, first, screen, widths, marks):
+    """Ask for what the part in a slot needs."""
+    low = (pool[slot, 0] & LOW) - 1
+    prefetch(first, pool[slot, 1] >> SHIFT)
+    prefetch(screen, 3 * low)
+    prefetch(screen, 3 * low + LINE)
+    prefetch(marks, low)
+    if widths is not None:
+        prefetch(widths, low)
 
 
 @inner

@@ -8,6 +8,7 @@ from ...jit import inner, parallel, prange
 from ...simulate.kernels.simd import get, lay, put, spread, where, width
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
+from .prefetch import prefetch
 from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
@@ -19,6 +20,8 @@ RUN = 64
 FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
+AHEAD = np.uint64(24)
+"""Fragments that the light is asked for before it is needed."""
 IN_PIXEL = np.int32(PIXELS - 1)
 NONE, ONE_ON, TWO, THREE, FOUR = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(NUMBERS)
 
@@ -70,7 +73,7 @@ def resolve(
             right = min(x + TILE_WIDTH, width)
             n = gather(
                 first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+                tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
             )  # fmt: skip
             if n > room and n <= end - o:
                 room = min(n + n // 4, share)
@@ -81,7 +84,7 @@ def resolve(
                 spare = np.empty(room, np.uint32)
                 gather(
                     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                    tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+                    tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
                 )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
@@ -222,8 +225,7 @@ def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, plac
             through = front * room
             if identity < vertices:
                 identity -= t >> bits
-                if marks[np.uint64(identity)] == 0:  # to look costs less than to write all over the memory
-                    marks[np.uint64(identity)] = 1
+                marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             place[to] = np.uint32(identity)
             weight[to] = front * alpha
@@ -261,6 +263,7 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     vertices = np.uint64(vertex.shape[0])
     colours = lay(vertex)
     at = np.uint64(o)
+    last = np.uint64(place.shape[0] - 1)
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
@@ -273,6 +276,7 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
             for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
+                prefetch(vertex, THREE * np.uint64(place[min(i + AHEAD, last)]))
                 if v < vertices:
                     # of the light at both lit vertices
                     far = w * along[i]
