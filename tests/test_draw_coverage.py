@@ -13,7 +13,7 @@ from reference.bands import covered
 from strandcli.draw.coverage import Coverage
 from strandcli.draw.curves import Polylines
 from strandcli.draw.edges import none
-from strandcli.draw.kernels import tiles
+from strandcli.draw.kernels import parts, tiles
 from strandcli.draw.kernels.tiles import PLACES
 from strandcli.draw.scratch import Scratch
 from strandcli.errors import RefusedError
@@ -259,6 +259,33 @@ def test_too_many_in_one_row_are_refused_by_name() -> None:
         with pytest.raises(RefusedError, match=r"row 0 of the picture holds .* fragments of strands"):
             white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=1000, nearest=nearest)
     assert white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=9000).max() > 0.99
+
+
+def test_strands_so_wide_that_they_would_take_minutes_are_refused_by_name() -> None:
+    """A million short pieces, each of which covers the picture."""
+    x = np.arange(1_000_001) % 2 * 3.0 + 30
+    line = np.column_stack([x, x, np.full(len(x), 0.5)])
+    with pytest.raises(RefusedError, match=r"material.width: strands are up to 1,000,000,000 samples wide"):
+        white([line], [np.full(len(x), 1e9)], (64, 64))
+
+
+@pytest.mark.parametrize(
+    ("line", "wide", "places"),
+    [
+        ([[10, 20], [30, 20]], 8.0, 20 * 8),  # along x
+        ([[10, 20], [10, 30]], 8.0, 10 * 8),  # along y
+        ([[10, 20], [30, 20]], 1e9, 20 * 48),  # to the picture's borders
+        ([[-50, 20], [30, 20]], 8.0, 30 * 8),
+        ([[10, 10], [20, 20]], 1e9, 64 * 48),  # aslant: all of the picture
+        ([[10, 20], [30, 20]], 0.5, 0),  # thin
+        ([[-50, 20], [-30, 20]], 8.0, 0),  # beside the picture
+    ],
+)
+def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: float, places: float) -> None:
+    screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
+    toil = np.zeros(1, np.float32)
+    parts.toil(np.array([0, 2]), screen, np.full(2, wide, np.float32), 64, 48, toil)
+    assert toil[0] == pytest.approx(places, rel=1e-3)
 
 
 def test_all_strands_in_one_pixel() -> None:

@@ -33,6 +33,10 @@ NOTHING = np.zeros(0, np.float32)
 NOWHERE = np.zeros(0, np.int64)
 LAST = 1 << 40
 """A fragment that no pixel has."""
+BROAD = 16.0
+"""Samples. No picture has been seen that takes minutes with strands that are no wider than that."""
+PLACES_AT_MOST = 4e9
+"""Pixels that wide pieces may be held against: some ten seconds of a core."""
 
 
 @dataclass(frozen=True)
@@ -102,13 +106,16 @@ class Coverage:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
         screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any.
-        Raises `RefusedError` where one row of pixels holds more fragments than there is room for.
+        Raises `RefusedError` where one row of pixels holds more fragments than there is room for, or strands are so
+        wide that to see which pixels they cover would take minutes.
         """
         self.fragments = self.most = 0
         marks = scratch.take("marks", len(screen), np.uint8)
         lit = None
-        # a mitre reaches out by the square root of two
-        margin = 2.0 + (1.0 if widths is None or not len(widths) else float(widths.max()))
+        widest = 1.0 if widths is None or not len(widths) else float(widths.max())
+        if widths is not None and widest > BROAD:
+            self._require_time(lines, screen, widths, widest)
+        margin = 2.0 + widest  # a mitre reaches out by the square root of two
         rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
         parts.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
         ahead = self._cuts()[::-1]
@@ -126,6 +133,20 @@ class Coverage:
                 lit = marks.copy()
             self.fragments += found
             yield layer
+
+    def _require_time(
+        self, lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32], widest: float
+    ) -> None:
+        """Refuse what would take minutes: many strands that each cover much of the picture."""
+        toil = np.empty(len(lines.first) - 1, np.float32)
+        parts.toil(lines.first, screen, widths, *self.size, toil)
+        places = float(toil.sum(dtype=np.float64))
+        if places > PLACES_AT_MOST:
+            raise RefusedError(
+                f"material.width: strands are up to {widest:,.0f} samples wide in the picture, and their pieces cover "
+                f"about {places:.1e} pixels one by one, more than {PLACES_AT_MOST:.0e}: use a smaller material.width, "
+                "or fewer --strands"
+            )
 
     def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
         """Rows that hold too many fragments, cut so that there is room."""
@@ -201,6 +222,7 @@ class Coverage:
         held = int(np.abs(found).sum())
         if found.min() < 0:
             return None, held
+        marks[lines.stride :] |= marks[: -lines.stride]  # light comes from the lit vertex after a fragment as well
         self._note(found, top, bottom)
         self.most = max(self.most, held * SORTED_BYTES + int(used.sum()) * parts.BLOCK * PART_BYTES)
         light = NONE if edges is None else edges.light

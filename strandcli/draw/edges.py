@@ -67,10 +67,12 @@ def find_edges(
     width, height = size
     hides = scratch.take("hides", len(keys), np.float32)
     kernel.depths(keys, hides)
-    rows = np.zeros(height, np.int64)
-    kernel.count(keys, width, height, rows)
-    found = _edges(hides, np.zeros(int(rows.sum()), np.int64))
-    kernel.collect(keys, width, height, np.cumsum(rows), found.pixels)
+    ends = scratch.take("ends", len(keys), np.uint8)
+    begin = np.zeros(height + 1, np.int64)
+    kernel.find(keys, width, height, ends, begin[1:])
+    np.cumsum(begin, out=begin)
+    found = _edges(hides, np.zeros(int(begin[-1]), np.int64))
+    kernel.collect(ends, width, begin, found.pixels)
     kernel.sample(
         found.pixels, width, view.pack(), *packed, frames_of(packed, view), found.keys, found.spots, found.counts
     )

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ...jit import function, inner
+from ...jit import function, inlined
 from .approximations import acos, asin, clamp, exp2
 from .lobes import azimuthal
 
@@ -45,7 +45,7 @@ def scaled_bessel(x: np.float32) -> np.float32:
     return np.sqrt(p / q)
 
 
-@inner
+@inlined
 def lobe(
     sin_l: np.float32, cos_l: np.float32, sin_v: np.float32, cos_v: np.float32, sharp: np.float32, norm: np.float32
 ) -> np.float32:
@@ -57,7 +57,7 @@ def lobe(
     return norm * exp2(fall) * scaled_bessel(sharp * cos_l * cos_v)
 
 
-@inner
+@inlined
 def longitudinal(
     tx: np.float32, ty: np.float32, tz: np.float32,
     lx: np.float32, ly: np.float32, lz: np.float32,
@@ -86,7 +86,7 @@ def longitudinal(
     return x, y, m_r, m_tt, m_trt, m_rest
 
 
-@inner
+@inlined
 def tilted(sin_l, cos_l, sin_v, cos_v, fibre, p):
     """M of a lobe that the scales tilt."""
     s = sin_v * fibre[COS + p] + cos_v * fibre[SIN + p]

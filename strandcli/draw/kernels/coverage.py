@@ -61,19 +61,22 @@ def fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m):
     """
     cover(work, n)
     locate(work, cells, n, top, bottom, left, right)
-    chosen = look_past(work, cells, choose(work, cells, n), veil)
     room = np.uint64(found.shape[0] // NUMBERS - 1)
-    for i in range(np.uint64(chosen)):
+    o = np.uint64(m)
+    for i in range(np.uint64(choose(work, cells, n))):
         which = np.uint64(cells[np.uint64(CHOSEN) + i])
         k = which & IN_CELLS
         pixel = cells[np.uint64(PIXEL) + which]
-        o = min(np.uint64(m) + i, room) * np.uint64(NUMBERS)
-        found[o] = np.float32(work[np.uint64(DEPTH) + k]).view(np.int32)
-        found[o + np.uint64(1)] = np.float32(work[np.uint64(COVERED) + which]).view(np.int32)
-        found[o + np.uint64(2)] = cells[np.uint64(VERTEX) + k]
-        found[o + np.uint64(3)] = cells[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
-        counts[np.uint64(pixel)] += 1
-    return m + np.int64(chosen)
+        depth = work[np.uint64(DEPTH) + k]
+        at = min(o, room) * np.uint64(NUMBERS)
+        found[at] = np.float32(depth).view(np.int32)
+        found[at + np.uint64(1)] = np.float32(work[np.uint64(COVERED) + which]).view(np.int32)
+        found[at + np.uint64(2)] = cells[np.uint64(VERTEX) + k]
+        found[at + np.uint64(3)] = cells[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
+        seen = depth >= veil[np.uint64(pixel)]
+        counts[np.uint64(pixel)] += np.int64(seen)
+        o += np.uint64(seen)
+    return np.int64(o)
 
 
 @inner
@@ -104,18 +107,6 @@ def lie(along, over, way, left, top, wide, tall):
     x = np.int32(np.int32(over ^ swap) - left)
     y = np.int32(np.int32(along ^ swap) - top)
     return np.int32(np.int32(y << np.int32(ROW_BITS)) | x), (np.uint32(x) < wide) & (np.uint32(y) < tall)
-
-
-@inner
-def look_past(work, cells, n, veil):
-    """Of the n chosen places, those that no solid hides."""
-    m = np.uint64(0)
-    for i in range(np.uint64(n)):
-        which = np.uint64(cells[np.uint64(CHOSEN) + i])
-        cells[np.uint64(CHOSEN) + m] = np.int32(which)
-        depth = work[np.uint64(DEPTH) + (which & IN_CELLS)]
-        m += np.uint64(depth >= veil[np.uint64(cells[np.uint64(PIXEL) + which])])
-    return m
 
 
 @inner

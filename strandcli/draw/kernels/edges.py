@@ -13,6 +13,7 @@ SAMPLES = 4
 PER = np.float32(1 / SAMPLES)
 SLOTS = 4
 """Solids that are told apart within a pixel; more count as the last of them."""
+EVEN = np.uint64(0)
 
 
 @parallel
@@ -23,40 +24,53 @@ def depths(keys, out):
 
 
 @parallel
-def count(keys, width, height, out):
-    """Pixels of each row where a solid may end: out (height,) int64."""
+def find(keys, width, height, ends, counts):
+    """Mark where a solid may end: ends (height * width,) uint8, not zero where a pixel's solid is another one than that
+    of one beside, above or below it, or where one of them is beyond the picture; counts (height,) int64 of each row."""
     for row in prange(height):
-        y = np.int64(row)  # the index is unsigned, and would have `differs` compiled twice
-        n = np.int64(0)
-        for x in range(width):
-            n += differs(keys, width, height, x, y)
-        out[y] = n
-
-
-@parallel
-def collect(keys, width, height, ends, pixels):
-    """List these pixels row by row; ends (height,) int64: where each row's end in pixels (E,) int64."""
-    for row in prange(height):
-        y = np.int64(row)
-        n = ends[y] - 1
-        for x in range(width - 1, -1, -1):
-            if differs(keys, width, height, x, y):
-                pixels[n] = y * width + x
-                n -= 1
+        y = np.int64(row)  # the index is unsigned, and would have `compare` compiled twice
+        compare(keys, y * width, max(y - 1, 0) * width, min(y + 1, height - 1) * width, width, ends)
+        if y in (0, height - 1):
+            ends[y * width : (y + 1) * width] = 1
+        ends[y * width] = 1
+        ends[(y + 1) * width - 1] = 1
+        counts[y] = total(ends, y * width, width)
 
 
 @inner
-def differs(keys, width, height, x, y):
-    """1 where a pixel's solid is another one than that of one beside, above or below it, or where one of them is beyond
-    the picture, else 0."""
-    p = np.int64(y) * width + x
-    border = (x == 0) | (x == width - 1) | (y == 0) | (y == height - 1)
-    own = keys[p] & LOW
-    left = keys[p - (x > 0)] & LOW
-    right = keys[p + (x < width - 1)] & LOW
-    above = keys[p - (width if y > 0 else 0)] & LOW
-    below = keys[p + (width if y < height - 1 else 0)] & LOW
-    return np.int64(border | (left != own) | (right != own) | (above != own) | (below != own))
+def compare(keys, own, above, below, width, ends):
+    """What `find` does in the row that begins at `own`, but for its first and last pixel, whose neighbours are those
+    that begin at `above` and `below`: one vector after the other."""
+    for x in range(np.uint64(1), np.uint64(width - 1)):
+        at = np.uint64(own) + x
+        key = keys[at]
+        other = (keys[at - np.uint64(1)] ^ key) | (keys[at + np.uint64(1)] ^ key)
+        other |= (keys[np.uint64(above) + x] ^ key) | (keys[np.uint64(below) + x] ^ key)
+        ends[at] = np.uint8((other & LOW) != EVEN)
+
+
+@inner
+def total(ends, begin, count):
+    """Sum of so many marks from a place on."""
+    n = np.int64(0)
+    for i in range(np.uint64(begin), np.uint64(begin + count)):
+        n += np.int64(ends[i])
+    return n
+
+
+@parallel
+def collect(ends, width, begin, pixels):
+    """List the marked pixels row by row; ends as from `find`, begin (height + 1,) int64: where each row begins in
+    pixels (E,) int64, and where the last one ends."""
+    for row in prange(begin.shape[0] - 1):
+        y = np.int64(row)
+        n = begin[y]
+        p = y * width
+        while n < begin[y + 1]:
+            if ends[p] != 0:
+                pixels[n] = p
+                n += 1
+            p += 1
 
 
 @parallel

@@ -25,18 +25,22 @@ from .coverage import (
     whole,
 )
 from .parts import BEHIND, BLOCK, LOW, NO_WAY, RIBBON, SHIFT, WIDE, way_of
+from .prefetch import prefetch
 from .ribbon import ribbon
 from .tiles import NUMBERS, ROW_BITS
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
+AHEAD = np.int64(2)
+"""Parts that memory is asked for before they are looked at."""
+LINE = np.int64(16)
+"""Numbers of a cache line."""
 
 
 @inner
 def gather(
     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
-    top, bottom, left, right, width, work, cells, veil, found, counts,
+    top, bottom, left, right, width, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
@@ -48,7 +52,7 @@ def gather(
     work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
     what the last tile left;
     found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
-    how many there are.
+    how many there are. marks: not read, but soon to be written to, as all that is seen.
     """
     counts[:] = 0
     if hides is not None:
@@ -64,6 +68,7 @@ def gather(
         while stop > 0:
             final = block == (stop - 1) // BLOCK
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
+                ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
                 s = pool[slot, 1] >> SHIFT
                 a = first[s]
                 end = first[s + 1]
@@ -107,6 +112,18 @@ def gather(
     return fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
 
 
+@inlined
+def ask(pool, slot, first, screen, widths, marks):
+    """Ask for what the part in a slot needs."""
+    low = (pool[slot, 0] & LOW) - 1
+    prefetch(first, pool[slot, 1] >> SHIFT)
+    prefetch(screen, 3 * low)
+    prefetch(screen, 3 * low + LINE)
+    prefetch(marks, low)
+    if widths is not None:
+        prefetch(widths, low)
+
+
 @inner
 def solids(edges, depth, cover, base, top, bottom, left, right, width, found, counts):
     """What solids cover of the tile's pixels that they cover in part; returns how many these are."""
@@ -139,8 +156,6 @@ def thin(
     """
     x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
     x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
-    seen = (max(y0, y1) + TWO >= np.float32(top)) & (min(y0, y1) - TWO < np.float32(bottom))
-    seen &= (max(x0, x1) + TWO >= np.float32(left)) & (min(x0, x1) - TWO < np.float32(right))
     flat = abs(run) == 1
     sign = ONE if run > 0 else -ONE
     u0 = sign * (x0 if flat else y0)
@@ -150,7 +165,7 @@ def thin(
     low = left if flat else top
     high = right if flat else bottom
     cell = max(whole(u0), low if run > 0 else -high)
-    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low) if seen else cell
+    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low)
     per = ONE / (u1 - u0)
     slope = (v1 - v0) * per
     rise = q1 - q0

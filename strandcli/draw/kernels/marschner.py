@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from ...jit import function, inner
+from ...jit import function, inlined
 from .approximations import acos, asin, clamp, exp2
 from .lobes import azimuthal
 
@@ -59,7 +59,7 @@ def marschner(
     return azimuthal(x, y, m_r, m_tt, m_trt, None, nodes, paths, extra_r, extra_g, extra_b)
 
 
-@inner
+@inlined
 def longitudinal(
     tx: np.float32, ty: np.float32, tz: np.float32,
     lx: np.float32, ly: np.float32, lz: np.float32,

@@ -7,6 +7,8 @@ vertex that this piece ends in; and the strand, above the vertex that its last p
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
@@ -58,6 +60,33 @@ def spans(first, screen, margin, width, out):
         there = (right + margin >= ZERO) & (left - margin < np.float32(width))
         out[s, 0] = low - margin if there else np.float32(np.inf)
         out[s, 1] = high + margin if there else np.float32(-np.inf)
+
+
+@parallel
+def toil(first, screen, widths, width, height, out):
+    """About how many places of the picture have to be looked at for the wide pieces of each strand: the cells that a
+    piece's box has along the axis that it follows more, times the rows that its band has across or the picture.
+
+    first, screen, widths: as in `share_out`; width, height of the picture; out (S,) float32.
+    """
+    for s in prange(first.shape[0] - 1):
+        total = ZERO
+        for v in range(first[s] + 1, first[s + 1]):
+            w = max(widths[v - 1], widths[v])
+            dx = abs(screen[v, 0] - screen[v - 1, 0])
+            dy = abs(screen[v, 1] - screen[v - 1, 1])
+            if w > WIDE and max(dx, dy) >= POINT and screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO:
+                size = np.float32(math.sqrt(dx * dx + dy * dy))
+                across = inside(screen[v - 1, 0], screen[v, 0], HALF * w * dy / size, np.float32(width))
+                down = inside(screen[v - 1, 1], screen[v, 1], HALF * w * dx / size, np.float32(height))
+                total += min(across, w * size / dy) * down if dx < dy else across * min(down, w * size / dx)
+        out[s] = total
+
+
+@inner
+def inside(one, other, reach, end):
+    """How much of the way between two places, and a reach beyond both, lies between 0 and an end."""
+    return max(min(max(one, other) + reach, end) - max(min(one, other) - reach, ZERO), ZERO)
 
 
 @parallel

@@ -8,6 +8,7 @@ from ...jit import inner, parallel, prange
 from ...simulate.kernels.simd import get, lay, put, spread, where, width
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
+from .prefetch import prefetch
 from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
@@ -19,8 +20,10 @@ RUN = 64
 FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
+AHEAD = np.uint64(24)
+"""Fragments that the light is asked for before it is needed."""
 IN_PIXEL = np.int32(PIXELS - 1)
-TWO, FOUR = np.uint64(2), np.uint64(NUMBERS)
+NONE, ONE_ON, TWO, THREE, FOUR = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(NUMBERS)
 
 
 @parallel
@@ -37,8 +40,8 @@ def resolve(
     fragments of each pixel that matter, nearest first: what lies behind where less than `OPAQUE` gets through does not.
     One pixel after the other: place (F,) uint32 the lit vertex before the fragment, or V + e, weight (F,) float32 the
     share of the pixel's light that comes from it, along (F,) float32 the place from that lit vertex to the next.
-    marks (V,) uint8 is set at their lit vertices. found (tiles,) int64: fragments that matter or not, negative where
-    there was no room.
+    marks (V,) uint8 is set at the lit vertices before them. found (tiles,) int64: fragments that matter or not,
+    negative where there was no room.
 
     Pieces that follow each other in their strand and in depth add up: they are parts of one surface. All else covers a
     pixel independently.
@@ -70,7 +73,7 @@ def resolve(
             right = min(x + TILE_WIDTH, width)
             n = gather(
                 first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+                tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
             )  # fmt: skip
             if n > room and n <= end - o:
                 room = min(n + n // 4, share)
@@ -81,7 +84,7 @@ def resolve(
                 spare = np.empty(room, np.uint32)
                 gather(
                     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                    tile, y, below, x, right, width, work, cells, veil, fragments, counts,
+                    tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
                 )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
@@ -92,8 +95,7 @@ def resolve(
             share_out(fragments, n, counts, starts, depths, order)
             rank(fragments, counts, starts, depths, order, behind, spare, sorted_)
             o = weigh(
-                fragments, counts, sorted_, nearest, screen.shape[0], stride, bits, o, base, kept, place, weight, along,
-                marks,
+                fragments, counts, sorted_, nearest, screen.shape[0], bits, o, base, kept, place, weight, along, marks,
             )  # fmt: skip
 
 
@@ -190,10 +192,10 @@ def merge(fragments, first, n, order, spare):
 
 
 @inner
-def weigh(fragments, counts, order, nearest, vertices, stride, bits, o, base, kept, place, weight, along, marks):
+def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, place, weight, along, marks):
     """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
     end = np.int64(0)
-    for p in range(PIXELS):
+    for p in range(np.uint64(PIXELS)):
         m = end
         end += counts[p]
         last = end
@@ -224,13 +226,12 @@ def weigh(fragments, counts, order, nearest, vertices, stride, bits, o, base, ke
             if identity < vertices:
                 identity -= t >> bits
                 marks[np.uint64(identity)] = 1
-                marks[np.uint64(identity + stride)] = 1
             to = np.uint64(o)
             place[to] = np.uint32(identity)
             weight[to] = front * alpha
             along[to] = np.float32(t) * UNIT
             o += 1
-        kept[base + p] = o - begin
+        kept[np.uint64(base) + p] = o - begin
     return o
 
 
@@ -260,31 +261,38 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""
     vertices = np.uint64(vertex.shape[0])
+    colours = lay(vertex)
+    at = np.uint64(o)
+    last = np.uint64(place.shape[0] - 1)
     for y in range(top, bottom):
         for x in range(left, right):
-            n = np.int64(kept[base + (y - top) * TILE_WIDTH + x - left])
-            if n == 0:
+            n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
+            if n == NONE:
                 continue
             r = ZERO
             g = ZERO
             b = ZERO
             total = ZERO
-            for i in range(o, o + n):
+            for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
-                t = along[i]
-                u = v + np.uint64(stride)
+                prefetch(vertex, THREE * np.uint64(place[min(i + AHEAD, last)]))
                 if v < vertices:
-                    r += w * (vertex[v, 0] + t * (vertex[u, 0] - vertex[v, 0]))
-                    g += w * (vertex[v, 1] + t * (vertex[u, 1] - vertex[v, 1]))
-                    b += w * (vertex[v, 2] + t * (vertex[u, 2] - vertex[v, 2]))
+                    # of the light at both lit vertices
+                    far = w * along[i]
+                    near = w - far
+                    v *= THREE
+                    u = v + THREE * np.uint64(stride)
+                    r += near * colours[v] + far * colours[u]
+                    g += near * colours[v + ONE_ON] + far * colours[u + ONE_ON]
+                    b += near * colours[v + TWO] + far * colours[u + TWO]
                 else:
                     e = v - vertices
                     r += w * light[e, 0]
                     g += w * light[e, 1]
                     b += w * light[e, 2]
                 total += w
-            o += n
+            at += n
             through = ONE - total
             if through < OPAQUE:
                 scale = ONE / total
