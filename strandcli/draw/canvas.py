@@ -128,8 +128,13 @@ class Canvas:
         found = None
         if self.grids:
             found = self.scratch.take("clear", (len(self.grids), len(portion.lines.world)), np.float32)
-            for row, grid in zip(found, self.grids, strict=True):
-                grid.visibility(portion.lines, marks, portion.screen, row)
+            body, view = portion.body, self.lighting.view
+            for number, (row, grid) in enumerate(zip(found, self.grids, strict=True)):
+                if body is None or body.shades is None:
+                    grid.visibility(portion.lines, marks, portion.screen, row)
+                else:
+                    shades = body.shades[number]
+                    grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, portion, marks, found)
         self.drawing.lap("shade")

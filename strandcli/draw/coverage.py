@@ -64,7 +64,7 @@ class Layer:
         """Add how the light of wide strands departs from its average over their width."""
         over_fragments(
             self.begin, self.kept, self.place, self.weight, self.along, self.stride, body.screen, body.widths,
-            body.samples, body.slots, body.profile, self.top, self.bottom, image,
+            body.samples, body.start, body.full, body.slots, body.profile, body.shades, self.top, self.bottom, image,
         )  # fmt: skip
 
 

@@ -51,8 +51,8 @@ class Portions:
     """From `cut`."""
     shaded: bool
     """Whether anybody asks for more than is seen: shadow maps do."""
-    fine: bool
-    """Whether light is wanted at every vertex: shadows of single strands are finer than half a segment."""
+    traced: int
+    """Lights with exact shadows: these are finer than half a segment, and light is wanted at every vertex."""
     drawing: Drawing
     scratch: Scratch
 
@@ -73,7 +73,9 @@ class Portions:
             screen = raster.to_screen(here, self.view, scratch)
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             body = (
-                body_of(here, screen, widths, scene.image.supersample, scratch) if scene.material.rounded else None
+                body_of(here, screen, widths, scene.image.supersample, scratch, self.traced)
+                if scene.material.rounded
+                else None
             )
             self.drawing.lap("curves")
             yield Portion(begin, end, here, screen, widths, body)
@@ -89,7 +91,7 @@ class Portions:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:
                 detail.shorten(lines.first, lines.world, fade)
-        if self.fine:
+        if self.traced:
             lines = replace(lines, stride=1)
         if lines.error is not None:
             self.drawing.curve_px_max = max(lines.error, self.drawing.curve_px_max or 0.0)
