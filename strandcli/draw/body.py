@@ -35,7 +35,7 @@ N_THETA, N_PHI, OFFSETS = 24, 49, 8
 """Nodes of the tables, and offsets a column."""
 START, FULL = 2.0, 4.0
 """Widths in pixels from which profiles count, and count fully;"""
-EXACT = 0.1, 0.2
+EXACT = 0.05, 0.1
 """where shadows are exact: there they vary across the width."""
 
 
@@ -68,14 +68,16 @@ class Body:
 
 def body_of(
     lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch,
-    traced: int = 0,
+    traced: int = 0, marks: NDArray[np.uint8] | None = None,
 ) -> Body | None:  # fmt: skip
     """What is wide of polylines (V,) with these widths in samples; None where nothing is. ``traced``: lights with exact
-    shadows."""
+    shadows, under which only the vertices with ``marks`` (V,) matter: they are many."""
     start, full = EXACT if traced else (START, FULL)
     if widths is None or not len(widths) or not float(widths.max()) > start * samples:
         return None
     wide = (widths > np.float32(start * samples)) & (screen[:, 2] > 0)
+    if marks is not None:
+        wide &= marks != 0
     count = int(np.count_nonzero(wide))
     if count == 0:
         return None

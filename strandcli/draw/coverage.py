@@ -98,10 +98,12 @@ class Coverage:
         edges: Edges | None,
         workers: int,
         scratch: Scratch,
+        again: bool = False,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
-        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any.
+        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any;
+        again: whether light is wanted in each layer at all that it shows.
         Raises `RefusedError` where one row of pixels holds more fragments than there is room for.
         """
         self.fragments = self.most = 0
@@ -119,7 +121,9 @@ class Coverage:
             if layer is None:
                 ahead += self._finer(top, bottom, found)[::-1]
                 continue
-            if lit is not None:
+            if again:
+                pass
+            elif lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
                 lit |= marks
             elif bottom < self.size[1]:

@@ -33,6 +33,7 @@ class Portion:
     widths: NDArray[np.float32] | None
     """(V,) pixels; None: lines a pixel wide."""
     body: Body | None
+    """None also where shadows are exact: it is made when it is known what is seen."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,9 @@ class Portions:
             here = self._flatten(begin, end) if lines is None else lines
             screen = raster.to_screen(here, self.view, scratch)
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
-            body = (
-                body_of(here, screen, widths, scene.image.supersample, scratch, self.traced)
-                if scene.material.rounded
-                else None
-            )
+            body = None
+            if scene.material.rounded and not self.traced:
+                body = body_of(here, screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
             yield Portion(begin, end, here, screen, widths, body)
 

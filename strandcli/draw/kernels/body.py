@@ -241,8 +241,8 @@ def add(x, y, v, t, stride, weight, screen, widths, samples, start, full, slots,
 
 @inner
 def lit(profile, shades, slot, after, low, high, t, half):
-    """Mean departure between the offsets `low` and `high`, in columns, within `half` a piece's length of its place t: of
-    a piece between two vertices with these slots, where exact shadows leave it light."""
+    """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light: between the
+    offsets `low` and `high`, in columns, and within `half` the piece's length of its place t."""
     since = min(max(np.int64((t - half) * np.float32(PLACES)), 0), PLACES - 1)
     until = max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
     mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
