@@ -2,8 +2,8 @@
 
 What is the same: strands (see `path_tracer`), camera, directional light of a given irradiance, index of refraction,
 absorption, roughness and tilt. What differs, and is part of the figures here: Mitsuba's `hair` is evaluated at the
-offset h where a ray meets the strand, here light is averaged over the width; opacity maps hold the mean of the shadows
-of single strands; and of strands that share a sample Mitsuba knows which is in front of which part. All three are right
+offset h where a ray meets the strand, here light is averaged over the width unless shadows are exact; opacity maps hold
+the mean of the shadows of single strands; and of strands that share a sample Mitsuba knows which is in front of which part. All three are right
 on average, and what is left is smaller the more strands share a pixel.
 
 Mitsuba's logarithm of I₀ is somewhat too small just below 12, where it changes over to the asymptote: R is up to half a

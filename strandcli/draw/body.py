@@ -11,6 +11,10 @@ beside them. What is no lobe, the light from strand to strand, is rounded off by
 average are kept, and they add up to nothing over the width: a strand's whole light is what it is far away, and between
 two and four pixels departures grow from nothing, so that nothing jumps as the camera comes near. A pixel's share of the
 width is averaged exactly, so that a strand three pixels wide does not flicker.
+
+Where a light's shadows are exact they have their edges across the width too, and departures begin at a twentieth of a
+pixel: shadows are traced along lines on the side that the camera sees, and each sample has the light and the shadow of
+the part of the width and of the length that it shows. With dual scattering shadows stay those of the whole width.
 """
 
 from __future__ import annotations
