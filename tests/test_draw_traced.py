@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from strand_kit import frames_of, scene_of
 
+from strandcli.draw.camera import parallel_view
 from strandcli.draw.curves import Polylines
+from strandcli.draw.kernels.body import LINES
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shadow import Thickness
 from strandcli.draw.traced import Grid, grid_of
@@ -181,3 +183,35 @@ def test_motion_blur_and_a_lens_have_exact_shadows_too() -> None:
     scene = scene_of(PRESET.replace("fov: 30}", "fov: 30, aperture: 0.1, shutter: 0.5, samples: 4}"))
     sharp = frames_of(scene_of(PRESET))[0].image.astype(np.float64)
     assert frames_of(scene)[0].image.mean() == pytest.approx(sharp.mean(), rel=0.05)
+
+
+def test_a_shadow_has_its_edge_where_it_falls_across_the_width() -> None:
+    """Light from 60° aside, of which a second strand keeps what passes more than half a radius to the left of the
+    first one's middle: there the side is dark that the eye sees to the left of h = ½."""
+    turn, radius = np.radians(60.0), 0.01
+    way = np.array([np.sin(turn), 0.0, np.cos(turn)])
+    aside = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    post = np.linspace(-1.0, 1.0, 9)[:, None] * [0.0, 1.0, 0.0]
+    world = np.concatenate([post, post + 0.3 * way - 1.5 * radius * aside]).astype(np.float32)
+    lines = Polylines(np.array([0, 9, 18]), world)
+    slots = np.arange(18, dtype=np.int32)
+    shades = np.zeros((18, LINES), np.uint64)
+    out = np.full(18, np.nan, np.float32)
+    eye = parallel_view((0.0, 0.0, -1.0), 64, np.array([[-1.0] * 3, [1.0] * 3]))
+    light = DirectionalLight(direction=tuple(-way), shadow=EXACT)
+    grid(light, lines, Thickness(2 * radius, 0.0)).visibility(
+        lines, np.ones(18, np.uint8), np.zeros((18, 3), np.float32), out, eye, slots, shades
+    )
+    offsets = (2 * np.arange(LINES) + 1) / LINES - 1
+    dark = (np.uint64(0xFFFFFFFFFFFFFFFF) * (offsets < 0.5)).astype(np.uint64)
+    np.testing.assert_array_equal(shades[1:7], np.broadcast_to(dark, (6, LINES)))
+    np.testing.assert_allclose(out[2:7], (offsets > 0.5).mean(), atol=1e-6)
+    assert not shades[9:17].any()  # nothing stands before the other one
+
+
+def test_a_strand_that_points_to_the_light_is_not_in_its_own_shade() -> None:
+    """Along its whole length, though it is bent by as much as its radius."""
+    t = np.linspace(0, 1, 13)[:, None]
+    world = (-t * [0.5, 1.0, 0.3] + 0.01 * np.sin(3 * t) * [1.0, 0.0, 0.0]).astype(np.float32)
+    lines = Polylines(np.array([0, 13]), world)
+    np.testing.assert_array_equal(visible(grid(SUN, lines), lines), 1.0)

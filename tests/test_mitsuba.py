@@ -2,9 +2,9 @@
 
 What is the same: strands (see `path_tracer`), camera, directional light of a given irradiance, index of refraction,
 absorption, roughness and tilt. What differs, and is part of the figures here: Mitsuba's `hair` is evaluated at the
-offset h where a ray meets the strand, here light is averaged over the width; opacity maps hold the mean of the shadows
-of single strands; and of strands that share a sample Mitsuba knows which is in front of which part. All three are right
-on average, and what is left is smaller the more strands share a pixel.
+offset h where a ray meets the strand, here light is averaged over the width unless shadows are exact; opacity maps hold
+the mean of the shadows of single strands; and of strands that share a sample Mitsuba knows which is in front of which
+part. All three are right on average, and what is left is smaller the more strands share a pixel.
 
 Mitsuba's logarithm of I₀ is somewhat too small just below 12, where it changes over to the asymptote: R is up to half a
 per cent too dark where β_m is .3, and nothing is where it is .6.
@@ -24,6 +24,7 @@ pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-agai
 from path_tracer import figures, one_strand, seconds_to, trace
 
 import strandcli
+from strandcli.blocks import lanes, pack
 from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject, changed, silhouette
@@ -64,6 +65,19 @@ material: {model: chiang, pigment: blond, beta_m: 0.3, beta_n: 0.3, tilt: 2.5, d
            scatter: dual}
 curves: {mode: fixed, level: 1}
 """
+WIDE = f"""\
+title: a hemisphere of strands as wide as a pixel
+emitter: {{shape: {{kind: sphere, radius: 1}}, strands: 10000, particles: 37, length: 1}}
+rules: []
+camera: {{position: [0, 0.5, 5], target: [0, 0, 0],
+         fov: {math.degrees(2 * math.atan(0.75 * math.tan(math.radians(20))))}}}
+image: {{size: [800, 600], supersample: 3, background: [0, 0, 0], resolver: sorted}}
+ambient: [0, 0, 0]
+lights: [{{kind: directional, direction: [-0.7, -0.5, -0.4], intensity: 3, shadow: {{model: traced}}}}]
+material: {{model: chiang, eumelanin: 0.5, pheomelanin: 0.3, beta_m: 0.3, beta_n: 0.3, tilt: 2, diffuse: 0,
+           width: 0.004, taper: 0}}
+curves: {{mode: "off"}}
+"""
 FRONT, BACK = (0.55, -0.75, -0.6), (0.2, -0.25, 0.9)
 
 
@@ -81,7 +95,7 @@ def subject_of(text: str, folder: Path, settings: dict[str, Any]) -> Subject:
 def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
     """Strands stand apart. They shade each other all the same: without that they are 2.7 % and 4.5 % too bright."""
     subject = subject_of(APART, tmp_path, {"lights.0.direction": direction})
-    traced = trace(subject, tmp_path, 2048)
+    traced = trace(subject, tmp_path, 512)
     found = figures(subject.draw(subject.scene, draws=1).image, traced)
     white = subject.draw(silhouette(subject.scene), draws=1).image[..., 0]
     noise = float((traced.alpha * (1 - traced.alpha)).mean() / (2 * traced.samples))
@@ -98,7 +112,7 @@ def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
 @pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])
 def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direction: Any) -> None:
     subject = subject_of(HAIR, tmp_path, {"lights.0.direction": direction})
-    traced = trace(subject, tmp_path, 1024)
+    traced = trace(subject, tmp_path, 256)
     picture = subject.draw(subject.scene)
     found = figures(picture.image, traced)
     seconds = sum(picture.seconds.values())
@@ -110,12 +124,12 @@ def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direc
     assert bare.rmse > 0.5
 
 
-@pytest.mark.parametrize(("direction", "most"), [(FRONT, 0.1), (BACK, 0.14)], ids=["from above", "from behind"])
-def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: float) -> None:
+@pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])
+def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any) -> None:
     """A twelfth of a pixel wide. Behind a light from behind most of the light is on few strands, each of it bright."""
     wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 3}
     subject = subject_of(HAIR, tmp_path, wide)
-    traced = trace(subject, tmp_path, 512)
+    traced = trace(subject, tmp_path, 192)
     picture = subject.draw(changed(subject.scene, {"lights.0.shadow.model": "traced"}))
     found = figures(picture.image, traced)
     seconds = sum(picture.seconds.values())
@@ -123,8 +137,39 @@ def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: f
     maps = figures(subject.draw(subject.scene, draws=1).image, traced)
     print(f"\n{found}; {seconds:.3f} s, the path tracer {slow:.0f} s: {slow / seconds:.0f} times; with a map {maps}")
     assert abs(found.brightness - 1) < 0.02
-    assert found.rmse < most
+    assert found.rmse < 0.1
     assert maps.rmse > 1.3 * found.rmse
+
+
+def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
+    """A hemisphere of 10,000 bent strands, at 800×600 .7 to 1.2 pixels wide: a pixel sees a part of one strand's width,
+    where R is a streak and the shadows of others have their edges. With light and shadow averaged over the width the
+    error is .87 and the picture 9 % too dark. What is left is due to strands that share a sample: which of them hides
+    which part of the other is not known. It falls with the samples (.41, .26, .22, .20 of 1 to 4 along a side)."""
+    subject = hemisphere(tmp_path)
+    traced = trace(subject, tmp_path, 12)
+    picture = subject.draw(subject.scene)
+    found = figures(picture.image, traced)
+    seconds = sum(picture.seconds.values())
+    slow = seconds_to(found.rmse, found, traced)
+    flat = figures(subject.draw(changed(subject.scene, {"material.rounded": False}), draws=1).image, traced)
+    print(f"\n{found}; {seconds:.3f} s, the path tracer {slow:.0f} s: {slow / seconds:.0f} times; averaged {flat}")
+    assert abs(found.brightness - 1) < 0.025
+    assert found.rmse < 0.24
+    assert flat.rmse > 0.7
+
+
+def hemisphere(folder: Path, strands: int = 10_000, points: int = 37) -> Subject:
+    subject = subject_of(WIDE, folder, {})
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(strands, 1, 3))
+    root[..., 1] = abs(root[..., 1])
+    root /= np.linalg.norm(root, axis=2, keepdims=True)
+    t = np.linspace(0, 1, points)[:, None]
+    line = root * (1 + 0.6 * t) + [0, -0.6, 0] * t**2
+    subject.positions = pack(np.concatenate([2 * line[:, :1] - line[:, 1:2], line], 1))
+    subject.lengths = lanes(np.linalg.norm(np.diff(line, axis=1), axis=2).mean(1)[:, None])
+    return subject
 
 
 ANGLES = [(0, 0, 60), (0, 0, 175), (30, -30, 60), (-50, 40, 90)]

@@ -11,6 +11,10 @@ beside them. What is no lobe, the light from strand to strand, is rounded off by
 average are kept, and they add up to nothing over the width: a strand's whole light is what it is far away, and between
 two and four pixels departures grow from nothing, so that nothing jumps as the camera comes near. A pixel's share of the
 width is averaged exactly, so that a strand three pixels wide does not flicker.
+
+Where a light's shadows are exact they have their edges across the width too, and departures begin at a twentieth of a
+pixel: shadows are traced along lines on the side that the camera sees, and each sample has the light and the shadow of
+the part of the width and of the length that it shows. With dual scattering shadows stay those of the whole width.
 """
 
 from __future__ import annotations
@@ -33,6 +37,10 @@ if TYPE_CHECKING:
 
 N_THETA, N_PHI, OFFSETS = 24, 49, 8
 """Nodes of the tables, and offsets a column."""
+START, FULL = 2.0, 4.0
+"""Widths in pixels from which profiles count, and count fully;"""
+EXACT = 0.05, 0.1
+"""where shadows are exact: there they vary across the width."""
 
 
 @dataclass(frozen=True)
@@ -44,33 +52,45 @@ class Body:
     slots: NDArray[np.int32]
     """(V,) number of the vertex' profile, or −1."""
     profile: NDArray[np.float32]
-    """(n, columns + 1, 3)"""
+    """(1 + lights, n, columns + 1, 3)"""
     samples: np.float32
     """Along each side of a pixel."""
+    start: np.float32
+    full: np.float32
+    """Widths in pixels from which profiles count, and count fully."""
+    shades: NDArray[np.uint64] | None
+    """(lights, n, LINES) what exact shadows darken of the piece after each; None without such lights."""
 
     def over_seen(self, keys: NDArray[np.uint64], base: int, lines: Polylines, image: NDArray[np.float32]) -> None:
         """Add departures where the z-buffer ``keys`` shows these polylines, whose vertices are numbered from
         ``base``."""
         kernel.over_seen(
-            keys, base, lines.per, lines.stride, self.screen, self.widths, self.samples, self.slots, self.profile, image
-        )
+            keys, base, lines.per, lines.stride, self.screen, self.widths, self.samples, self.start, self.full,
+            self.slots, self.profile, self.shades, image,
+        )  # fmt: skip
 
 
 def body_of(
-    lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch
-) -> Body | None:
-    """What is wide of polylines (V,) with these widths in samples; None where nothing is."""
-    if widths is None or not len(widths) or not float(widths.max()) > kernel.START * samples:
+    lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch,
+    traced: int = 0, marks: NDArray[np.uint8] | None = None,
+) -> Body | None:  # fmt: skip
+    """What is wide of polylines (V,) with these widths in samples; None where nothing is. ``traced``: lights with exact
+    shadows, under which only the vertices with ``marks`` (V,) matter: they are many."""
+    start, full = EXACT if traced else (START, FULL)
+    if widths is None or not len(widths) or not float(widths.max()) > start * samples:
         return None
-    wide = (widths > np.float32(kernel.START * samples)) & (screen[:, 2] > 0)
+    wide = (widths > np.float32(start * samples)) & (screen[:, 2] > 0)
+    if marks is not None:
+        wide &= marks != 0
     count = int(np.count_nonzero(wide))
     if count == 0:
         return None
     slots = scratch.take("slots", len(widths), np.int32)
     slots.fill(-1)
     slots[wide] = np.arange(count, dtype=np.int32)
-    profile = scratch.take("profile", (count, kernel.COLUMNS + 1, 3), np.float32)
-    return Body(screen, widths, slots, profile, np.float32(samples))
+    profile = scratch.take("profile", (1 + traced, count, kernel.COLUMNS + 1, 3), np.float32)
+    shades = scratch.take("shades", (traced, count, kernel.LINES), np.uint64) if traced else None
+    return Body(screen, widths, slots, profile, np.float32(samples), np.float32(start), np.float32(full), shades)
 
 
 def columns_of(material: Material) -> NDArray[np.float32] | None:

@@ -7,13 +7,14 @@ or fragments are sorted first, and those that too much stands before are left ou
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import raster
 from .aovs import Recorder
+from .body import body_of
 from .coverage import Coverage
 from .curves import Polylines
 from .drawing import Drawing
@@ -77,12 +78,14 @@ class Canvas:
         edges = (
             None if light.solids is None else find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
         )
-        for layer in coverage.layers(lines, screen, portion.widths, edges, self.workers, self.scratch):
+        exact = bool(self.grids)
+        for layer in coverage.layers(lines, screen, portion.widths, edges, self.workers, self.scratch, exact):
             self.drawing.lap("raster")
             self.before("light")
             if edges is not None and layer.top == 0:
                 light.shade_surfaces(self.keys, *self.size, self.image)
                 edges.lay(light.shade_surfaces, self.image, self.backdrop)
+            portion = self._embodied(portion, layer.marks)
             colours = self._shade(portion, layer.marks)
             layer.compose(colours, self.image)
             if portion.body is not None:
@@ -104,6 +107,7 @@ class Canvas:
         self.drawing.lap("raster")
         self.before("light")
         marks, seen = mark(self.keys, lines, self._base, self.scratch)
+        portion = self._embodied(portion, marks)
         colours = self._shade(portion, marks)
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
         if portion.body is not None:
@@ -123,13 +127,26 @@ class Canvas:
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)
 
+    def _embodied(self, portion: Portion, marks: NDArray[np.uint8]) -> Portion:
+        """A portion with the body of what is seen of it, where shadows are exact."""
+        if not self.grids or not self.lighting.scene.material.rounded:
+            return portion
+        lines, screen, widths = portion.lines, portion.screen, portion.widths
+        body = body_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
+        return replace(portion, body=body)
+
     def _shade(self, portion: Portion, marks: NDArray[np.uint8]) -> NDArray[np.float32]:
         """(V, 3) light at the marked vertices."""
         found = None
         if self.grids:
             found = self.scratch.take("clear", (len(self.grids), len(portion.lines.world)), np.float32)
-            for row, grid in zip(found, self.grids, strict=True):
-                grid.visibility(portion.lines, marks, portion.screen, row)
+            body, view = portion.body, self.lighting.view
+            for number, (row, grid) in enumerate(zip(found, self.grids, strict=True)):
+                if body is None or body.shades is None:
+                    grid.visibility(portion.lines, marks, portion.screen, row)
+                else:
+                    shades = body.shades[number]
+                    grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, portion, marks, found)
         self.drawing.lap("shade")

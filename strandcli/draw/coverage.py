@@ -68,7 +68,7 @@ class Layer:
         """Add how the light of wide strands departs from its average over their width."""
         over_fragments(
             self.begin, self.kept, self.place, self.weight, self.along, self.stride, body.screen, body.widths,
-            body.samples, body.slots, body.profile, self.top, self.bottom, image,
+            body.samples, body.start, body.full, body.slots, body.profile, body.shades, self.top, self.bottom, image,
         )  # fmt: skip
 
 
@@ -102,10 +102,12 @@ class Coverage:
         edges: Edges | None,
         workers: int,
         scratch: Scratch,
+        again: bool = False,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
-        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any.
+        screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any;
+        again: whether light is wanted in each layer at all that it shows.
         Raises `RefusedError` where one row of pixels holds more fragments than there is room for, or strands are so
         wide that to see which pixels they cover would take minutes.
         """
@@ -126,7 +128,9 @@ class Coverage:
             if layer is None:
                 ahead += self._finer(top, bottom, found)[::-1]
                 continue
-            if lit is not None:
+            if again:
+                pass
+            elif lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
                 lit |= marks
             elif bottom < self.size[1]:

@@ -33,6 +33,7 @@ class Portion:
     widths: NDArray[np.float32] | None
     """(V,) pixels; None: lines a pixel wide."""
     body: Body | None
+    """None also where shadows are exact: it is made when it is known what is seen."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,8 @@ class Portions:
     """From `cut`."""
     shaded: bool
     """Whether anybody asks for more than is seen: shadow maps do."""
-    fine: bool
-    """Whether light is wanted at every vertex: shadows of single strands are finer than half a segment."""
+    traced: int
+    """Lights with exact shadows: these are finer than half a segment, and light is wanted at every vertex."""
     drawing: Drawing
     scratch: Scratch
 
@@ -72,9 +73,9 @@ class Portions:
             here = self._flatten(begin, end) if lines is None else lines
             screen = raster.to_screen(here, self.view, scratch)
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
-            body = (
-                body_of(here, screen, widths, scene.image.supersample, scratch) if scene.material.rounded else None
-            )
+            body = None
+            if scene.material.rounded and not self.traced:
+                body = body_of(here, screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
             yield Portion(begin, end, here, screen, widths, body)
 
@@ -89,7 +90,7 @@ class Portions:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:
                 detail.shorten(lines.first, lines.world, fade)
-        if self.fine:
+        if self.traced:
             lines = replace(lines, stride=1)
         if lines.error is not None:
             self.drawing.curve_px_max = max(lines.error, self.drawing.curve_px_max or 0.0)

@@ -153,7 +153,7 @@ class Renderer:
         ranges = [(0, strands)] if whole else portions.cut(strands, positions.shape[1] - 1, scene.curves)
         shaded = maps is not None or bool(self.traced)
         feed = Portions(
-            scene, positions, lengths, strands, level, view, self._thins, ranges, shaded, bool(self.traced), drawing,
+            scene, positions, lengths, strands, level, view, self._thins, ranges, shaded, len(self.traced), drawing,
             scratch,
         )  # fmt: skip
         lines = next(feed.lines()) if len(ranges) == 1 else None

@@ -41,7 +41,7 @@ PLACES = 2.0
 WORDS = 8
 """Of 64 places along a piece of a strand, at most."""
 APART = 2.0
-"""Widths along a strand within which it does not shade itself."""
+"""Widths aside of itself, as the light sees it, within which a strand does not shade itself."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,7 @@ class Grid:
     """Of bits for the places along a piece."""
     veil: int
     bias: np.float32
-    apart: int
-    """Pieces to each side of one that it is not shaded by."""
+    thickness: Thickness
 
     @property
     def nbytes(self) -> int:
@@ -67,14 +66,18 @@ class Grid:
         return self.begin.nbytes + self.keys.nbytes + self.rows.nbytes
 
     def visibility(
-        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32]
-    ) -> None:
+        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
+        eye: View | None = None, slots: NDArray[np.int32] | None = None, shades: NDArray[np.uint64] | None = None,
+    ) -> None:  # fmt: skip
         """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
-        camera sees at ``screen`` (V, 3)."""
+        camera sees at ``screen`` (V, 3). Across the strands at the vertices that have ``slots`` (V,), where ``eye``
+        sees them, into shades (n, LINES): see `kernels.traced.visibility`."""
         most = int(np.diff(lines.first).max(initial=1))
         kernel.visibility(
             lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
-            self.keys, self.rows, self.words, self.veil, self.bias, self.apart, out,
+            self.keys, self.rows, self.words, self.veil, self.bias, np.float32(APART * self.thickness.width),
+            None if eye is None else eye.pack(), np.float32(self.thickness.width), np.float32(self.thickness.taper),
+            lines.scale, slots, shades, out,
         )  # fmt: skip
 
 
@@ -112,11 +115,10 @@ def grid_of(
         kernel.equations(lines.first, bands, focal, np.float32(size / 2), table)
         kernel.order(ends, size, table, keys, rows)
     words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / kernel.WORD)
-    apart = 1 + math.ceil(min(APART * thickness.width / piece, 1e6))
     return Grid(
         np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
         size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, min(words, WORDS),
-        round(opacity * int(kernel.VEILS)), np.float32(light.shadow.bias), apart,
+        round(opacity * int(kernel.VEILS)), np.float32(light.shadow.bias), thickness,
     )  # fmt: skip
 
 

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, inner, parallel, prange
+from ...jit import function, inlined, inner, parallel, prange
 from .approximations import clamp
-from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TRT, TT, TX, TY, TZ, R, U, V
+from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TEXELS, TRT, TT, TX, TY, TZ, R, U, V
 from .lobes import grown
 from .raster import LOW
 from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
@@ -27,8 +27,13 @@ THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
 COLUMNS = 16
 """Columns of h."""
-START, FULL = np.float32(2.0), np.float32(4.0)
-"""Widths in pixels from which profiles count, and count fully."""
+ACROSS = 2
+"""Columns a line along which exact shadows are traced;"""
+LINES = COLUMNS // ACROSS
+"""lines,"""
+PLACES = 64
+"""and places along each that are lit or dark: bits of a word."""
+ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 FINEST = np.float32(1e-3)
 """Half the share of a profile that a sample sees at least, in columns: less is lost in rounding."""
 CHANNELS = 8
@@ -45,9 +50,10 @@ HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
 @inner
 def begin(profile, slot):
     """An empty profile."""
-    for i in range(COLUMNS + 1):
-        for c in range(3):
-            profile[slot, i, c] = ZERO
+    for row in range(profile.shape[0]):
+        for i in range(COLUMNS + 1):
+            for c in range(3):
+                profile[row, slot, i, c] = ZERO
 
 
 @inner
@@ -58,7 +64,7 @@ def remember(work):
 
 
 @inner
-def round_off(work, n, which, slots, profile):
+def round_off(work, n, which, slots, profile, row):
     """Light that has been added since `remember` as a cosine lobe about the side that faces it: times
     1 + cos (γ − φ) − mean, h = sin γ, which is nowhere negative."""
     for k in range(n):
@@ -68,7 +74,7 @@ def round_off(work, n, which, slots, profile):
             for c in range(3):
                 light = work[RADIANCE + c * W + k] - work[BEFORE + c * W + k]
                 for i in range(COLUMNS):
-                    profile[slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
+                    profile[row, slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
 
 
 @inner
@@ -86,7 +92,7 @@ def azimuth(work, k):
 
 
 @inner
-def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile):
+def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile, row):
     """The lobes across the strand, from what `highlights.highlights` has left in the batch.
 
     columns (n_θ, n_φ, COLUMNS, 8): tables of `strandcli.draw.body`, of the same ranges as nodes.
@@ -117,7 +123,7 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
                 m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
             for q in range(COLUMNS):
                 h = q if sine >= ZERO else COLUMNS - 1 - q
-                profile[slot, q + 1, c] += (
+                profile[row, slot, q + 1, c] += (
                     m_r * cell(columns, i, j, h, 0, x, y)
                     + m_tt * cell(columns, i, j, h, 1 + c, x, y)
                     + m_trt * cell(columns, i, j, h, 4 + c, x, y)
@@ -132,24 +138,49 @@ def cell(columns, i, j, h, c, x, y):
     return low + x * (high - low)
 
 
+@inner
+def darken(work, n, which, slots, profile, row, clear):
+    """Leave of the light that has been added since `remember` what exact shadows do: of its average over the width the
+    share `clear` (lights, V). Profiles of wide strands have all of it in their own `row`, for `lit`, and in the first
+    one what takes the place of the average."""
+    for c in range(3):
+        for k in range(n):
+            before = work[BEFORE + c * W + k]
+            work[TEXELS + k] = work[RADIANCE + c * W + k] - before
+            work[RADIANCE + c * W + k] = before + clear[row - 1, which[k]] * work[TEXELS + k]
+        for k in range(n):
+            slot = slots[which[k]]
+            if slot >= 0:
+                light = work[TEXELS + k]
+                left = clear[row - 1, which[k]] * light
+                for i in range(COLUMNS):
+                    profile[row, slot, i + 1, c] += light
+                    profile[0, slot, i + 1, c] -= left
+
+
 @function
 def add_up(profile, slot):
-    """From each column's light to that of all columns up to its end, which comes to nothing at the last."""
-    for c in range(3):
-        mean = ZERO
-        for i in range(COLUMNS):
-            mean += profile[slot, i + 1, c]
-        mean /= np.float32(COLUMNS)
-        total = ZERO
-        for i in range(1, COLUMNS):
-            total += profile[slot, i, c] - mean
-            profile[slot, i, c] = total
-        profile[slot, COLUMNS, c] = ZERO
+    """From each column's light to that of all columns up to its end. Where there is but one row, departures from an
+    average, that comes to nothing at the last."""
+    for row in range(profile.shape[0]):
+        for c in range(3):
+            mean = ZERO
+            if profile.shape[0] == 1:
+                for i in range(COLUMNS):
+                    mean += profile[row, slot, i + 1, c]
+                mean /= np.float32(COLUMNS)
+            total = ZERO
+            for i in range(1, COLUMNS + 1):
+                total += profile[row, slot, i, c] - mean
+                profile[row, slot, i, c] = total
+            if profile.shape[0] == 1:
+                profile[row, slot, COLUMNS, c] = ZERO
 
 
 @function
 def departure(profile, slots, v, c, low, high):
-    """Mean of a vertex' profile between the offsets `low` and `high`, in columns; 0 where it is not wide."""
+    """Mean of the first row of a vertex' profile between the offsets `low` and `high`, in columns; 0 where it is not
+    wide."""
     slot = slots[v]
     if slot < 0:
         return ZERO
@@ -161,18 +192,19 @@ def gathered(profile, slot, c, place):
     """What `add_up` made at a place in [0, COLUMNS]: a cubic whose slope, the light, has no steps."""
     i = min(np.int64(place), COLUMNS - 1)
     t = place - np.float32(i)
-    a = profile[slot, i, c]
-    b = profile[slot, i + 1, c]
+    a = profile[0, slot, i, c]
+    b = profile[0, slot, i + 1, c]
     rise = b - a
-    before = HALF * (rise + a - profile[slot, i - 1, c]) if i > 0 else rise
-    after = HALF * (rise + profile[slot, i + 2, c] - b) if i + 2 <= COLUMNS else rise
+    before = HALF * (rise + a - profile[0, slot, i - 1, c]) if i > 0 else rise
+    after = HALF * (rise + profile[0, slot, i + 2, c] - b) if i + 2 <= COLUMNS else rise
     return a + t * (before + t * ((THREE * rise - TWO * before - after) + t * (before + after - TWO * rise)))
 
 
 @inner
-def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, image):
+def add(x, y, v, t, stride, weight, screen, widths, samples, start, full, slots, profile, shades, image):
     """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
-    vertex v to the next, v + stride."""
+    vertex v to the next, v + stride. Departures begin where a strand is `start` pixels wide, and count fully where it
+    is `full`."""
     if slots[v] < 0 and slots[v + stride] < 0:
         return
     past = t * np.float32(stride)
@@ -183,7 +215,7 @@ def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, ima
     dy = screen[p + 1, 1] - screen[p, 1]
     size = math.sqrt(dx * dx + dy * dy)
     wide = widths[p] + past * (widths[p + 1] - widths[p])
-    counts = clamp((wide / samples - START) / (FULL - START), ZERO, ONE)
+    counts = clamp((wide / samples - start) / (full - start), ZERO, ONE)
     if counts <= ZERO or size < TINY:
         return
     off = ((np.float32(y) + HALF - screen[p, 1]) * dx - (np.float32(x) + HALF - screen[p, 0]) * dy) / size
@@ -194,17 +226,72 @@ def add(x, y, v, t, stride, weight, screen, widths, samples, slots, profile, ima
     low = clamp(middle + off * per - half, ZERO, np.float32(COLUMNS) - least)
     high = clamp(middle + off * per + half, low + least, np.float32(COLUMNS))
     weight *= counts * counts * (THREE - TWO * counts)
-    for c in range(3):
-        one = departure(profile, slots, v, c, low, high)
-        two = departure(profile, slots, v + stride, c, low, high)
-        image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
+    after = slots[v + stride]
+    if shades is None:
+        for c in range(3):
+            one = departure(profile, slots, v, c, low, high)
+            two = departure(profile, slots, v + stride, c, low, high)
+            image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
+    elif slots[v] >= 0 and after >= 0:
+        r, g, b = lit(profile, shades, slots[v], after, low, high, t, HALF / size)
+        image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
+        image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
+        image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
+
+
+@inner
+def lit(profile, shades, slot, after, low, high, t, half):
+    """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light: between the
+    offsets `low` and `high`, in columns, and within `half` the piece's length of its place t."""
+    since = min(max(np.int64((t - half) * np.float32(PLACES)), 0), PLACES - 1)
+    until = max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
+    mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
+    per = ONE / np.float32(until - since)
+    r = even(profile, 0, slot, after, 0, high, t) - even(profile, 0, slot, after, 0, low, t)
+    g = even(profile, 0, slot, after, 1, high, t) - even(profile, 0, slot, after, 1, low, t)
+    b = even(profile, 0, slot, after, 2, high, t) - even(profile, 0, slot, after, 2, low, t)
+    begin = np.int64(low) // ACROSS
+    end = min(np.int64(high) // ACROSS + 1, LINES)
+    for row in range(1, profile.shape[0]):
+        for line in range(begin, end):
+            count = ones(~shades[row - 1, slot, line] & mask)
+            if count == 0:
+                continue
+            share = np.float32(count) * per
+            one = max(low, np.float32(ACROSS * line))
+            two = min(high, np.float32(ACROSS * (line + 1)))
+            r += share * (even(profile, row, slot, after, 0, two, t) - even(profile, row, slot, after, 0, one, t))
+            g += share * (even(profile, row, slot, after, 1, two, t) - even(profile, row, slot, after, 1, one, t))
+            b += share * (even(profile, row, slot, after, 2, two, t) - even(profile, row, slot, after, 2, one, t))
+    per = ONE / (high - low)
+    return r * per, g * per, b * per
+
+
+@inlined
+def even(profile, row, slot, after, c, place, t):
+    """What `add_up` made at a place in [0, COLUMNS], between two vertices: light is even within a column."""
+    i = min(np.int64(place), COLUMNS - 1)
+    part = place - np.float32(i)
+    one = profile[row, slot, i, c] + part * (profile[row, slot, i + 1, c] - profile[row, slot, i, c])
+    two = profile[row, after, i, c] + part * (profile[row, after, i + 1, c] - profile[row, after, i, c])
+    return one + t * (two - one)
+
+
+@inlined
+def ones(x):
+    """Bits that are set: in each two, each four, each byte; then all bytes."""
+    x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
+    x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
+    x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return (x * np.uint64(0x0101010101010101)) >> np.uint64(56)
 
 
 @parallel
-def over_seen(keys, base, per, stride, screen, widths, samples, slots, profile, image):
+def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slots, profile, shades, image):
     """Profiles in the picture of a z-buffer; keys, base, per, stride, screen, image as in `film.colours`, widths (V,)
     in samples, of which there are so many along each side of a pixel; slots (V,) int32: number of a vertex' profile, or
-    −1; profile (n, COLUMNS + 1, 3)."""
+    −1; profile (1 + m, n, COLUMNS + 1, 3): of what has no exact shadows, and of each of the lights that have; shades
+    (m, n, LINES) uint64: what is dark of the piece after each vertex, or None."""
     height, width, _ = image.shape
     last = np.uint64(max(screen.shape[0] - 1, 0))
     for row in prange(height):
@@ -226,12 +313,15 @@ def over_seen(keys, base, per, stride, screen, widths, samples, slots, profile, 
                 past = (v % per) % stride
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
-            add(x, y, v, t, stride, ONE, screen, widths, samples, slots, profile, image)
+            add(
+                x, y, v, t, stride, ONE, screen, widths, samples, start, full, slots, profile, shades, image
+            )  # fmt: skip
 
 
 @parallel
 def over_fragments(
-    begin, kept, place, weight, along, stride, screen, widths, samples, slots, profile, top, bottom, image
+    begin, kept, place, weight, along, stride, screen, widths, samples, start, full, slots, profile, shades, top,
+    bottom, image,
 ):  # fmt: skip
     """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; the rest as above."""
     width = image.shape[1]
@@ -249,5 +339,8 @@ def over_fragments(
                 for f in range(i, i + n):
                     v = np.int64(place[f])
                     if v < slots.shape[0]:  # beyond are the edges of solids
-                        add(column, row, v, along[f], stride, weight[f], screen, widths, samples, slots, profile, image)
+                        add(
+                            column, row, v, along[f], stride, weight[f], screen, widths, samples, start, full, slots,
+                            profile, shades, image,
+                        )  # fmt: skip
                 i += n

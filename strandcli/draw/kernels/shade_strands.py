@@ -169,7 +169,10 @@ def batch(
             if clear is None or lights[i, 11] == ZERO:
                 for k in range(n):
                     work[ARRIVES + k] *= exp(-work[PASSED + k])
-        if clear is not None and lights[i, 11] > ZERO:
+        row = np.int64(0)
+        if slots is not None and clear is not None and twice is None:  # exact shadows across the width come at the end
+            row = np.int64(lights[i, 11])
+        if clear is not None and lights[i, 11] > ZERO and row == 0:
             for k in range(n):
                 work[ARRIVES + k] *= clear[np.int64(lights[i, 11]) - 1, which[k]]
         if slots is not None:
@@ -186,11 +189,13 @@ def batch(
                 work[RADIANCE + W + k] += lights[i, 5] * (d * work[COLOUR + W + k])
                 work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
         if slots is not None:
-            body.round_off(work, n, which, slots, profile)
+            body.round_off(work, n, which, slots, profile, row)
         if nodes is not None:
             highlights(work, n, lights, i, lobes, fibre, nodes, paths)
             if slots is not None:
-                body.highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile)
+                body.highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile, row)
+        if slots is not None and clear is not None and row > 0:
+            body.darken(work, n, which, slots, profile, row, clear)
     if slots is not None:
         for k in range(n):
             if slots[which[k]] >= 0:

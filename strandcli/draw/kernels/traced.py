@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
+from .body import LINES
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -170,16 +171,20 @@ def order(begin, size, table, keys, lines):
 
 @parallel
 def visibility(
-    first, world, marks, screen, stride, most, views, sizes, cells, begin, keys, lines, words, veil, bias, apart, out
-):
+    first, world, marks, screen, stride, most, views, sizes, cells, begin, keys, lines, words, veil, bias, apart, eye,
+    width, taper, scale, slots, shades, out,
+):  # fmt: skip
     """Share of a light that strands leave at marked vertices: the mean over the strand's length about each.
 
     first, world, stride: polylines and their lit vertices; marks (V,) uint8: lit vertices where it is wanted; screen
     (V, 3): where a camera sees the vertices, in samples; most: pieces of the longest polyline. Of each of the light's
     views, views (M, 26) and sizes (M,), cells (M,) tells where its cells begin in begin (C,), which tells where their
     keys begin; keys, lines: as `order` leaves them. Several views are the six sides of a cube. words: of bits for a
-    piece; veil: opacity of strands, in 1 / `VEILS`; bias: metres in front of which nothing is shaded; apart: pieces to
-    each side of a piece that do not shade it; out (V,).
+    piece; veil: opacity of strands, in 1 / `VEILS`; bias: metres in front of which nothing is shaded; apart: metres, as
+    the light sees them, within which a strand does not shade itself; out (V,). Where slots is not None: eye (26,) the
+    camera; width metres at the root, of which `taper` is lost to the tip; scale (S,) or None; slots (V,) int32: number
+    of each wide vertex, or −1; shades (n, LINES) uint64: what is dark of the piece after each, a bit for each of 64
+    places along each of the lines across it that the camera sees.
 
     The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
     farther.
@@ -190,6 +195,9 @@ def visibility(
         wanted = np.empty(most + 1, np.uint8)
         cuts = np.empty(2 * BATCH, np.float32)
         dark = np.empty(words, np.uint64)
+        single = np.empty(1, np.uint64)
+        pair = np.empty((2, 3), np.float32)
+        parts = np.empty(2, np.float32)
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             a = first[s]
             n = first[s + 1] - a - 1
@@ -198,18 +206,99 @@ def visibility(
             for p in range(n):
                 if wanted[p] == 0:
                     continue
-                low = max(p - apart, 0) + a
-                high = min(p + apart, n - 1) + a
+                low, high = beside(world, a, n, p, views, apart)
+                if slots is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+                    if slots[a + p] >= 0:
+                        sums[2 * p] = ZERO
+                        sums[2 * p + 1] = ZERO
+                        half = HALF * width * (ONE if scale is None else scale[s])
+                        thin = half * taper / np.float32(n)
+                        for j in range(LINES):
+                            h = np.float32(2 * j + 1) / np.float32(LINES) - ONE
+                            for end in range(2):
+                                surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
+                            single[0] = NONE
+                            for one in range(views.shape[0]):
+                                piece(
+                                    pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys, lines,
+                                    low, high, veil, bias, cuts, single,
+                                )  # fmt: skip
+                            shades[slots[a + p], j] = single[0]
+                            add_up(single, parts, np.int64(0))
+                            sums[2 * p] += parts[0] / np.float32(LINES)
+                            sums[2 * p + 1] += parts[1] / np.float32(LINES)
+                        continue
                 dark[:] = NONE
                 for one in range(views.shape[0]):
                     piece(
-                        world, a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, veil, bias,
-                        cuts, dark,
+                        world, a + p, a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, veil,
+                        bias, cuts, dark,
                     )  # fmt: skip
                 add_up(dark, sums, p)
             for v in range(0, n + 1, stride):
                 if marks[a + v] != 0:
                     out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
+
+
+@inner
+def beside(world, a, n, p, views, apart):
+    """From which to which vertex the pieces lie that do not shade piece p of the same strand, whose n pieces begin with
+    vertex a: from p on as far as they are not `apart` metres aside of its middle, as the light of the `views` sees
+    them. A strand that points to the light is all its length behind itself, but within its own width."""
+    x = HALF * (world[a + p, 0] + world[a + p + 1, 0])
+    y = HALF * (world[a + p, 1] + world[a + p + 1, 1])
+    z = HALF * (world[a + p, 2] + world[a + p + 1, 2])
+    lx = views[0, 20] - x if views[0, 12] > ZERO else views[0, 8]
+    ly = views[0, 21] - y if views[0, 12] > ZERO else views[0, 9]
+    lz = views[0, 22] - z if views[0, 12] > ZERO else views[0, 10]
+    per = ONE / max(lx * lx + ly * ly + lz * lz, TINY)
+    low = p
+    while low > 0 and aside(world, a + low, x, y, z, lx, ly, lz, per) < apart * apart:
+        low -= 1
+    high = p
+    while high < n - 1 and aside(world, a + high + 1, x, y, z, lx, ly, lz, per) < apart * apart:
+        high += 1
+    return a + low, a + high
+
+
+@inlined
+def aside(world, v, x, y, z, lx, ly, lz, per):
+    """Square of a vertex' distance from the line through a point (x, y, z) along (lx, ly, lz), per = 1 / |l|²."""
+    dx = world[v, 0] - x
+    dy = world[v, 1] - y
+    dz = world[v, 2] - z
+    along = (dx * lx + dy * ly + dz * lz) * per
+    dx -= along * lx
+    dy -= along * ly
+    dz -= along * lz
+    return dx * dx + dy * dy + dz * dz
+
+
+@inner
+def surface(world, a, n, p, radius, h, eye, pair, row):
+    """Into a row of `pair`: vertex p of a strand of n pieces that begins with vertex a, moved from the strand's middle
+    to its surface, where the camera `eye` (26,) sees the offset h ∈ [−1, 1] as in `kernels.body`."""
+    v = a + p
+    low = a + max(p - 1, 0)
+    high = a + min(p + 1, n)
+    tx = world[high, 0] - world[low, 0]
+    ty = world[high, 1] - world[low, 1]
+    tz = world[high, 2] - world[low, 2]
+    straight = eye[12] - ONE
+    ex = eye[12] * (eye[20] - world[v, 0]) + straight * eye[8]
+    ey = eye[12] * (eye[21] - world[v, 1]) + straight * eye[9]
+    ez = eye[12] * (eye[22] - world[v, 2]) + straight * eye[10]
+    bx = ty * ez - tz * ey
+    by = tz * ex - tx * ez
+    bz = tx * ey - ty * ex
+    fx = by * tz - bz * ty
+    fy = bz * tx - bx * tz
+    fz = bx * ty - by * tx
+    across = radius * h / math.sqrt(max(bx * bx + by * by + bz * bz, TINY))
+    out = radius * math.sqrt(ONE - h * h) / math.sqrt(max(fx * fx + fy * fy + fz * fz, TINY))
+    pair[row, 0] = world[v, 0] + across * bx + out * fx
+    pair[row, 1] = world[v, 1] + across * by + out * fy
+    pair[row, 2] = world[v, 2] + across * bz + out * fz
 
 
 @inner
@@ -276,11 +365,11 @@ def mean(sums, v, n, far):
 
 
 @inner
-def piece(world, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
-    """Darken the piece after vertex v by what one view shows in front of it, but not by the pieces after the vertices
-    from `low` to `high`."""
-    x0, y0, q0 = seen(world, v, views, one, bias)
-    x1, y1, q1 = seen(world, v + 1, views, one, bias)
+def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
+    """Darken the piece after vertex v, from point p of `world` to the next, by what one view shows in front of it, but
+    not by the pieces after the vertices from `low` to `high`."""
+    x0, y0, q0 = seen(world, p, views, one, bias)
+    x1, y1, q1 = seen(world, p + 1, views, one, bias)
     if q0 <= ZERO or q1 <= ZERO:
         return
     dx = x1 - x0
