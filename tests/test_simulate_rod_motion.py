@@ -24,7 +24,7 @@ def solver_of(one: Any) -> RodSolver:
 
 def first(solver: RodSolver) -> np.ndarray:
     """(particles, 3) of the first strand in the solver's own precision."""
-    rows = solver._rows()[0, 1:]
+    rows = solver.rows[0, 1:]
     return rows.reshape(len(rows), 3, -1)[:, :, 0].astype(float)
 
 
