@@ -9,7 +9,6 @@ material. Twist is not represented.
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import chain, pairwise
 from operator import sub
@@ -25,7 +24,7 @@ from ..errors import UsageError
 from ..groom.emit import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
-from .kernels import rod_dense, rod_long, rod_step
+from .kernels import rod_dense, rod_long, rod_step, tickets
 from .rest_shape import carried
 from .sag_free import Held, hold
 from .solver import Solver
@@ -55,8 +54,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
-WORTH = 10_000
-"""Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
+WORTH = 4_000
+"""Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 COILED = 0.9
@@ -153,32 +152,34 @@ class RodSolver(Solver):
         some = self.surroundings.any_solids
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
         self.touching = aligned((len(self.push), W), self.dtype)
-        workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
-        size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = [aligned((size * VECTOR // np.dtype(self.dtype).itemsize,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.last_step = 0.0
-        self._prepare()
+        self._prepare(min(numba.get_num_threads(), 1 + groom.strands * n // WORTH))
 
-    def _prepare(self) -> None:
+    def _prepare(self, workers: int) -> None:
         """What every step hands on in the same way: arrays that it changes in place, and numbers that stay."""
-        around = self.surroundings
+        around, rod, n = self.surroundings, self.scene.rod, self.edges.shape[1]
         self._pull = tuple(around.gravity.tolist())
         self._bounds = (
-            ENOUGH[self.second, self.scene.rod.precision == "double"], 4 * float(np.finfo(self.dtype).eps), self.torsion
+            ENOUGH[self.second, rod.precision == "double"], 4 * float(np.finfo(self.dtype).eps), self.torsion
         )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
-        self._numbers = np.zeros(14 + 12 + 12, self.dtype)
-        self._tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
-        self._given = (
+        self._numbers = np.zeros(14 + 24, self.dtype)
+        size = (rod_long if self.long else rod_dense).size_for(n)
+        self.scratch = aligned((workers, size * VECTOR // self._numbers.itemsize), self.dtype)
+        arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
             self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.twist, self._gust, self._numbers[14:26], self._numbers[26:], self._numbers[:14],
-            self.scene.rod.iterations, self.second, self.curled, around.any_solids, *around.solids(0.0, 0.0),
+            self.twist, self._gust, self.residuals, self._numbers[14:], self._numbers[:14],
         )  # fmt: skip
+        *solids, whole = around.solids(0.0, 0.0)
+        self._arrays = *arrays, *solids
+        flags = self.second, self.curled, around.any_solids, whole
+        self._book = rod_step.book_of(self.strands, n, rod.iterations, flags, self.scratch, arrays, tuple(solids))
+        self._code = _code(self.dtype == np.float64, self.long)
         # lanes without a strand are copies of the last strand, and tickets leave most of them alone
         last = self.rows[-1].reshape(-1, W)
-        done = int(self._tickets[1]) * rod_step.SHARE - (len(self.rows) - 1) * W
+        done = int(self._book[tickets.ALL]) * rod_step.SHARE - (len(self.rows) - 1) * W
         self._padding = last[:, done:], last[:, done - 1, None]
 
     def _pose(self, time: float) -> Pose:
@@ -212,23 +213,14 @@ class RodSolver(Solver):
         self.pose, self.last_step = pose, dt
 
     def _share_out(self, pose: Pose, *numbers: float) -> None:
-        """Run the step on all threads, this one and those of a pool, with the first of its numbers."""
+        """Run the step with the first of its numbers, on all threads that there is work for."""
         now, past = (*chain(*pose.rotation), *pose.translation), (*chain(*self.pose.rotation), *self.pose.translation)
         self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
-        self._tickets[0] = 0
+        self._book[tickets.NEXT] = 0
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
-        others = self.scratch[1 : numba.get_num_threads()] if len(self.scratch) > 1 else []
-        begun = [_pool().submit(self._work, one) for one in others]
-        self._work(self.scratch[0])
-        for other in begun:
-            if not other.cancel():  # it has begun; where it has not, there is nothing left to do
-                other.result()
+        tickets.share_out(self._code, self._book, min(len(self.scratch), numba.get_num_threads()))
         idle, last = self._padding
         idle[...] = last
-
-    def _work(self, scratch: NDArray[Any]) -> None:
-        """What one thread does of a step."""
-        rod_step.step(*self._given, scratch, self.residuals, self._tickets, True if self.long else None)
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
@@ -363,6 +355,7 @@ def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
 
 
 @cache
-def _pool() -> ThreadPoolExecutor:
-    """Threads for kernels, which let go of Python's lock."""
-    return ThreadPoolExecutor(max_workers=int(numba.config.NUMBA_NUM_THREADS), thread_name_prefix="rod")  # type: ignore[attr-defined]
+def _code(double: bool, long: bool) -> int:
+    """Address of the step, compiled for a precision and a length."""
+    single, precise = (rod_step.single, rod_step.single_long), (rod_step.double, rod_step.double_long)
+    return tickets.address((precise if double else single)[long])
