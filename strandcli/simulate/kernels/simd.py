@@ -218,7 +218,11 @@ def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _here(builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
-    """Pointer to a vector."""
+    """Pointer to a vector. Functions that have vectors keep them on their stack, too; LLVM finds out too late to align
+    it by itself, and half of them would lie across two cache lines, or not, as the process happens to be loaded."""
+    traits = builder.function.attributes
+    traits.alignstack = VECTOR
+    traits.add("nounwind")  # as all of Numba's are; without any other, llvmlite does not write the alignment
     wide = _vector(rows.type.pointee).as_pointer()
     if kind.whole:
         return builder.gep(builder.bitcast(rows, wide), [o])
