@@ -156,8 +156,19 @@ def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.Mo
     runtime.start(2)
     solver = RodSolver(one, emit(one.emitter, one.seed))
     runtime.start(1)
-    monkeypatch.setattr(rod_solver, "_pool", lambda: pytest.fail("another thread is called for"))
+    asked: list[int] = []
+    share_out = rod_solver.tickets.share_out
+
+    def watched(code: int, book: Any, workers: int) -> None:
+        asked.append(workers)
+        share_out(code, book, workers)
+
+    monkeypatch.setattr(rod_solver.tickets, "share_out", watched)
     solver.step(1 / 30, 1 / 30)
+    assert asked == [1]
+    runtime.start(2)
+    solver.step(2 / 30, 1 / 30)
+    assert asked == [1, 2]
 
 
 def test_a_step_of_no_length_changes_nothing() -> None:

@@ -13,6 +13,8 @@ from test_simulate_rod import PULL, scene
 import strandcli
 from strandcli.groom.emit import Groom, emit
 from strandcli.simulate.rod import RodSolver
+from strandcli.study.stress import drive
+from strandcli.study.stress.axes import case_named
 from strandcli.study.stress.shaking import check_shake
 
 
@@ -22,7 +24,7 @@ def solver_of(one: Any) -> RodSolver:
 
 def first(solver: RodSolver) -> np.ndarray:
     """(particles, 3) of the first strand in the solver's own precision."""
-    rows = solver._rows()[0, 1:]
+    rows = solver.rows[0, 1:]
     return rows.reshape(len(rows), 3, -1)[:, :, 0].astype(float)
 
 
@@ -177,6 +179,16 @@ def test_brushes_that_are_pressed_together_converge() -> None:
         assert errors["nonfinite"] == 0
         assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
         assert errors["penetration_max"] <= 1e-6  # type: ignore[operator]
+
+
+def test_folded_strands_that_stiffen_toward_the_tip_unfold() -> None:
+    """Compression again, where κ grows a million times along the strand: what a beam of κ at each place resists would
+    still leave H indefinite, and pivots that run away."""
+    name = "rod/dt=24Hz/substeps=8/gamma=7.7/contact=through/n=100/L=1e-6/tip=1e3/start=folded"
+    (found,) = drive.run([case_named(name)])
+    assert not found.error
+    assert found.metrics["nonfinite"] == 0
+    assert found.metrics["residual"] <= 0.05
 
 
 def test_gales_that_turn_about_leave_no_nan() -> None:

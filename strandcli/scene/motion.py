@@ -53,10 +53,11 @@ def emitter_pose(emitter: Emitter, time: float) -> Pose:
     return _pose(emitter.position, emitter.rotation, emitter.keys, time)
 
 
-def solid_pose(solid: Solid, emitter: Emitter, time: float) -> Pose:
-    """A solid's pose in the world at ``time`` (seconds); where it follows the emitter, its own is in that frame."""
+def solid_pose(solid: Solid, emitter: Emitter, time: float, outer: Pose | None = None) -> Pose:
+    """A solid's pose in the world at ``time`` (seconds); where it follows the emitter, its own is in that frame, whose
+    pose then may be given as ``outer``."""
     own = _pose(solid.position, solid.rotation, solid.keys, time)
-    return compose(emitter_pose(emitter, time), own) if solid.follow == "emitter" else own
+    return compose(outer or emitter_pose(emitter, time), own) if solid.follow == "emitter" else own
 
 
 def camera_at(camera: Camera, time: float) -> View:
@@ -107,9 +108,13 @@ def rotate(matrix: Matrix, vector: Vector) -> Vector:
 
 def multiply(left: Matrix, right: Matrix) -> Matrix:
     """left · right."""
-    columns = tuple(zip(*right, strict=True))
-    x, y, z = (rotate(left, (c[0], c[1], c[2])) for c in columns)
-    return ((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]))
+    (a, b, c), (d, e, f), (g, h, i) = right
+    (p, q, r), (s, t, u), (v, w, x) = left
+    return (
+        (p * a + q * d + r * g, p * b + q * e + r * h, p * c + q * f + r * i),
+        (s * a + t * d + u * g, s * b + t * e + u * h, s * c + t * f + u * i),
+        (v * a + w * d + x * g, v * b + w * e + x * h, v * c + w * f + x * i),
+    )
 
 
 @functools.lru_cache(maxsize=256)  # what stands still, and what follows the emitter, asks again and again
@@ -125,6 +130,8 @@ def rotation_matrix(degrees: Vector) -> Matrix:
 
 def sine_cosine(degrees: float) -> tuple[float, float]:
     """Sine and cosine of an angle in degrees, to 1e-15, the same bits on every machine."""
+    if degrees == 0.0:  # as most are
+        return degrees, 1.0
     quarter = math.floor(degrees / 90.0 + 0.5)
     # the difference is exact for all angles that a preset may hold; |x| <= pi / 4
     x = (degrees - 90.0 * quarter) * (math.pi / 180.0)

@@ -9,9 +9,9 @@ material. Twist is not represented.
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from itertools import pairwise
+from itertools import chain, pairwise
+from operator import sub
 from typing import Any
 
 import numba
@@ -23,8 +23,8 @@ from ..constants import VECTOR, W
 from ..errors import UsageError
 from ..groom.emit import Groom
 from ..scene.model import Rod
-from ..scene.motion import emitter_pose
-from .kernels import rod_dense, rod_long, rod_step
+from ..scene.motion import Pose, emitter_pose
+from .kernels import rod_dense, rod_long, rod_step, tickets
 from .rest_shape import carried
 from .sag_free import Held, hold
 from .solver import Solver
@@ -54,8 +54,8 @@ TELEPORT = 2.0
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
 """Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
 anyway, less will do, and of most strands the error is far less than of the worst."""
-WORTH = 10_000
-"""Segments of work that another thread is called for: waking it takes a tenth of a millisecond."""
+WORTH = 4_000
+"""Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 COILED = 0.9
@@ -114,16 +114,22 @@ class RodSolver(Solver):
         self.stiffness = lanes(_stiffness(rod, lengths)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
+        self.carried = any(use.name == "emitter_motion" for use in scene.rules)
         self.pose = self._pose(0.0)
         self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
         edges, mended = _edges(groom, n)
         if rod.rest == "sag_free":  # not even what single precision is off by may move it
             mended = mended or self.dtype == np.float32
             edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
+        turn = np.array(self.pose.rotation)
         for j, edge in enumerate(edges):
-            self.edges[:, j] = lanes(edge @ self.pose[0].T, self.dtype)
+            self.edges[:, j] = lanes(edge @ turn.T, self.dtype)
             if mended:
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
+        self.rows = self.positions  # in the solver's own precision
+        if self.dtype != np.float32:
+            self.rows = aligned(self.positions.shape, self.dtype)
+            self.rows[...] = self.positions
         self.velocity = aligned(self.edges.shape, self.dtype)
         self.tension = aligned((len(self.lengths), n, W), self.dtype)
         bdf2 = rod.integrator == "bdf2"
@@ -146,20 +152,39 @@ class RodSolver(Solver):
         some = self.surroundings.any_solids
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
         self.touching = aligned((len(self.push), W), self.dtype)
-        self.still_air = np.ones(self.own_lengths.shape, self.dtype)
-        workers = min(numba.get_num_threads(), 1 + groom.strands * n // WORTH)
-        size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = [aligned((size * VECTOR // np.dtype(self.dtype).itemsize,), self.dtype) for _ in range(workers)]
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
-        self.enough = ENOUGH[bdf2, rod.precision == "double"]
-        self.rounding = 4 * float(np.finfo(self.dtype).eps)
         self.last_step = 0.0
+        self._prepare(min(numba.get_num_threads(), 1 + groom.strands * n // WORTH))
 
-    def _pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The emitter's rotation and translation; at rest where no rule carries the roots along."""
-        moving = any(use.name == "emitter_motion" for use in self.scene.rules)
-        rotation, translation = emitter_pose(self.scene.emitter, max(time, 0.0) if moving else 0.0)
-        return np.array(rotation), np.array(translation)
+    def _prepare(self, workers: int) -> None:
+        """What every step hands on in the same way: arrays that it changes in place, and numbers that stay."""
+        around, rod, n = self.surroundings, self.scene.rod, self.edges.shape[1]
+        self._pull = tuple(around.gravity.tolist())
+        self._bounds = (
+            ENOUGH[self.second, rod.precision == "double"], 4 * float(np.finfo(self.dtype).eps), self.torsion
+        )  # fmt: skip
+        self._gust = np.ones(self.own_lengths.shape, self.dtype)
+        self._numbers = np.zeros(14 + 24, self.dtype)
+        size = (rod_long if self.long else rod_dense).size_for(n)
+        self.scratch = aligned((workers, size * VECTOR // self._numbers.itemsize), self.dtype)
+        arrays = (
+            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
+            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.twist, self._gust, self.residuals, self._numbers[14:], self._numbers[:14],
+        )  # fmt: skip
+        *solids, whole = around.solids(0.0, 0.0)
+        self._arrays = *arrays, *solids
+        flags = self.second, self.curled, around.any_solids, whole
+        self._book = rod_step.book_of(self.strands, n, rod.iterations, flags, self.scratch, arrays, tuple(solids))
+        self._code = _code(self.dtype == np.float64, self.long)
+        # lanes without a strand are copies of the last strand, and tickets leave most of them alone
+        last = self.rows[-1].reshape(-1, W)
+        done = int(self._book[tickets.ALL]) * rod_step.SHARE - (len(self.rows) - 1) * W
+        self._padding = last[:, done:], last[:, done - 1, None]
+
+    def _pose(self, time: float) -> Pose:
+        """The emitter's pose; at rest where no rule carries the roots along."""
+        return emitter_pose(self.scene.emitter, max(time, 0.0) if self.carried else 0.0)
 
     def step(self, time: float, dt: float) -> None:
         """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
@@ -170,90 +195,60 @@ class RodSolver(Solver):
         elsewhere = self._teleported(pose)
         if elsewhere:
             self._carry(pose)
-        if self.surroundings.any_solids and (elsewhere or self.last_step == 0):
+        rod, around = self.scene.rod, self.surroundings
+        if around.any_solids and (elsewhere or self.last_step == 0):
             self._put_outside(time - dt)
         second = self.second and not restart and not elsewhere
-        rod, around = self.scene.rod, self.surroundings
         h = 2 * dt / 3 if second else dt
-        numbers = [
-            h, *around.gravity, *around.air(time), rod.drag, max(rod.damping, self.steady * h),
-            1 / 3 if second else 0, rod.friction, self.enough, self.rounding, self.torsion,
-        ]  # fmt: skip
-        self._share_out(pose, numbers, around.gust(time, self.positions), around.solids(time, dt))
-        if self.dtype != np.float32:
-            self.positions[...] = self.wide
+        gust = around.gust(time, self.positions)
+        if gust is not None:
+            self._gust[...] = gust
+        around.solids(time, dt, pose if self.carried else None)
+        self._share_out(
+            pose, h, *self._pull, *around.air(time), rod.drag, max(rod.damping, self.steady * h),
+            1 / 3 if second else 0.0, rod.friction,
+        )  # fmt: skip
+        if self.rows is not self.positions:
+            self.positions[...] = self.rows
         self.pose, self.last_step = pose, dt
 
-    def _share_out(
-        self, pose: tuple[NDArray[np.float64], NDArray[np.float64]], numbers: list[float], gust: Any, solids: Any
-    ) -> None:
-        """Run the step on all threads: this one and those of a pool."""
-        packed, delta = np.empty(12, self.dtype), np.empty(12, self.dtype)
-        packed[:9], packed[9:] = pose[0].ravel(), pose[1]
-        delta[:9], delta[9:] = (pose[0] - self.pose[0]).ravel(), pose[1] - self.pose[1]
-        given = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self._rows(),
-            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
-            self.twist, self.still_air if gust is None else gust, packed, delta, np.array(numbers, self.dtype),
-            self.scene.rod.iterations, self.second, self.curled, self.surroundings.any_solids, *solids,
-        )  # fmt: skip
-        tickets = np.array([0, -(-self.strands // rod_step.SHARE)])
-        long = True if self.long else None
-
-        def work(scratch: NDArray[Any]) -> None:
-            rod_step.step(*given, scratch, self.residuals, tickets, long)
-
+    def _share_out(self, pose: Pose, *numbers: float) -> None:
+        """Run the step with the first of its numbers, on all threads that there is work for."""
+        now, past = (*chain(*pose.rotation), *pose.translation), (*chain(*self.pose.rotation), *self.pose.translation)
+        self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
+        self._book[tickets.NEXT] = 0
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
-        others = [_pool().submit(work, one) for one in self.scratch[1 : numba.get_num_threads()]]
-        work(self.scratch[0])
-        for other in others:
-            if not other.cancel():  # it has begun; where it has not, there is nothing left to do
-                other.result()
-        self._pad()
-
-    def _pad(self) -> None:
-        """Lanes without a strand are copies of the last strand, and are not moved themselves."""
-        done = -(-self.strands // rod_step.SHARE) * rod_step.SHARE - (len(self.lengths) - 1) * W
-        if done < W:
-            last = self._rows()[-1].reshape(-1, W)
-            last[:, done:] = last[:, done - 1, None]
+        tickets.share_out(self._code, self._book, min(len(self.scratch), numba.get_num_threads()))
+        idle, last = self._padding
+        idle[...] = last
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
         the shorter the step, and how strands move would have no limit."""
         tension = self.tension.copy()
-        numbers = [MOMENT, *np.zeros(10), self.enough, self.rounding, self.torsion]
-        self._share_out(self.pose, numbers, None, self.surroundings.solids(time, 0.0))
+        self.surroundings.solids(time, 0.0)
+        self._share_out(self.pose, MOMENT, *[0.0] * 10)
         self.tension[...] = tension
         for still in (self.velocity, self.before, self.moved, self.push, self.touching):
             still[...] = 0
 
-    def _rows(self) -> NDArray[Any]:
-        """World positions in the solver's own precision."""
-        if self.dtype == np.float32:
-            return self.positions
-        if not hasattr(self, "wide"):
-            self.wide = aligned(self.positions.shape, np.float64)
-            self.wide[...] = self.positions
-        return self.wide
-
-    def _teleported(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> bool:
+    def _teleported(self, pose: Pose) -> bool:
         """Whether some root has moved further than it could have."""
-        turned, moved = pose[0] - self.pose[0], pose[1] - self.pose[1]
-        if math.sqrt(np.vdot(turned, turned)) * self.outermost + math.sqrt(np.vdot(moved, moved)) <= self.reach:
+        turned = math.hypot(*map(math.dist, pose.rotation, self.pose.rotation))
+        if turned * self.outermost + math.dist(pose.translation, self.pose.translation) <= self.reach:
             return False
-        roots = self.roots.reshape(-1, 3, W).astype(np.float64)
-        way = np.einsum("cd,bdk->bck", turned, roots) + moved[None, :, None]
+        turn = np.subtract(pose.rotation, self.pose.rotation)
+        moved = np.subtract(pose.translation, self.pose.translation)
+        way = np.einsum("cd,bdk->bck", turn, self.roots.reshape(-1, 3, W).astype(np.float64)) + moved[:, None]
         return bool(np.sqrt((way**2).sum(1).max()) > self.reach)
 
-    def _carry(self, pose: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
+    def _carry(self, pose: Pose) -> None:
         """Take everything along rigidly and at rest."""
-        turn = pose[0] @ self.pose[0].T
+        turn = np.array(pose.rotation) @ np.array(self.pose.rotation).T
+        centre, goal = np.array(self.pose.translation), np.array(pose.translation)
         self.edges[...] = _turn(turn, self.edges)
         self.velocity[...] = self.push[...] = self.touching[...] = 0
-        before = [self.positions] if self.dtype == np.float32 else [self.positions, self._rows()]
-        for rows in before:
-            centre, goal = self.pose[1], pose[1]
+        for rows in [self.positions] if self.rows is self.positions else [self.positions, self.rows]:
             wide = rows.reshape(*rows.shape[:2], 3, W).astype(np.float64) - centre[:, None]
             rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
         self.pose = pose
@@ -277,7 +272,7 @@ class RodSolver(Solver):
     def _hold(self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> Held:
         """What holds these edges still under gravity; tension begins as it will be, and strands that are too soft
         become stiffer, and say so."""
-        pull = self.pose[0].T @ self.surroundings.gravity
+        pull = np.array(self.pose.rotation).T @ self.surroundings.gravity
         own = _stiffness(self.scene.rod, lengths)
         # of numbers as the kernel reads them: what they are rounded by would be a load
         mass, joint = self.mass.astype(np.float64), self.joint.astype(np.float64)
@@ -298,7 +293,7 @@ class RodSolver(Solver):
         """By the emitter's pose at a frame."""
         turn, moved = self._pose((frame_number - 1) / self.scene.time.fps)
         rows = self.rest.reshape(len(self.rest), 2, 3, W).astype(np.float64)
-        placed = np.einsum("cd,bndk->bnck", turn, rows) + moved[:, None]
+        placed = np.einsum("cd,bndk->bnck", np.array(turn), rows) + np.array(moved)[:, None]
         self.positions[:, :2] = placed.reshape(len(self.rest), 2, 3 * W)
 
     def errors(self, frame: int) -> dict[str, float | None]:
@@ -360,6 +355,7 @@ def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
 
 
 @cache
-def _pool() -> ThreadPoolExecutor:
-    """Threads for kernels, which let go of Python's lock."""
-    return ThreadPoolExecutor(max_workers=int(numba.config.NUMBA_NUM_THREADS), thread_name_prefix="rod")  # type: ignore[attr-defined]
+def _code(double: bool, long: bool) -> int:
+    """Address of the step, compiled for a precision and a length."""
+    single, precise = (rod_step.single, rod_step.single_long), (rod_step.double, rod_step.double_long)
+    return tickets.address((precise if double else single)[long])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..constants import W
-from ..scene.motion import Pose, rotate, solid_pose
+from ..scene.motion import Pose, emitter_pose, multiply, rotate, solid_pose
 from .rules import collision, wind
 
 
@@ -33,11 +33,12 @@ class Surroundings:
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
         self.any_solids = bool(touched)
-        self._whole = bool(touched) and any(one.segments for one in contacts)
-        self._kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
-        self._rows = {kind: self._at_rest(kind) for kind in solids.COLUMNS}
-        self._moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in self._kinds.items()}
-        self._poses: tuple[float, dict[int, Pose]] = (-1.0, {})
+        kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
+        packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
+        self._packed = *packed.values(), bool(touched) and any(one.segments for one in contacts)
+        moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
+        self._moving = [(packed[kind][-len(mine) :], mine) for kind, mine in moving.items() if mine]
+        self._poses: tuple[float, Pose | None, dict[int, Pose]] = (-1.0, None, {})
 
     def air(self, time: float) -> tuple[float, float, float]:
         """Velocity of the air, m/s, without the part of gusts that differs from strand to strand."""
@@ -66,29 +67,36 @@ class Surroundings:
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
-    def solids(self, time: float, dt: float) -> tuple[Any, ...]:
-        """Packed solids with their motion in a step that ends at ``time``, as the kernel's arguments `spheres`,
-        `capsules`, `planes`, `boxes` and `whole`."""
+    def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
+        """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``, as the
+        kernel's arguments `spheres`, `capsules`, `planes`, `boxes` and `whole`: always the same arrays."""
         now, past = max(time, 0.0), max(time - dt, 0.0)
         emitter = self.scene.emitter
-        before = self._poses[1] if abs(self._poses[0] - past) <= 1e-9 * dt else {}
+        outer = outer or emitter_pose(emitter, now)
+        known, inner, before = self._poses
+        if abs(known - past) > 1e-9 * dt:
+            inner, before = None, {}
+        carried: Pose | None = None
         after: dict[int, Pose] = {}
-        for kind, mine in self._moving.items():
-            rows = self._rows[kind][len(self._kinds[kind]) - len(mine) :]
+        for rows, mine in self._moving:
             for row, one in zip(rows, mine, strict=True):
-                pose = after[id(one)] = solid_pose(one, emitter, now)
-                last = before.get(id(one)) or solid_pose(one, emitter, past)
-                (a, b, c), moved = _between(last, pose)
+                pose = after[id(one)] = solid_pose(one, emitter, now, outer)
+                if one.keys:
+                    last = before.get(id(one)) or solid_pose(one, emitter, past)
+                    motion = _between(last, pose)
+                else:  # carried along by the emitter, as others may be
+                    motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
+                (a, b, c), moved = motion
                 row[:] = (*solids.numbers(one, pose), *a, *b, *c, *moved)
-        self._poses = now, after
-        return *self._rows.values(), self._whole
+        self._poses = now, outer, after
+        return self._packed
 
     def _moves(self, solid: Any) -> bool:
         return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
 
-    def _at_rest(self, kind: str) -> NDArray[Any]:
+    def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
         """(m, columns + 12) all solids of a kind as they begin, those that move last, and no motion."""
-        mine = sorted(self._kinds[kind], key=self._moves)
+        mine = sorted(mine, key=self._moves)
         columns = solids.COLUMNS[kind]
         rows = np.zeros((len(mine), columns + 12), self.dtype)
         rows[:, :columns] = solids.pack(kind, mine, self.scene.emitter, 0.0, np.float64)
@@ -98,7 +106,8 @@ class Surroundings:
 
 def _between(last: Pose, pose: Pose) -> Pose:
     """The rigid motion that takes one pose to another."""
-    a, b, c = (rotate(last.rotation, row) for row in pose.rotation)
-    x, y, z = rotate((a, b, c), last.translation)
+    (a, b, c), (d, e, f), (g, h, i) = last.rotation
+    turn = multiply(pose.rotation, ((a, d, g), (b, e, h), (c, f, i)))
+    x, y, z = rotate(turn, last.translation)
     p = pose.translation
-    return Pose((a, b, c), (p[0] - x, p[1] - y, p[2] - z))
+    return Pose(turn, (p[0] - x, p[1] - y, p[2] - z))

@@ -24,9 +24,10 @@ Single precision is enough for a thousand segments.
 
 Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
 definite and no τ that keeps it so meets the lengths: the dual has a gap. In such lanes H takes τ_j no lower than what M
-alone resists, −θ/4 min(M_{j−1}, M_j) (for |y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), or M and κ together, while ρ
-keeps the true τ; edges go back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make
-of them. That is sequential quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
+alone resists, −θ/4 min(M_{j−1}, M_j) (for |y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²), or M and κ together where that
+is enough: it is where joints are alike, and need not be where they stiffen toward the tip. ρ keeps the true τ; edges go
+back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make of them. That is sequential
+quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly, for compression cannot run away.
 
 Scratch is a heap of vectors, a segment's together, and for short strands small enough for the nearest cache. Two
@@ -42,7 +43,8 @@ from .simd import get, get3, put, put3, root, some, spread, where
 QUARTER = 0.9 / 4
 """θ/4: the share of the mass that compression may use up in H."""
 BEAM = 0.7
-"""The share of √(M κ) that it may: what buckles a beam with a free end on an elastic foundation (Hetényi 1946)."""
+"""The share of √(M κ) that it may: what buckles a beam with a free end on an elastic foundation (Hetényi 1946), the
+same all along."""
 MARGIN = 0.5
 """H counts as definite where its pivots keep this share of the mass."""
 FAR = 0.3
@@ -72,20 +74,24 @@ def rows_for(n: int) -> int:
 
 @inner
 def factor(s, n):
-    """The pivots of H. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row HARD; returns
-    whether there are any."""
+    """The pivots of H. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row HARD, by 2
+    where that is what masses alone resist; returns whether there are any."""
     put(s, HARD, 0.0)
     lost = eliminate(s, n, False)
     hard = some(lost > 0.0)
     if hard:
         put(s, HARD, lost)
-        eliminate(s, n, True)
+        still = eliminate(s, n, True)
+        if some(still > 0.0):
+            put(s, HARD, lost + still)
+            eliminate(s, n, True)
     return hard
 
 
 @inner
 def eliminate(s, n, bounded):
-    """i, i κ and i B from the tip to the root; returns 1 in lanes with a pivot that is too small, which is raised."""
+    """i, i κ and i B from the tip to the root; returns 1 in lanes with a pivot that is too small, which is raised. Of a
+    definite H that does no harm; of another, what lies before it has pivots that run away to −∞."""
     zero = spread(s, 0.0)
     lost = zero
     a = zero
@@ -98,8 +104,10 @@ def eliminate(s, n, bounded):
         t = get(s, o + T)
         if bounded:
             light = min(get(s, o - SEGMENT + M), mass)
-            least = -max(QUARTER * light, BEAM * root(light * k))
-            t = where(get(s, HARD) > 0.0, max(t, least), t)
+            least = -QUARTER * light
+            beam = min(least, -BEAM * root(light * k))
+            given = get(s, HARD)
+            t = where(given > 0.0, max(t, where(given > 1.0, least, beam)), t)
         a += mass
         g = a + b
         q = g + b + c + t

@@ -29,7 +29,7 @@ MOST = 1.0
 
 @inner
 def recall(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion, damping):
-    """Add the rest shape to c̄, of rows as `rod_step.step` has them."""
+    """Add the rest shape to c̄, of rows as `rod_step.run` has them."""
     frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion)
     react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, 1 / (1 + damping))
 

@@ -1,32 +1,107 @@
 """The step of the rod solver over blocks of strands: predict, iterate, make lengths exact, take the new velocity.
 
-The driver calls `step` from as many threads as it likes, each with scratch of its own; lanes
-are independent, so that the number of threads changes no bit. A loop over `prange` would compile everything three
-times over. A vector of strands moves at once, from the first to the last of a step.
+As many threads as the driver likes take tickets, each with scratch of its own (`tickets.share_out`); lanes are
+independent, so that the number of threads changes no bit. A vector of strands moves at once, from the first to the last
+of a step.
 """
 
 from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
 from . import rod, rod_curl, rod_newton, rod_sweep
 from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, A, C, E, K, M, R, T, U
-from .simd import get, get3, heap, lay, put, put3, root, some, spread, where, width
-from .tickets import take
+from .simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, where, width
+from .tickets import ALL, take
 
 HUGE = 1e18
 FARTHEST = 1e10
 SHARE = 16
 """Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
 
+# places of a book: after the tickets numbers, and then an address and a size for each array
+SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, ARRAYS = 2, 3, 4, 5, 6, 7, 8, 9, 10
+
+
+def book_of(
+    strands: int, segments: int, iterations: int, flags: tuple[bool, bool, bool, bool], scratch: NDArray[Any],
+    arrays: tuple[NDArray[Any], ...], solids: tuple[NDArray[Any], ...],
+) -> NDArray[np.int64]:  # fmt: skip
+    """The book of a solver's steps. ``flags``, ``arrays`` and ``solids`` are those of `run`, in its order, scratch
+    (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are."""
+    assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *arrays, *solids))
+    numbers = [0, -(-strands // SHARE), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
+    return np.array([*numbers, *(number for one in (*arrays, *solids) for number in (one.ctypes.data, one.size))])
+
 
 @function
-def step(
+def single(book, worker):
+    """The step in single precision, as one of the threads; `work` has more of it."""
+    work(np.float32, book, worker, None)
+
+
+@function
+def single_long(book, worker):
+    """The same by the O(N) kernel."""
+    work(np.float32, book, worker, True)
+
+
+@function
+def double(book, worker):
+    """The step in double precision."""
+    work(np.float64, book, worker, None)
+
+
+@function
+def double_long(book, worker):
+    """The same by the O(N) kernel."""
+    work(np.float64, book, worker, True)
+
+
+@inner
+def work(kind, book, worker, long):
+    """Move strands by one step, in place, `SHARE` to each ticket while there are any. ``book`` is what `book_of` makes,
+    all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
+    flags where a None would have everything compiled once more."""
+    scratch = heap_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
+    solids = a_kind(kind, book, 20), a_kind(kind, book, 21), a_kind(kind, book, 22), a_kind(kind, book, 23)
+    ticket = take(book)
+    while ticket < book[ALL]:
+        run(
+            rows(kind, book, 0), rows(kind, book, 1), rows(kind, book, 2), rows(kind, book, 3), rows(kind, book, 4),
+            rows(kind, book, 5), rows(kind, book, 6), rows(kind, book, 7), rows(kind, book, 8), rows(kind, book, 9),
+            rows(kind, book, 10), rows(kind, book, 11), rows(kind, book, 12), rows(kind, book, 13),
+            rows(kind, book, 14), rows(kind, book, 15), rows(kind, book, 16), rows(kind, book, 17),
+            rows(kind, book, 18), rows(kind, book, 19), book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0,
+            book[SOLID] != 0, solids, book[WHOLE] != 0, scratch, ticket * SHARE, long, book[SEGMENTS],
+        )  # fmt: skip
+        ticket = take(book)
+
+
+@inner
+def rows(kind, book, number):
+    """An array of a book."""
+    return lay_at(kind, book[ARRAYS + 2 * number])
+
+
+@inner
+def a_kind(kind, book, number):
+    """A kind of solids of a book, as `contact_shapes` takes them."""
+    return lay_at(kind, book[ARRAYS + 2 * number]), book[ARRAYS + 2 * number + 1]
+
+
+@inner
+def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
-    directions, bends, twist, gust, pose, delta, numbers, iterations, second, curled, solid, spheres, capsules, planes,
-    boxes, whole, scratch, residuals, tickets, long,
+    directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
+    first, long, n,
 ):  # fmt: skip
-    """Move strands by one step, in place, `SHARE` to each ticket from ``tickets`` while there are any.
+    """The step of a ticket's strands, from number ``first`` on, a vector of them at a time.
 
     edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
     same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
@@ -37,45 +112,21 @@ def step(
     joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
     unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
     strand; twist (blocks, N, W): angles by which frames are turned besides; where not `curled`, both (1, …) and not
-    read; gust (blocks, W): factor of the air's velocity; pose, delta (12,): the emitter's rotation by rows and its
-    translation, and what they changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of
-    the air, [7] drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10]
-    friction, [11] error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over
-    bending rigidity; spheres, capsules, planes, boxes: solids as in `contact`, `solid` whether there are any; whole:
-    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says; residuals (blocks, W):
-    greatest | |e| − 1 | before lengths are made exact; tickets (2,): the next one's number and how many there are;
-    long: None, or anything for the kernel that is O(N). All of one floating type. There are flags where a None would
-    have everything compiled once more.
+    read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest | |e| − 1 | before lengths are
+    made exact; pose (24,): the emitter's rotation by rows and its translation, and what each of them changed by in this
+    step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s,
+    [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations
+    stop, [12] that which is no more than rounding, [13] torsional over bending rigidity; solids: spheres, capsules,
+    planes and boxes as in `contact_shapes`, `solid` whether there are any; whole: segments are caught too; scratch as
+    `rod_dense.size_for` or `rod_long.size_for` says.
     """
-    solids = (
-        (lay(spheres), spheres.size), (lay(capsules), capsules.size), (lay(planes), planes.size),
-        (lay(boxes), boxes.size),
-    )  # fmt: skip
-    ticket = take(tickets)
-    while ticket < tickets[1]:
-        run(
-            lay(edges), lay(velocity), lay(before), lay(moved), lay(tension), lay(push), lay(touching), lay(positions),
-            lay(lengths), lay(stiffness), lay(mass), lay(joint), lay(roots), lay(directions), lay(bends), lay(twist),
-            lay(gust), lay(pose), lay(delta), lay(numbers), iterations, second, curled, solid, solids, whole,
-            heap(scratch), lay(residuals), ticket * SHARE, long, edges.shape[1],
-        )  # fmt: skip
-        ticket = take(tickets)
-
-
-@inner
-def run(
-    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
-    directions, bends, twist, gust, pose, delta, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    residuals, first, long, n,
-):  # fmt: skip
-    """As `step`, of rows, and of a ticket's strands from number ``first`` on; a vector of them at a time."""
     b = first // W
     for strand in range(first, first + SHARE, width(scratch)):
         lane = strand - b * W
         tip = b * n * W + lane
         edge = b * n * AXES + lane
         place = b * (n + 2) * AXES + lane
-        place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, delta, positions)
+        place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, positions)
         weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
         predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
         if curled:
@@ -99,25 +150,25 @@ def run(
 
 
 @inner
-def rotated(turn, x, y, z):
-    """A vector turned by a matrix, given by rows."""
+def rotated(turn, k, x, y, z):
+    """A vector turned by a matrix, given by rows from place k on."""
     return (
-        turn[0] * x + turn[1] * y + turn[2] * z,
-        turn[3] * x + turn[4] * y + turn[5] * z,
-        turn[6] * x + turn[7] * y + turn[8] * z,
+        turn[k] * x + turn[k + 1] * y + turn[k + 2] * z,
+        turn[k + 3] * x + turn[k + 4] * y + turn[k + 5] * z,
+        turn[k + 6] * x + turn[k + 7] * y + turn[k + 8] * z,
     )
 
 
 @inner
-def place_root(s, local, place, roots, directions, pose, delta, positions):
+def place_root(s, local, place, roots, directions, pose, positions):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
     x, y, z = get3(roots, local, W)
-    px, py, pz = rotated(pose, x, y, z)
+    px, py, pz = rotated(pose, 0, x, y, z)
     put3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
-    px, py, pz = rotated(delta, x, y, z)
-    put3(s, SHIFT, 1, px + delta[9], py + delta[10], pz + delta[11])
+    px, py, pz = rotated(pose, 12, x, y, z)
+    put3(s, SHIFT, 1, px + pose[21], py + pose[22], pz + pose[23])
     x, y, z = get3(directions, local, W)
-    x, y, z = rotated(pose, x, y, z)
+    x, y, z = rotated(pose, 0, x, y, z)
     put3(s, FIRST - SEGMENT + E, 1, x, y, z)
 
 

@@ -6,6 +6,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
 
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
+    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
@@ -184,6 +185,25 @@ heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
 
+def _addressed(whole: bool) -> Callable[..., Any]:
+    def typed(typingctx: Any, kind: Any, address: Any) -> Any:
+        if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
+            return None
+
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
+
+        return Rows(kind.instance_type, whole)(kind, address), emit
+
+    return typed
+
+
+lay_at: Any = intrinsic(_addressed(False))
+"""The numbers of a type, such as np.float32, that begin at an address."""
+heap_at: Any = intrinsic(_addressed(True))
+"""The vectors of such numbers."""
+
+
 @infer_global(operator.getitem)
 class _Item(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
@@ -198,7 +218,11 @@ def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _here(builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
-    """Pointer to a vector."""
+    """Pointer to a vector. Functions that have vectors keep them on their stack, too; LLVM finds out too late to align
+    it by itself, and half of them would lie across two cache lines, or not, as the process happens to be loaded."""
+    traits = builder.function.attributes
+    traits.alignstack = VECTOR
+    traits.add("nounwind")  # as all of Numba's are; without any other, llvmlite does not write the alignment
     wide = _vector(rows.type.pointee).as_pointer()
     if kind.whole:
         return builder.gep(builder.bitcast(rows, wide), [o])
