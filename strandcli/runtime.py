@@ -174,8 +174,13 @@ def _watch() -> None:
     """Time compilation through Numba's events, and survive a damaged cache (Numba #10434: a truncated file raises)."""
     from numba.core import caching, event
 
+    from .compiler import kernel, spare
+
+    spare()
+
     class Clock(event.Listener):
         def on_start(self, happening: Any) -> None:
+            kernel.begin()
             if _state["depth"] == 0:
                 _state["began"] = time.perf_counter()
                 if _state["notify"] is not None:
@@ -183,6 +188,7 @@ def _watch() -> None:
             _state["depth"] += 1
 
         def on_end(self, happening: Any) -> None:
+            kernel.end()
             _state["depth"] -= 1
             if _state["depth"] == 0:
                 _state["compile_seconds"] += time.perf_counter() - _state["began"]

@@ -1,0 +1,174 @@
+"""Numba's compiler, spared what it does twice.
+
+A kernel of a few hundred lines takes Numba seconds, of which most are Python's and many are spent again on what is
+known: machine code of functions that are only ever part of a kernel, the types of the hundredth sum of two floats.
+Nothing here changes what is compiled. All of it leans on Numba's inside; where a later version looks otherwise, it is
+left as it is, and compiling takes longer.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+from typing import Any
+
+_GUFUNC = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper")
+"""How Numba names the body of a parallel loop, and what calls it for a part of the range."""
+_ROOM = 50_000
+"""New objects between two collections of garbage: Numba's trees are large, and next to nothing of them is garbage."""
+
+
+class Kernel:
+    """What is known while a kernel of this package is compiled, with all that it calls."""
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.calls: dict[Any, tuple[Any, Any]] = {}
+        self.flags: dict[int, Any] = {}
+        self.environments: list[tuple[str, Any]] = []
+        self._threshold: tuple[int, int, int] = (0, 0, 0)
+
+    def begin(self) -> None:
+        """A function begins to be compiled; within the compiler's lock."""
+        if self.depth == 0:
+            self._threshold = gc.get_threshold()
+            gc.freeze()
+            gc.set_threshold(_ROOM, 20, 100)
+        self.depth += 1
+
+    def end(self) -> None:
+        """It has been compiled, or could not be."""
+        self.depth -= 1
+        if self.depth > 0:
+            return
+        gc.set_threshold(*self._threshold)
+        gc.unfreeze()
+        self.calls.clear()
+        self.flags.clear()
+        waiting, self.environments = self.environments, []
+        for name, environment in waiting:
+            _set_environment(name, environment)
+
+    def is_part(self, library: Any) -> bool:
+        """Whether code is for kernels alone, which hold a copy of it."""
+        from numba.core.targetconfig import ConfigStack
+
+        flags = ConfigStack.top_or_none()
+        lone = flags is not None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper
+        return self.depth > 0 and (lone or library.name.startswith(_GUFUNC))
+
+
+kernel = Kernel()
+
+
+def _set_environment(name: str, environment: Any) -> None:
+    """Tell machine code where the Python objects of a function are, where there is machine code that asks for them."""
+    from numba.core.registry import cpu_target
+
+    address = cpu_target.target_context.codegen()._engine.get_global_value_address(name)
+    if address:
+        (ctypes.c_void_p * 1).from_address(address)[0] = ctypes.c_void_p(id(environment))
+
+
+def spare() -> None:
+    """Have Numba do no more than it must; once, before the first kernel is compiled."""
+    for one in (_emit_whole_kernels, _remember_calls, _compare_flags, _list_variables):
+        try:
+            one()
+        except (ImportError, AttributeError):
+            continue
+
+
+def _emit_whole_kernels() -> None:
+    """No machine code for parts, which is dear; and the body of a parallel loop, which Numba optimises by itself, in
+    what calls it and in the kernel, is optimised in the kernel alone."""
+    from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
+
+    finish, optimise, note = (
+        CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module, JITCPUCodegen.set_env,
+    )  # fmt: skip
+
+    def finish_whole(self: Any) -> None:
+        if not kernel.is_part(self):
+            finish(self)
+            return
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def optimise_once(self: Any) -> None:
+        if kernel.depth == 0 or not self.name.startswith(_GUFUNC):
+            optimise(self)
+
+    def note_or_wait(self: Any, name: str, environment: Any) -> None:
+        if kernel.depth == 0 or self._engine.get_global_value_address(name):
+            note(self, name, environment)
+        else:
+            kernel.environments.append((name, environment))
+
+    CPUCodeLibrary._finalize_final_module = finish_whole
+    CPUCodeLibrary._optimize_final_module = optimise_once
+    JITCPUCodegen.set_env = note_or_wait
+
+
+def _remember_calls() -> None:
+    """The types of a call to what Numba offers are looked up once for each function that is compiled, not at each call
+    and each time that types are passed on, among dozens of candidates."""
+    from numba.core.targetconfig import ConfigStack
+    from numba.core.types import Function
+
+    ask = Function.get_call_type
+
+    def ask_once(self: Any, context: Any, args: Any, kws: Any) -> Any:
+        flags = ConfigStack.top_or_none()
+        if kernel.depth == 0 or kws or flags is None:
+            return ask(self, context, args, kws)
+        kernel.flags[id(flags)] = flags  # as long as it is kept, no other one has its id
+        key = (id(flags), id(context), self, tuple(args))
+        known = kernel.calls.get(key)
+        if known is None:
+            signature = ask(self, context, args, kws)
+            known = kernel.calls[key] = (signature, self._impl_keys[signature.args])
+        signature, self._impl_keys[known[0].args] = known
+        return signature
+
+    Function.get_call_type = ask_once
+
+
+def _compare_flags() -> None:
+    """Settings are compared by those that are set: it happens at every look into Numba's own memory."""
+    from numba.core.targetconfig import TargetConfig
+
+    def same(self: Any, other: Any) -> Any:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in {**self._values, **other._values})
+
+    TargetConfig.__eq__ = same
+    TargetConfig.__hash__ = lambda self: hash(type(self))
+
+
+def _list_variables() -> None:
+    """Variables of a statement, without a call for each line number and text in it."""
+    from numba.core.ir import Inst, Var
+
+    def variables(self: Any, value: Any) -> list[Any]:
+        kind = type(value)
+        if kind is Var:
+            return [value]
+        if kind is dict:
+            value = value.values()
+        elif isinstance(value, Inst):
+            return list(value.list_vars())
+        elif not isinstance(value, list | tuple):
+            return []
+        found = []
+        for part in value:
+            if type(part) is Var:
+                found.append(part)
+            elif isinstance(part, Inst | list | tuple | dict):
+                found += variables(self, part)
+        return found
+
+    Inst._rec_list_vars = variables
