@@ -27,6 +27,7 @@ class Kernel:
         self.flags: dict[int, Any] = {}
         self.environments: list[tuple[str, Any]] = []
         self._threshold: tuple[int, int, int] = (0, 0, 0)
+        self._listeners: list[Any] = []
 
     def begin(self) -> None:
         """A function begins to be compiled; within the compiler's lock."""
@@ -34,6 +35,7 @@ class Kernel:
             self._threshold = gc.get_threshold()
             gc.freeze()
             gc.set_threshold(_ROOM, 20, 100)
+            self._listeners = _deafen()
         self.depth += 1
 
     def end(self) -> None:
@@ -43,6 +45,7 @@ class Kernel:
             return
         gc.set_threshold(*self._threshold)
         gc.unfreeze()
+        _hear(self._listeners)
         self.calls.clear()
         self.flags.clear()
         waiting, self.environments = self.environments, []
@@ -68,6 +71,23 @@ def _set_environment(name: str, environment: Any) -> None:
     address = cpu_target.target_context.codegen()._engine.get_global_value_address(name)
     if address:
         (ctypes.c_void_p * 1).from_address(address)[0] = ctypes.c_void_p(id(environment))
+
+
+def _deafen() -> list[Any]:
+    """Have nobody told of each of the hundred thousand calls to LLVM; who was."""
+    from llvmlite.binding import ffi
+
+    told = list(getattr(getattr(ffi.lib, "_lock", None), "_cblist", ()))
+    for pair in told:
+        ffi.unregister_lock_callback(*pair)
+    return told
+
+
+def _hear(told: list[Any]) -> None:
+    from llvmlite.binding import ffi
+
+    for pair in told:
+        ffi.register_lock_callback(*pair)
 
 
 def spare() -> None:
