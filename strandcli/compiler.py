@@ -14,28 +14,31 @@ from typing import Any
 
 _GUFUNC = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper")
 """How Numba names the body of a parallel loop, and what calls it for a part of the range."""
-_ROOM = 50_000
-"""New objects between two collections of garbage: Numba's trees are large, and next to nothing of them is garbage."""
+_ROOM = (100_000, 50, 1000)
+"""New objects, and younger collections, between two collections of garbage: Numba's trees are large, and next to
+nothing of them is garbage before a kernel is done."""
 
 
 class Kernel:
-    """What is known while a kernel of this package is compiled, with all that it calls."""
+    """What is known while a kernel is compiled, with all that it calls."""
 
     def __init__(self) -> None:
         self.depth = 0
         self.calls: dict[Any, tuple[Any, Any]] = {}
+        """The signature of a call, and by what it is lowered."""
         self.flags: dict[int, Any] = {}
+        """Settings by their id, which is their own as long as they are here."""
         self.environments: list[tuple[str, Any]] = []
-        self._threshold: tuple[int, int, int] = (0, 0, 0)
-        self._listeners: list[Any] = []
+        """Of functions without machine code: names in the kernel's, and the Python objects meant."""
+        self._threshold = (0, 0, 0)
+        self._told: list[Any] = []
 
     def begin(self) -> None:
         """A function begins to be compiled; within the compiler's lock."""
         if self.depth == 0:
             self._threshold = gc.get_threshold()
-            gc.freeze()
-            gc.set_threshold(_ROOM, 20, 100)
-            self._listeners = _deafen()
+            gc.set_threshold(*_ROOM)
+            self._told = _deafen()
         self.depth += 1
 
     def end(self) -> None:
@@ -44,8 +47,7 @@ class Kernel:
         if self.depth > 0:
             return
         gc.set_threshold(*self._threshold)
-        gc.unfreeze()
-        _hear(self._listeners)
+        _hear(self._told)
         self.calls.clear()
         self.flags.clear()
         waiting, self.environments = self.environments, []
@@ -53,12 +55,12 @@ class Kernel:
             _set_environment(name, environment)
 
     def is_part(self, library: Any) -> bool:
-        """Whether code is for kernels alone, which hold a copy of it."""
+        """Whether code is for kernels alone, each of which holds a copy of it: Python has no way to call it."""
         from numba.core.targetconfig import ConfigStack
 
         flags = ConfigStack.top_or_none()
-        lone = flags is not None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper
-        return self.depth > 0 and (lone or library.name.startswith(_GUFUNC))
+        bare = flags is not None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper
+        return self.depth > 0 and (bare or library.name.startswith(_GUFUNC))
 
 
 kernel = Kernel()
@@ -74,7 +76,7 @@ def _set_environment(name: str, environment: Any) -> None:
 
 
 def _deafen() -> list[Any]:
-    """Have nobody told of each of the hundred thousand calls to LLVM; who was."""
+    """Have nobody told of each of the hundred thousand calls to LLVM; returns who was."""
     from llvmlite.binding import ffi
 
     told = list(getattr(getattr(ffi.lib, "_lock", None), "_cblist", ()))
@@ -84,6 +86,7 @@ def _deafen() -> list[Any]:
 
 
 def _hear(told: list[Any]) -> None:
+    """Tell them again."""
     from llvmlite.binding import ffi
 
     for pair in told:
@@ -142,13 +145,13 @@ def _remember_calls() -> None:
         flags = ConfigStack.top_or_none()
         if kernel.depth == 0 or kws or flags is None:
             return ask(self, context, args, kws)
-        kernel.flags[id(flags)] = flags  # as long as it is kept, no other one has its id
-        key = (id(flags), id(context), self, tuple(args))
-        known = kernel.calls.get(key)
-        if known is None:
+        kernel.flags[id(flags)] = flags
+        call = (id(flags), id(context), self, tuple(args))
+        if call not in kernel.calls:
             signature = ask(self, context, args, kws)
-            known = kernel.calls[key] = (signature, self._impl_keys[signature.args])
-        signature, self._impl_keys[known[0].args] = known
+            kernel.calls[call] = signature, self._impl_keys[signature.args]
+        signature, lowered_by = kernel.calls[call]
+        self._impl_keys[signature.args] = lowered_by  # other settings may have put theirs there
         return signature
 
     Function.get_call_type = ask_once
