@@ -14,11 +14,12 @@ from numba import njit, prange  # noqa: E402
 
 __all__ = ["function", "inlined", "inner", "parallel", "prange"]
 
-parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy", no_cfunc_wrapper=True)
+_kept: dict[str, Any] = {"cache": True, "no_cfunc_wrapper": True}
+parallel: Any = njit(parallel=True, nogil=True, error_model="numpy", **_kept)
 """A kernel that a driver calls: its loops run on all threads."""
 
 _lean: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-function: Any = njit(**_lean, cache=True, no_cfunc_wrapper=True)
+function: Any = njit(**_lean, **_kept)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
 each array and call: the kernel keeps them. So kernels alone take memory, and hand it on."""
 
