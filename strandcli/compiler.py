@@ -2,7 +2,7 @@
 
 A kernel of a few hundred lines takes Numba seconds, of which most are Python's and many are spent again on what is
 known: machine code of functions that are only ever part of a kernel, the types of the hundredth sum of two floats.
-Nothing here changes what is compiled. All of it leans on Numba's inside; where a later version looks otherwise, it is
+Nothing here changes what kernels compute. All of it leans on Numba's inside; where a later version looks otherwise, it is
 left as it is, and compiling takes longer.
 """
 
@@ -95,7 +95,7 @@ def _hear(told: list[Any]) -> None:
 
 def spare() -> None:
     """Have Numba do no more than it must; once, before the first kernel is compiled."""
-    for one in (_emit_whole_kernels, _remember_calls, _compare_flags, _list_variables):
+    for one in (_emit_whole_kernels, _forget_literals, _remember_calls, _compare_flags, _list_variables):
         try:
             one()
         except (ImportError, AttributeError):
@@ -131,6 +131,21 @@ def _emit_whole_kernels() -> None:
     CPUCodeLibrary._finalize_final_module = finish_whole
     CPUCodeLibrary._optimize_final_module = optimise_once
     JITCPUCodegen.set_env = note_or_wait
+
+
+def _forget_literals() -> None:
+    """A function that kernels call is compiled for integers, not for 0 and for 1 and then for integers."""
+    from numba.core.dispatcher import Dispatcher
+    from numba.core.types import IntegerLiteral, unliteral
+
+    ask = Dispatcher.get_call_template
+
+    def ask_plainly(self: Any, args: Any, kws: Any) -> Any:
+        if self.targetoptions.get("no_cfunc_wrapper"):
+            args = tuple(unliteral(one) if isinstance(one, IntegerLiteral) else one for one in args)
+        return ask(self, args, kws)
+
+    Dispatcher.get_call_template = ask_plainly
 
 
 def _remember_calls() -> None:
