@@ -2,8 +2,8 @@
 
 A kernel of a few hundred lines takes Numba seconds, of which most are Python's and many are spent again on what is
 known: machine code of functions that are only ever part of a kernel, the types of the hundredth sum of two floats.
-Nothing here changes what kernels compute. All of it leans on Numba's inside; where a later version looks otherwise, it is
-left as it is, and compiling takes longer.
+Nothing here changes what kernels compute. All of it leans on Numba's inside; where a later version looks otherwise, it
+is left as it is, and compiling takes longer.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import ctypes
 import gc
 from typing import Any
 
-_GUFUNC = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper")
-"""How Numba names the body of a parallel loop, and what calls it for a part of the range."""
+_LOOP = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper", "parallelgufuncwrapper")
+"""How Numba names the body of a parallel loop, what calls it for a part of the range, and what shares the range out."""
 _ROOM = (100_000, 50, 1000)
 """New objects, and younger collections, between two collections of garbage: Numba's trees are large, and next to
 nothing of them is garbage before a kernel is done."""
@@ -60,7 +60,7 @@ class Kernel:
 
         flags = ConfigStack.top_or_none()
         bare = flags is not None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper
-        return self.depth > 0 and (bare or library.name.startswith(_GUFUNC))
+        return self.depth > 0 and (bare or library.name.startswith(_LOOP))
 
 
 kernel = Kernel()
@@ -95,16 +95,18 @@ def _hear(told: list[Any]) -> None:
 
 def spare() -> None:
     """Have Numba do no more than it must; once, before the first kernel is compiled."""
-    for one in (_emit_whole_kernels, _forget_literals, _remember_calls, _compare_flags, _list_variables):
+    for part in (
+        _emit_whole_kernels, _wrap_nothing_of_numba, _forget_literals, _remember_calls, _compare_flags, _list_variables,
+    ):  # fmt: skip
         try:
-            one()
+            part()
         except (ImportError, AttributeError):
             continue
 
 
 def _emit_whole_kernels() -> None:
     """No machine code for parts, which is dear; and the body of a parallel loop, which Numba optimises by itself, in
-    what calls it and in the kernel, is optimised in the kernel alone."""
+    what calls it, in what calls that and in the kernel, is optimised in the kernel alone."""
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 
     finish, optimise, note = (
@@ -119,7 +121,7 @@ def _emit_whole_kernels() -> None:
         self._finalized = True
 
     def optimise_once(self: Any) -> None:
-        if kernel.depth == 0 or not self.name.startswith(_GUFUNC):
+        if kernel.depth == 0 or not self.name.startswith(_LOOP):
             optimise(self)
 
     def note_or_wait(self: Any, name: str, environment: Any) -> None:
@@ -131,6 +133,22 @@ def _emit_whole_kernels() -> None:
     CPUCodeLibrary._finalize_final_module = finish_whole
     CPUCodeLibrary._optimize_final_module = optimise_once
     JITCPUCodegen.set_env = note_or_wait
+
+
+def _wrap_nothing_of_numba() -> None:
+    """What Numba has its own functions made of is part of kernels as well: closures, which nobody else can call."""
+    from numba.core.dispatcher import _FunctionCompiler
+
+    customise = _FunctionCompiler._customize_flags
+
+    def bare(self: Any, flags: Any) -> Any:
+        flags = customise(self, flags)
+        function = self.py_func
+        if kernel.depth > 1 and function.__module__.startswith("numba.") and "<locals>" in function.__qualname__:
+            flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        return flags
+
+    _FunctionCompiler._customize_flags = bare
 
 
 def _forget_literals() -> None:

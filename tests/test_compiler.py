@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import config
+from numba import config, typeof
 from numba.core import ir
 from numba.core.compiler import Flags, run_frontend
 
@@ -56,6 +56,8 @@ def test_a_kernel_holds_its_parts_which_have_no_machine_code_of_their_own() -> N
     mix(values, out)
     i = np.arange(7)
     np.testing.assert_allclose(out, 3 * values + 3 * i + i / 2 + 2, rtol=1e-6)
+
+    mixed.compile((typeof(values[0]), typeof(7)))  # where the kernel came from the cache it has not been
 
     def emitted(dispatcher: Any) -> list[bool]:
         engine = runtime_engine()
