@@ -130,14 +130,14 @@ def _emit_whole_kernels() -> None:
         else:
             kernel.environments.append((name, environment))
 
-    CPUCodeLibrary._finalize_final_module = finish_whole
-    CPUCodeLibrary._optimize_final_module = optimise_once
-    JITCPUCodegen.set_env = note_or_wait
+    CPUCodeLibrary._finalize_final_module = finish_whole  # type: ignore[method-assign]
+    CPUCodeLibrary._optimize_final_module = optimise_once  # type: ignore[method-assign]
+    JITCPUCodegen.set_env = note_or_wait  # type: ignore[method-assign]
 
 
 def _wrap_nothing_of_numba() -> None:
     """What Numba has its own functions made of is part of kernels as well: closures, which nobody else can call."""
-    from numba.core.dispatcher import _FunctionCompiler
+    from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 
     customise = _FunctionCompiler._customize_flags
 
@@ -163,7 +163,7 @@ def _forget_literals() -> None:
             args = tuple(unliteral(one) if isinstance(one, IntegerLiteral) else one for one in args)
         return ask(self, args, kws)
 
-    Dispatcher.get_call_template = ask_plainly
+    Dispatcher.get_call_template = ask_plainly  # type: ignore[method-assign]
 
 
 def _remember_calls() -> None:
@@ -182,12 +182,12 @@ def _remember_calls() -> None:
         call = (id(flags), id(context), self, tuple(args))
         if call not in kernel.calls:
             signature = ask(self, context, args, kws)
-            kernel.calls[call] = signature, self._impl_keys[signature.args]
+            kernel.calls[call] = signature, self._impl_keys[signature.args]  # type: ignore[union-attr]
         signature, lowered_by = kernel.calls[call]
         self._impl_keys[signature.args] = lowered_by  # other settings may have put theirs there
         return signature
 
-    Function.get_call_type = ask_once
+    Function.get_call_type = ask_once  # type: ignore[method-assign]
 
 
 def _compare_flags() -> None:
@@ -201,8 +201,8 @@ def _compare_flags() -> None:
             return NotImplemented
         return all(getattr(self, name) == getattr(other, name) for name in {**self._values, **other._values})
 
-    TargetConfig.__eq__ = same
-    TargetConfig.__hash__ = lambda self: hash(type(self))
+    TargetConfig.__eq__ = same  # type: ignore[method-assign]
+    TargetConfig.__hash__ = lambda self: hash(type(self))  # type: ignore[method-assign]
 
 
 def _list_variables() -> None:
@@ -227,4 +227,4 @@ def _list_variables() -> None:
                 found += variables(self, part)
         return found
 
-    Inst._rec_list_vars = variables
+    Inst._rec_list_vars = variables  # type: ignore[method-assign]
