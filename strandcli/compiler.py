@@ -105,8 +105,9 @@ def spare() -> None:
 
 
 def _emit_whole_kernels() -> None:
-    """No machine code for parts, which is dear; and the body of a parallel loop, which Numba optimises by itself, in
-    what calls it, in what calls that and in the kernel, is optimised in the kernel alone."""
+    """No machine code for parts, which is dear; and a parallel loop, which Numba optimises by itself, in what calls it,
+    in what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and in the
+    kernel."""
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 
     finish, optimise, note = (
@@ -121,7 +122,7 @@ def _emit_whole_kernels() -> None:
         self._finalized = True
 
     def optimise_once(self: Any) -> None:
-        if kernel.depth == 0 or not self.name.startswith(_LOOP):
+        if kernel.depth == 0 or not self.name.startswith(_LOOP[1:]):
             optimise(self)
 
     def note_or_wait(self: Any, name: str, environment: Any) -> None:
