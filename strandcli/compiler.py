@@ -96,7 +96,7 @@ def _hear(told: list[Any]) -> None:
 def spare() -> None:
     """Have Numba do no more than it must; once, before the first kernel is compiled."""
     for part in (
-        _emit_whole_kernels, _wrap_nothing_of_numba, _forget_literals, _remember_calls, _compare_flags, _list_variables,
+        _emit_whole_kernels, _wrap_nothing_of_numba, _remember_calls, _compare_flags, _list_variables,
     ):  # fmt: skip
         try:
             part()
@@ -150,21 +150,6 @@ def _wrap_nothing_of_numba() -> None:
         return flags
 
     _FunctionCompiler._customize_flags = bare
-
-
-def _forget_literals() -> None:
-    """A function that kernels call is compiled for integers, not for 0 and for 1 and then for integers."""
-    from numba.core.dispatcher import Dispatcher
-    from numba.core.types import IntegerLiteral, unliteral
-
-    ask = Dispatcher.get_call_template
-
-    def ask_plainly(self: Any, args: Any, kws: Any) -> Any:
-        if self.targetoptions.get("no_cfunc_wrapper"):
-            args = tuple(unliteral(one) if isinstance(one, IntegerLiteral) else one for one in args)
-        return ask(self, args, kws)
-
-    Dispatcher.get_call_template = ask_plainly  # type: ignore[method-assign]
 
 
 def _remember_calls() -> None:

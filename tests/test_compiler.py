@@ -71,22 +71,6 @@ def test_a_kernel_holds_its_parts_which_have_no_machine_code_of_their_own() -> N
         assert "test_compiler.mixed" not in kept
 
 
-def test_a_part_is_compiled_once_for_all_integers() -> None:
-    @inner
-    def plus(x, i):
-        return x + i
-
-    @function
-    def sums(x, i):
-        k = 0
-        for j in range(3):
-            k = plus(k, j)
-        return plus(x, 0) + plus(x, 1) + plus(x, i) + k
-
-    assert sums(10, 7) == 41
-    assert len(plus.signatures) == 1
-
-
 def runtime_engine() -> Any:
     from numba.core.registry import cpu_target
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from ...jit import function, inner
 from .approximations import exp
-from .quadrics import capsule
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -130,23 +129,11 @@ def passed(spheres, capsules, m, room, ox, oy, oz, dx, dy, dz, dd):
     return t, math.sqrt(left / dd) if left > ZERO else -ONE
 
 
-@inner
-def entry(spheres, capsules, m, room, ox, oy, oz, dx, dy, dz, dd):
-    """Where a ray enters solid number m, ``room`` thicker, in units of |d|, or before that: 0 where it begins inside,
-    inf where it misses it."""
-    if m >= spheres.shape[0]:
-        return max(capsule(capsules, m - spheres.shape[0], room, ox, oy, oz, dx, dy, dz), ZERO)
-    middle, half = passed(spheres, capsules, m, room, ox, oy, oz, dx, dy, dz, dd)
-    return max(middle - half, ZERO) if half >= ZERO else INF
-
-
 @function
 def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to the outside of the surface; inf where it is missed or begins
-    inside. Only solids whose balls the ray passes are felt, and the way there begins where it enters the first of all n
-    solids as thick as the seams may make them, by k ln n."""
+    inside. Only solids whose balls the ray passes are felt, and only between the first and the last of these."""
     k = way(spheres, capsules)
-    thicker = k * np.float32(math.log(np.float32(spheres.shape[0] + capsules.shape[0])))
     dd = dx * dx + dy * dy + dz * dz
     felt = np.uint64(0)
     begin = INF
@@ -156,9 +143,9 @@ def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
             middle, half = passed(spheres, capsules, m, APART * k, ox, oy, oz, dx, dy, dz, dd)
             if half >= ZERO and middle + half > ZERO:
                 felt |= np.uint64(1) << np.uint64(m & 63)
-                begin = min(begin, entry(spheres, capsules, m, thicker, ox, oy, oz, dx, dy, dz, dd))
+                begin = min(begin, max(middle - half, ZERO))
                 end = max(end, middle + half)
-    if begin == INF:
+    if felt == np.uint64(0):
         return INF
     per = ONE / math.sqrt(dd)
     t = begin

@@ -12,7 +12,6 @@ import numpy as np
 
 from ...jit import function, inner, parallel, prange
 from . import seams
-from .quadrics import capsule, sphere
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
@@ -25,8 +24,68 @@ FIRST = np.uint64(0xFFF00000)
 
 
 @inner
+def sphere(p, m, ox, oy, oz, dx, dy, dz):
+    """Distance along the ray, in units of |d|, to the outside of sphere number m; inf where it is missed or begins
+    inside. (A row of p would be a view, and views are counted by an atomic instruction: an index is not.)"""
+    cx = ox - p[m, 0]
+    cy = oy - p[m, 1]
+    cz = oz - p[m, 2]
+    a = dx * dx + dy * dy + dz * dz
+    b = cx * dx + cy * dy + cz * dz
+    # the distance of the centre from the ray, not b² − a c: that cancels for a far and small sphere (Haines 2019)
+    t = -b / a
+    ex = cx + t * dx
+    ey = cy + t * dy
+    ez = cz + t * dz
+    left = p[m, 3] * p[m, 3] - (ex * ex + ey * ey + ez * ez)
+    hit = t - math.sqrt(max(left, ZERO) / a)
+    return hit if (left >= ZERO) & (t >= ZERO) else INF
+
+
+@inner
+def capsule(p, m, ox, oy, oz, dx, dy, dz):
+    """As `sphere`, for a capsule: the open cylinder, then its two ends; without branches."""
+    cx = ox - p[m, 0]
+    cy = oy - p[m, 1]
+    cz = oz - p[m, 2]
+    bx = p[m, 3]
+    by = p[m, 4]
+    bz = p[m, 5]
+    r = p[m, 6]
+    bb = bx * bx + by * by + bz * bz
+    dd = dx * dx + dy * dy + dz * dz
+    bd = bx * dx + by * dy + bz * dz
+    bo = bx * cx + by * cy + bz * cz
+    a = bb * dd - bd * bd
+    askew = max(a, TINY)
+    # from the ray's nearest point to the axis, as for a sphere
+    t = (bo * bd - bb * (cx * dx + cy * dy + cz * dz)) / askew
+    y = (bo + t * bd) / max(bb, TINY)
+    ex = cx + t * dx - y * bx
+    ey = cy + t * dy - y * by
+    ez = cz + t * dz - y * bz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    t -= math.sqrt(max(left, ZERO) * bb / askew)
+    along = bo + t * bd
+    side = t if (left >= ZERO) & (bb > TINY) & (a > TINY) & (along > ZERO) & (along < bb) else INF
+    begin = end_of(r, cx, cy, cz, dx, dy, dz, dd)
+    return min(side, min(begin, end_of(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
+
+
+@inner
+def end_of(r, cx, cy, cz, dx, dy, dz, dd):
+    """Distance to a capsule's end, a ball from whose centre the ray begins at c."""
+    t = -(cx * dx + cy * dy + cz * dz) / dd
+    ex = cx + t * dx
+    ey = cy + t * dy
+    ez = cz + t * dz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    return t - math.sqrt(max(left, ZERO) / dd) if left >= ZERO else INF
+
+
+@inner
 def plane(p, m, ox, oy, oz, dx, dy, dz):
-    """As `quadrics.sphere`, for the upper side of a plane."""
+    """As `sphere`, for the upper side of a plane."""
     down = p[m, 0] * dx + p[m, 1] * dy + p[m, 2] * dz
     over = p[m, 0] * ox + p[m, 1] * oy + p[m, 2] * oz - p[m, 3]
     if down >= ZERO or over < ZERO:
@@ -36,7 +95,7 @@ def plane(p, m, ox, oy, oz, dx, dy, dz):
 
 @inner
 def box(p, m, ox, oy, oz, dx, dy, dz):
-    """As `quadrics.sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
+    """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
     cx = ox - p[m, 0]
     cy = oy - p[m, 1]
     cz = oz - p[m, 2]
@@ -144,7 +203,7 @@ def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     square = hx * hx + hy * hy + hz * hz + p[m, 6] * p[m, 6]
     if cx * cx + cy * cy + cz * cz - t * t > square + square:
         return ONE
-    t = capsule(p, m, ZERO, x, y, z, lx, ly, lz)
+    t = capsule(p, m, x, y, z, lx, ly, lz)
     return ZERO if (skin < t) & (t < reach) else ONE
 
 
@@ -196,13 +255,13 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
             elif m < spheres.shape[0]:
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
-                    key = key_at(sphere(spheres, m, ZERO, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    key = key_at(sphere(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             elif m < spheres.shape[0] + capsules.shape[0]:
                 own = m - spheres.shape[0]
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
-                    key = key_at(capsule(capsules, own, ZERO, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    key = key_at(capsule(capsules, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             else:
                 for x in range(part.shape[0]):
@@ -228,10 +287,10 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     if seams.blends(spheres, capsules, m):
         return seams.meet(spheres, capsules, ox, oy, oz, dx, dy, dz)
     if m < spheres.shape[0]:
-        return sphere(spheres, m, ZERO, ox, oy, oz, dx, dy, dz)
+        return sphere(spheres, m, ox, oy, oz, dx, dy, dz)
     m -= spheres.shape[0]
     if m < capsules.shape[0]:
-        return capsule(capsules, m, ZERO, ox, oy, oz, dx, dy, dz)
+        return capsule(capsules, m, ox, oy, oz, dx, dy, dz)
     m -= capsules.shape[0]
     if m < planes.shape[0]:
         return plane(planes, m, ox, oy, oz, dx, dy, dz)
