@@ -14,17 +14,19 @@ from numba import njit, prange  # noqa: E402
 
 __all__ = ["function", "inlined", "inner", "parallel", "prange"]
 
-parallel: Any = njit(parallel=True, nogil=True, cache=True, error_model="numpy")
+_kept: dict[str, Any] = {"cache": True, "no_cfunc_wrapper": True}
+parallel: Any = njit(parallel=True, nogil=True, error_model="numpy", **_kept)
 """A kernel that a driver calls: its loops run on all threads."""
 
-_lean: dict[str, Any] = {"nogil": True, "cache": True, "error_model": "numpy", "_nrt": False}
-function: Any = njit(**_lean)
+_lean: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+function: Any = njit(**_lean, **_kept)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
 each array and call: the kernel keeps them. So kernels alone take memory, and hand it on."""
 
 _bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner: Any = njit(**_lean, **_bare)
-"""A function that only kernels call: without the wrappers for Python, which take a tenth of a second each."""
+"""A function that only kernels call, each of which holds a copy: without the wrappers for Python, which take a tenth of
+a second each, without machine code, and not cached."""
 
 inlined: Any = njit(**_lean, forceinline=True, **_bare)
 """A function that is part of whichever calls it: for small ones that are handed much, which calls would write down."""

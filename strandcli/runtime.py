@@ -130,7 +130,8 @@ def source_hash() -> str:
     because Numba itself does not notice that a function in another file has changed."""
     digest = hashlib.sha256()
     root = Path(__file__).parent
-    kernels = [*root.rglob("kernels/*.py"), *root.glob("simulate/rules/*.py"), root / "jit.py", root / "constants.py"]
+    rules, others = root.glob("simulate/rules/*.py"), ("jit.py", "compiler.py", "constants.py")
+    kernels = [*root.rglob("kernels/*.py"), *rules, *(root / name for name in others)]
     for path in sorted(kernels):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
@@ -174,8 +175,13 @@ def _watch() -> None:
     """Time compilation through Numba's events, and survive a damaged cache (Numba #10434: a truncated file raises)."""
     from numba.core import caching, event
 
+    from .compiler import kernel, spare
+
+    spare()
+
     class Clock(event.Listener):
         def on_start(self, happening: Any) -> None:
+            kernel.begin()
             if _state["depth"] == 0:
                 _state["began"] = time.perf_counter()
                 if _state["notify"] is not None:
@@ -183,6 +189,7 @@ def _watch() -> None:
             _state["depth"] += 1
 
         def on_end(self, happening: Any) -> None:
+            kernel.end()
             _state["depth"] -= 1
             if _state["depth"] == 0:
                 _state["compile_seconds"] += time.perf_counter() - _state["began"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import function, parallel, prange
+from ...jit import inner, parallel, prange
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -22,7 +22,7 @@ WANG = np.float32(0.75)
 STRAIGHT = np.float32(0.1)
 
 
-@function
+@inner
 def difference(block, lane, i, n):
     """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
     the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
@@ -36,7 +36,7 @@ def difference(block, lane, i, n):
     return x * size, y * size, z * size
 
 
-@function
+@inner
 def printed(block, lane, i, n):
     """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
     t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
@@ -146,7 +146,7 @@ def count(
         error[s] = bound
 
 
-@function
+@inner
 def reach(u0, v0, z0, u1, v1, z1, margin, view):
     """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
     about it; 0 where that cannot touch the picture."""
@@ -178,7 +178,7 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
     return scale
 
 
-@function
+@inner
 def into(x, y, z, view):
     """World to view: right, up, and depth along the view direction."""
     return (
@@ -255,13 +255,13 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             az = bz
 
 
-@function
+@inner
 def cubic(e, g, h):
     """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
     return THREE * (e - TWO * g - h)
 
 
-@function
+@inner
 def slack(e, g, h):
     """Coefficient of t³."""
     return THREE * (g + h) - TWO * e

@@ -86,7 +86,7 @@ def aside(r, cx, cy, cz, lx, ly, lz, reach, radius):
     return cx * cx + cy * cy + cz * cz > r * r and ball(r, cx, cy, cz, lx, ly, lz, reach) > radius
 
 
-@function
+@inner
 def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     """As `ball`, the least of a capsule's balls: along the axis there is one minimum, since the capsule is convex.
     ``radius`` (sine) of the light, beyond which nothing has to be known."""
@@ -133,7 +133,7 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     return min(least, min(at_near, at_far))
 
 
-@function
+@inner
 def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     """As `ball`, for a box: the least of its distance over the distance travelled, which has one minimum on the way to
     the light because the box is convex. ``radius`` (sine) of the light, beyond which nothing has to be known."""

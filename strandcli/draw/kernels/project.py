@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import inner, parallel, prange
 from .curves import into
 
 ZERO = np.float32(0.0)
@@ -80,7 +80,7 @@ def points(first, world, stride, view, screen):
                 place(screen, at, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
 
 
-@function
+@inner
 def forward(world, view, v, stride, begin, end, x, y, z):
     """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
     them crosses that plane."""
@@ -94,7 +94,7 @@ def forward(world, view, v, stride, begin, end, x, y, z):
     return False, x, y
 
 
-@function
+@inner
 def place(screen, v, x, y, q):
     """Set a vertex; one so far off that pixels can no longer be told apart is left out, as is what is not a number."""
     seen = abs(x) < MOST and abs(y) < MOST

@@ -121,7 +121,7 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
                 ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, np.uint64(base + v - 1), keys)
 
 
-@function
+@inner
 def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
     """One segment into the rows top <= y < bottom.
 
@@ -165,7 +165,7 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
         b += step
 
 
-@function
+@inner
 def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, identity, keys):
     """As `line`, from w0 to w1 >= 1 pixels wide: across the longer axis a sample for each centre that the band of that
     width covers."""
@@ -222,7 +222,7 @@ def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, identity, keys):
                 deposit(q + rise * past, identity, np.uint64(y * width + column), keys)
 
 
-@function
+@inner
 def deposit(q, identity, pixel, keys):
     """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity

@@ -23,7 +23,7 @@ FIRST = np.uint64(0xFFF00000)
 """Identities from here on are solids', a million of them, the others segments'."""
 
 
-@function
+@inner
 def sphere(p, m, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to the outside of sphere number m; inf where it is missed or begins
     inside. (A row of p would be a view, and views are counted by an atomic instruction: an index is not.)"""
@@ -42,7 +42,7 @@ def sphere(p, m, ox, oy, oz, dx, dy, dz):
     return hit if (left >= ZERO) & (t >= ZERO) else INF
 
 
-@function
+@inner
 def capsule(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a capsule: the open cylinder, then its two ends; without branches."""
     cx = ox - p[m, 0]
@@ -83,7 +83,7 @@ def end_of(r, cx, cy, cz, dx, dy, dz, dd):
     return t - math.sqrt(max(left, ZERO) / dd) if left >= ZERO else INF
 
 
-@function
+@inner
 def plane(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for the upper side of a plane."""
     down = p[m, 0] * dx + p[m, 1] * dy + p[m, 2] * dz
@@ -93,7 +93,7 @@ def plane(p, m, ox, oy, oz, dx, dy, dz):
     return -over / down
 
 
-@function
+@inner
 def box(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
     cx = ox - p[m, 0]
@@ -297,7 +297,7 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     return box(boxes, m - planes.shape[0], ox, oy, oz, dx, dy, dz)
 
 
-@function
+@inner
 def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
     direction's length is such that its parameter is the depth. No branch: view[12] is 1 for perspective, else 0."""

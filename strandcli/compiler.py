@@ -1,0 +1,222 @@
+"""Numba's compiler, spared what it does twice.
+
+A kernel of a few hundred lines takes Numba seconds, of which most are Python's and many are spent again on what is
+known: machine code of functions that are only ever part of a kernel, the types of the hundredth sum of two floats.
+Nothing here changes what kernels compute. All of it leans on Numba's inside, of versions that it has been tested with;
+any other is left as it is, and compiling takes longer.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+from typing import Any
+
+TESTED = ("0.68",)
+"""Versions of Numba."""
+_LOOP = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper", "parallelgufuncwrapper")
+"""How Numba names the body of a parallel loop, what calls it for a part of the range, and what shares the range out."""
+_ROOM = (100_000, 50, 1000)
+"""New objects, and younger collections, between two collections of garbage: Numba's trees are large, and next to
+nothing of them is garbage before a kernel is done."""
+
+
+class Kernel:
+    """What is known while a kernel is compiled, with all that it calls."""
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.calls: dict[Any, tuple[Any, Any]] = {}
+        """The signature of a call, and by what it is lowered."""
+        self.flags: dict[int, Any] = {}
+        """Settings by their id, which is their own as long as they are here."""
+        self.environments: list[tuple[str, Any]] = []
+        """Of functions without machine code: names in the kernel's, and the Python objects meant."""
+        self._threshold = (0, 0, 0)
+        self._told: list[Any] = []
+
+    def begin(self) -> None:
+        """A function begins to be compiled; within the compiler's lock."""
+        if self.depth == 0:
+            self._threshold = gc.get_threshold()
+            gc.set_threshold(*_ROOM)
+            self._told = _deafen()
+        self.depth += 1
+
+    def end(self) -> None:
+        """It has been compiled, or could not be."""
+        self.depth -= 1
+        if self.depth > 0:
+            return
+        gc.set_threshold(*self._threshold)
+        _hear(self._told)
+        self.calls.clear()
+        self.flags.clear()
+        waiting, self.environments = self.environments, []
+        for name, environment in waiting:
+            _set_environment(name, environment)
+
+    def is_part(self, library: Any) -> bool:
+        """Whether code is for kernels alone, each of which holds a copy of it: Python has no way to call it."""
+        from numba.core.targetconfig import ConfigStack
+
+        flags = ConfigStack.top_or_none()
+        bare = flags is not None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper
+        return self.depth > 0 and (bare or library.name.startswith(_LOOP))
+
+
+kernel = Kernel()
+
+
+def _set_environment(name: str, environment: Any) -> None:
+    """Tell machine code where the Python objects of a function are, where there is machine code that asks for them."""
+    from numba.core.registry import cpu_target
+
+    address = cpu_target.target_context.codegen()._engine.get_global_value_address(name)
+    if address:
+        (ctypes.c_void_p * 1).from_address(address)[0] = ctypes.c_void_p(id(environment))
+
+
+def _deafen() -> list[Any]:
+    """Have nobody told of each of the hundred thousand calls to LLVM; returns who was."""
+    from llvmlite.binding import ffi
+
+    told = list(getattr(getattr(ffi.lib, "_lock", None), "_cblist", ()))
+    for pair in told:
+        ffi.unregister_lock_callback(*pair)
+    return told
+
+
+def _hear(told: list[Any]) -> None:
+    """Tell them again."""
+    from llvmlite.binding import ffi
+
+    for pair in told:
+        ffi.register_lock_callback(*pair)
+
+
+def spare() -> None:
+    """Have Numba do no more than it must; once, before the first kernel is compiled."""
+    import numba
+
+    if numba.__version__.rpartition(".")[0] not in TESTED:
+        return
+    for part in (
+        _emit_whole_kernels, _wrap_nothing_of_numba, _remember_calls, _compare_flags, _list_variables,
+    ):  # fmt: skip
+        try:
+            part()
+        except (ImportError, AttributeError):
+            continue
+
+
+def _emit_whole_kernels() -> None:
+    """No machine code for parts, which is dear; and a parallel loop, which Numba optimises by itself, in what calls it,
+    in what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and in the
+    kernel."""
+    from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
+
+    finish, optimise, note = (
+        CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module, JITCPUCodegen.set_env,
+    )  # fmt: skip
+
+    def finish_whole(self: Any) -> None:
+        if not kernel.is_part(self):
+            finish(self)
+            return
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def optimise_once(self: Any) -> None:
+        if kernel.depth == 0 or not self.name.startswith(_LOOP[1:]):
+            optimise(self)
+
+    def note_or_wait(self: Any, name: str, environment: Any) -> None:
+        if kernel.depth == 0 or self._engine.get_global_value_address(name):
+            note(self, name, environment)
+        else:
+            kernel.environments.append((name, environment))
+
+    CPUCodeLibrary._finalize_final_module = finish_whole  # type: ignore[method-assign]
+    CPUCodeLibrary._optimize_final_module = optimise_once  # type: ignore[method-assign]
+    JITCPUCodegen.set_env = note_or_wait  # type: ignore[method-assign]
+
+
+def _wrap_nothing_of_numba() -> None:
+    """What Numba has its own functions made of is part of kernels as well: closures, which nobody else can call."""
+    from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
+
+    customise = _FunctionCompiler._customize_flags
+
+    def bare(self: Any, flags: Any) -> Any:
+        flags = customise(self, flags)
+        function = self.py_func
+        if kernel.depth > 1 and function.__module__.startswith("numba.") and "<locals>" in function.__qualname__:
+            flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        return flags
+
+    _FunctionCompiler._customize_flags = bare
+
+
+def _remember_calls() -> None:
+    """The types of a call to what Numba offers are looked up once for each function that is compiled, not at each call
+    and each time that types are passed on, among dozens of candidates."""
+    from numba.core.targetconfig import ConfigStack
+    from numba.core.types import Function
+
+    ask = Function.get_call_type
+
+    def ask_once(self: Any, context: Any, args: Any, kws: Any) -> Any:
+        flags = ConfigStack.top_or_none()
+        if kernel.depth == 0 or kws or flags is None:
+            return ask(self, context, args, kws)
+        kernel.flags[id(flags)] = flags
+        call = (id(flags), id(context), self, tuple(args))
+        if call not in kernel.calls:
+            signature = ask(self, context, args, kws)
+            kernel.calls[call] = signature, self._impl_keys[signature.args]  # type: ignore[union-attr]
+        signature, lowered_by = kernel.calls[call]
+        self._impl_keys[signature.args] = lowered_by  # other settings may have put theirs there
+        return signature
+
+    Function.get_call_type = ask_once  # type: ignore[method-assign]
+
+
+def _compare_flags() -> None:
+    """Settings are compared by those that are set: it happens at every look into Numba's own memory."""
+    from numba.core.targetconfig import TargetConfig
+
+    def same(self: Any, other: Any) -> Any:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in {**self._values, **other._values})
+
+    TargetConfig.__eq__ = same  # type: ignore[method-assign]
+    TargetConfig.__hash__ = lambda self: hash(type(self))  # type: ignore[method-assign]
+
+
+def _list_variables() -> None:
+    """Variables of a statement, without a call for each line number and text in it."""
+    from numba.core.ir import Inst, Var
+
+    def variables(self: Any, value: Any) -> list[Any]:
+        kind = type(value)
+        if kind is Var:
+            return [value]
+        if kind is dict:
+            value = value.values()
+        elif isinstance(value, Inst):
+            return list(value.list_vars())
+        elif not isinstance(value, list | tuple):
+            return []
+        found = []
+        for part in value:
+            if type(part) is Var:
+                found.append(part)
+            elif isinstance(part, Inst | list | tuple | dict):
+                found += variables(self, part)
+        return found
+
+    Inst._rec_list_vars = variables  # type: ignore[method-assign]

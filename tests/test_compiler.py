@@ -1,0 +1,157 @@
+"""Numba spared double work: the same code comes out, and nothing is left changed when a kernel is compiled."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numba import config, typeof
+from numba.core import ir
+from numba.core.compiler import Flags, run_frontend
+
+from strandcli import runtime
+from strandcli.compiler import TESTED
+from strandcli.jit import function, inner, parallel, prange
+
+pytestmark = [
+    pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled"),
+    pytest.mark.skipif(numba.__version__.rpartition(".")[0] not in TESTED, reason="a version that is left as it is"),
+]
+
+
+@inner
+def mixed(x, i):
+    """Integers and floats of two widths, literals among them: each operator with types of its own."""
+    whole = i + i * 2
+    return x + x * np.float32(2) + np.float32(whole) + np.float32(i / 2) + np.float32(1 + 1)
+
+
+@parallel
+def mix(values, out):
+    for i in prange(values.shape[0]):
+        out[i] = mixed(values[i], np.int64(i))
+
+
+@function
+def strict(n):
+    if n < 0:
+        raise ValueError("less than nothing")
+    return n
+
+
+@inner
+def refused(n):
+    if n > 9:
+        raise ValueError("too many")
+    return strict(n)
+
+
+@function
+def ask(n):
+    return refused(n) + 1
+
+
+def test_a_kernel_holds_its_parts_which_have_no_machine_code_of_their_own() -> None:
+    values = np.linspace(0, 1, 7, dtype=np.float32)
+    out = np.zeros(7, np.float32)
+    mix(values, out)
+    i = np.arange(7)
+    np.testing.assert_allclose(out, 3 * values + 3 * i + i / 2 + 2, rtol=1e-6)
+
+    mixed.compile((typeof(values[0]), typeof(7)))  # where the kernel came from the cache it has not been
+
+    def emitted(dispatcher: Any) -> list[bool]:
+        engine = runtime_engine()
+        return [engine.is_symbol_defined(one.fndesc.llvm_func_name) for one in dispatcher.overloads.values()]
+
+    assert emitted(mix) == [True]
+    assert emitted(mixed) == [False]
+    if runtime.shared_folder() is not None:
+        kept = {path.name.split("-")[0] for path in runtime.cache_folder().rglob("test_compiler.*.nbi")}
+        assert "test_compiler.mix" in kept
+        assert "test_compiler.mixed" not in kept
+
+
+def runtime_engine() -> Any:
+    from numba.core.registry import cpu_target
+
+    return cpu_target.target_context.codegen()._engine
+
+
+def test_errors_raised_in_a_part_arrive_in_python() -> None:
+    assert ask(3) == 4
+    with pytest.raises(ValueError, match="too many"):
+        ask(10)
+    with pytest.raises(ValueError, match="less than nothing"):
+        ask(-1)
+    with pytest.raises(ValueError, match="less than nothing"):
+        strict(-1)
+
+
+def test_settings_are_equal_where_all_of_them_are() -> None:
+    flags, other = Flags(), Flags()
+    assert flags == other
+    other.nrt = not flags.nrt
+    assert flags != other
+    assert hash(flags) == hash(other)  # they may become equal
+    other.nrt = flags.nrt  # set, to what it is anyway
+    assert flags == other
+    flags.nrt, other.nrt = True, False
+    assert flags != other
+    assert flags != 3
+
+
+def names(value: Any) -> Iterator[str]:
+    """Variables in a statement, read plainly."""
+    if isinstance(value, ir.Var):
+        yield value.name
+    elif isinstance(value, ir.Expr):
+        yield from names(value._kws)
+    elif isinstance(value, ir.Inst):
+        yield from names(value.__dict__)
+    elif isinstance(value, list | tuple | dict):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from names(part)
+
+
+def test_all_variables_of_a_statement_are_listed() -> None:
+    def subject(a, b, *rest):
+        pair = (a, b)
+        a[0:2] = b[1]
+        for i in range(3):
+            if i > b[0]:
+                return max(a[i], b[i], key=rest)
+        return {"pair": pair, "a": [a, b]}
+
+    statements = [one for block in run_frontend(subject).blocks.values() for one in block.body]
+    listed = [[variable.name for variable in one.list_vars()] for one in statements]
+    assert listed == [list(names(one)) for one in statements]
+    assert max(len(one) for one in listed) > 3
+
+
+def test_nothing_is_left_changed() -> None:
+    from llvmlite.binding import ffi
+
+    before = gc.get_threshold(), list(ffi.lib._lock._cblist)
+    assert before[1]
+
+    @inner
+    def twice(x):
+        return x + x
+
+    @function
+    def again(x):
+        return twice(x)
+
+    @function
+    def wrong(x):
+        return x.nothing
+
+    assert again(2) == 4
+    with pytest.raises(Exception, match="nothing"):
+        wrong(2)
+    assert (gc.get_threshold(), list(ffi.lib._lock._cblist)) == before
