@@ -11,8 +11,8 @@ from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
 from strandcli.constants import VECTOR
+from strandcli.simd import get3, lay, put, spread
 from strandcli.simulate.kernels import contact_shapes
-from strandcli.simulate.kernels.simd import get3, lay, put, spread
 from strandcli.simulate.rod import RodSolver
 
 LANES = VECTOR // 8

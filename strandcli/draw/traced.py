@@ -20,7 +20,8 @@ from ..constants import GRID_BYTES
 from ..scene.model import Light
 from .camera import View, ball
 from .curves import Polylines
-from .kernels import project
+from .kernels import bits, project
+from .kernels import grid as cells
 from .kernels import traced as kernel
 from .raster import into_bands, to_screen
 from .scratch import Scratch
@@ -34,7 +35,7 @@ SOME, MANY = 1000, 50_000
 """from so many vertices; and strands whose pieces are measured."""
 FINEST = 2048
 """Cells along a side of a grid at most."""
-LISTED = 8 + 4 * kernel.ROWS
+LISTED = 8 + 4 * cells.ROWS
 """Bytes that a strand's piece takes in each cell it touches."""
 PLACES = 2.0
 """Along a strand, to its width, that are lit or dark."""
@@ -106,19 +107,19 @@ def grid_of(
             break
         size = max(size // 2, 8)
     keys = scratch.take(f"grid_keys_{number}", int(begin[-1]), np.int64)
-    rows = scratch.take(f"grid_rows_{number}", kernel.ROWS * int(begin[-1]), np.float32)
+    rows = scratch.take(f"grid_rows_{number}", cells.ROWS * int(begin[-1]), np.float32)
     for side, bands in enumerate(sides):
         ends = begin[side * size * size : (side + 1) * size * size + 1]
         _list(lines, bands, views[side], workers, scratch, ends[:-1].copy(), keys)
-        table = scratch.take("equations", (len(bands), kernel.ROWS), np.float32)
+        table = scratch.take("equations", (len(bands), cells.ROWS), np.float32)
         focal = np.float32(views[side].focal if views[side].perspective else 0.0)
-        kernel.equations(lines.first, bands, focal, np.float32(size / 2), table)
-        kernel.order(ends, size, table, keys, rows)
-    words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / kernel.WORD)
+        cells.equations(lines.first, bands, focal, np.float32(size / 2), table)
+        cells.order(ends, size, table, keys, rows)
+    words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / bits.WORD)
     return Grid(
         np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
         size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, min(words, WORDS),
-        round(opacity * int(kernel.VEILS)), np.float32(light.shadow.bias), thickness,
+        round(opacity * int(bits.VEILS)), np.float32(light.shadow.bias), thickness,
     )  # fmt: skip
 
 
@@ -150,7 +151,7 @@ def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> fl
 
 
 def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
-    """(V, 4) as in `kernels.traced.list_bands`."""
+    """(V, 4) as in `kernels.grid.list_bands`."""
     screen = to_screen(lines, view, scratch, "light_screen")
     widths = scratch.take("light_widths", len(screen), np.float32)
     project.widths(
@@ -170,4 +171,4 @@ def _list(
     size, stretch = int(view.width), view.pack()[23]
     margin = float(stretch * bands[:, 3].max(initial=0.0)) + 1.0
     rows = into_bands(lines.first, bands, size, margin, workers, scratch)
-    kernel.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)
+    cells.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

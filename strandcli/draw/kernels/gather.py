@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner
-from ...simulate.kernels.simd import lay
+from ...simd import lay
 from .coverage import (
     AREA,
     CELL,

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from ...simulate.kernels.simd import lay
+from ...simd import lay
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)

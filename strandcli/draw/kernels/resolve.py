@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inner, parallel, prange
-from ...simulate.kernels.simd import get, lay, put, spread, where, width
+from ...simd import get, lay, put, spread, where, width
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch

@@ -5,10 +5,9 @@ in front of it darkens a part of its length, of which three pairs of linear ineq
 band's width, between the band's ends, nearer to the light than the line. A piece of the line has a bit for each of
 many places along it, so many that a band as wide as the line is covers two, and what is dark is set.
 
-Bands are listed in the square cells of a grid over the light's view that they touch, nearest first, as keys: the depth
-number, complemented so that nearer is smaller, above the index of the piece's first vertex. A line is followed from
-cell to cell. Within a cell the list ends for it where bands lie behind it, and the inequalities are one loop over the
-bands, which becomes vector code.
+Bands are listed in the cells of a grid over the light's view (`grid`), nearest first. A line is followed from cell to
+cell. Within a cell the list ends for it where bands lie behind it, and the inequalities are one loop over the bands,
+which becomes vector code.
 """
 
 from __future__ import annotations
@@ -18,156 +17,36 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
+from .bits import NONE, WORD, add_up, all_dark, darken
 from .body import LINES
+from .grid import (
+    ALONG,
+    ALONG_X,
+    ALONG_Y,
+    ASIDE,
+    ASIDE_X,
+    ASIDE_Y,
+    DEPTH,
+    GROWS,
+    LOW,
+    ROWS,
+    WIDENS,
+    WIDTH,
+    columns,
+    nearness,
+    whole,
+)
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
-BEHIND = np.float32(1 - 2e-6)
-"""What is as far away as a line, but for rounding, does not shade it."""
 MOST = np.int64(32)
 """Pieces to each side of a vertex that its light is averaged over, at most."""
 STRANDS = 32
 """Strands a task."""
-WORD = 64
-"""Bits of a word."""
-NONE, ALL = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
-LOW = np.int64(0xFFFFFFFF)
-NEAREST = np.int64(0x7FFFFFFF)
-"""No less than the bits of any number that is not negative."""
-SHIFT = np.int64(32)
-VEIL_BITS = 8
-VEILS = np.int64(2**VEIL_BITS)
-"""Of so many bits behind a strand that lets light through, some are set."""
 BATCH = 64
 """Bands that are held against a line at once."""
-# Rows of numbers, one for each band of a cell: how far aside a point of the cell lies; how far along, in lengths; half
-# the width and the depth number at the band's beginning, and how much each grows to its end, evenly.
-ASIDE_X, ASIDE_Y, ASIDE, ALONG_X, ALONG_Y, ALONG, WIDTH, WIDENS, DEPTH, GROWS = range(10)
-ROWS = 10
-
-
-@parallel
-def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, keys):
-    """List in every cell the bands that touch it: how many there are, where `keys` is None, or else their keys.
-
-    first (S + 1,) int64; bands (V, 4): of each vertex x and y in cells, the depth number of `project.points`, half the
-    width in cells, which lines aside of the view's middle exceed up to `stretch` times; members, begin, rows, workers:
-    as in `shadow.fill`; at (size * size,) int64: counts, to be added to, or the place of each cell's next key; keys
-    (K,) int64.
-    """
-    for task in prange(workers):
-        for b in range(task, begin.shape[0] - 1, workers):
-            top = b * rows
-            bottom = min(top + rows, size)
-            for m in range(begin[b], begin[b + 1]):
-                s = members[m]
-                for v in range(first[s], first[s + 1] - 1):
-                    if bands[v, 2] > ZERO and bands[v + 1, 2] > ZERO:
-                        list_one(bands, v, stretch, top, bottom, size, at, keys)
-
-
-@inner
-def list_one(bands, v, stretch, top, bottom, size, at, keys):
-    """All that `list_bands` does with the piece after vertex v in the rows from `top` to before `bottom`."""
-    x0 = bands[v, 0]
-    y0 = bands[v, 1]
-    x1 = bands[v + 1, 0]
-    y1 = bands[v + 1, 1]
-    half = stretch * max(bands[v, 3], bands[v + 1, 3])
-    key = nearness(max(bands[v, 2], bands[v + 1, 2])) | v
-    for row in range(whole(min(y0, y1) - half, top, bottom), whole(max(y0, y1) + half + ONE, top, bottom)):
-        low, high = columns(x0, y0, x1, y1, half, row)
-        for column in range(whole(low, 0, size), whole(high + ONE, 0, size)):
-            cell = row * size + column
-            if keys is not None:
-                keys[at[cell]] = key
-            at[cell] += 1
-
-
-@inlined
-def nearness(q):
-    """The upper half of a key."""
-    return (NEAREST - np.int64(np.float32(q).view(np.int32))) << SHIFT
-
-
-@inlined
-def whole(x, low, high):
-    """The greatest whole number that is no greater than x, kept between two others."""
-    return np.int64(min(max(math.floor(x), np.float32(low)), np.float32(high)))
-
-
-@inlined
-def columns(x0, y0, x1, y1, half, row):
-    """From where to where a band reaches in a row of cells, or somewhat further."""
-    begin = ZERO
-    end = ONE
-    rise = y1 - y0
-    if rise != ZERO:
-        a = (np.float32(row) - half - y0) / rise
-        b = (np.float32(row) + ONE + half - y0) / rise
-        begin = max(begin, min(a, b))
-        end = min(end, max(a, b))
-    a = x0 + begin * (x1 - x0)
-    b = x0 + end * (x1 - x0)
-    return min(a, b) - half, max(a, b) + half
-
-
-@parallel
-def equations(first, bands, focal, middle, out):
-    """Of the piece after each vertex the numbers (V, 10) named above; of a strand's last vertex, those of no band.
-
-    focal: cells that a metre is wide at a depth of one; 0 for an orthographic view; middle: of the view, in cells. A
-    cylinder whose axis is seen at an angle β from the middle is 1 / cos β times wider on the plane of the view.
-    """
-    for s in prange(first.shape[0] - 1):
-        for v in range(first[s], first[s + 1]):
-            last = v + 1 == first[s + 1]
-            gx = ZERO if last else bands[v + 1, 0] - bands[v, 0]
-            gy = ZERO if last else bands[v + 1, 1] - bands[v, 1]
-            square = gx * gx + gy * gy
-            seen = square > TINY
-            per = ONE / math.sqrt(square) if seen else ZERO
-            out[v, ASIDE_X] = -gy * per
-            out[v, ASIDE_Y] = gx * per
-            out[v, ASIDE] = (gy * bands[v, 0] - gx * bands[v, 1]) * per
-            past = (out[v, ASIDE] + (out[v, ASIDE_X] + out[v, ASIDE_Y]) * middle) / focal if focal > ZERO else ZERO
-            wider = math.sqrt(ONE + past * past)
-            per *= per
-            out[v, ALONG_X] = gx * per
-            out[v, ALONG_Y] = gy * per
-            out[v, ALONG] = -(gx * bands[v, 0] + gy * bands[v, 1]) * per
-            out[v, WIDTH] = bands[v, 3] * wider if seen else -ONE
-            out[v, WIDENS] = (bands[v + 1, 3] - bands[v, 3]) * wider if seen else ZERO
-            out[v, DEPTH] = bands[v, 2] * BEHIND
-            out[v, GROWS] = ZERO if last else (bands[v + 1, 2] - bands[v, 2]) * BEHIND
-
-
-@parallel
-def order(begin, size, table, keys, lines):
-    """Sort the keys of each cell, and write down their bands as rows of numbers, for places relative to its corner.
-
-    begin (size * size + 1,) int64: where each cell's keys begin in keys, and a tenth of where its rows do in lines
-    (10 K,) float32; table (V, 10): of `equations`.
-    """
-    for row in prange(size):
-        for column in range(size):
-            cell = np.int64(row) * size + column
-            i = begin[cell]
-            n = begin[cell + 1] - i
-            if n > 1:
-                keys[i : i + n].sort()
-            x = np.float32(column)
-            y = np.float32(row)
-            for k in range(n):
-                v = keys[i + k] & LOW
-                at = ROWS * i + k
-                for r in range(ROWS):
-                    lines[at + r * n] = table[v, r]
-                lines[at + ASIDE * n] += table[v, ASIDE_X] * x + table[v, ASIDE_Y] * y
-                lines[at + ALONG * n] += table[v, ALONG_X] * x + table[v, ALONG_Y] * y
-
 
 @parallel
 def visibility(
@@ -179,12 +58,13 @@ def visibility(
     first, world, stride: polylines and their lit vertices; marks (V,) uint8: lit vertices where it is wanted; screen
     (V, 3): where a camera sees the vertices, in samples; most: pieces of the longest polyline. Of each of the light's
     views, views (M, 26) and sizes (M,), cells (M,) tells where its cells begin in begin (C,), which tells where their
-    keys begin; keys, lines: as `order` leaves them. Several views are the six sides of a cube. words: of bits for a
-    piece; veil: opacity of strands, in 1 / `VEILS`; bias: metres in front of which nothing is shaded; apart: metres, as
-    the light sees them, within which a strand does not shade itself; out (V,). Where slots is not None: eye (26,) the
-    camera; width metres at the root, of which `taper` is lost to the tip; scale (S,) or None; slots (V,) int32: number
-    of each wide vertex, or −1; shades (n, LINES) uint64: what is dark of the piece after each, a bit for each of 64
-    places along each of the lines across it that the camera sees.
+    keys begin; keys, lines: as `grid.order` leaves them. Several views are the six sides of a cube. words: of bits for
+    a piece; veil: opacity of strands, in 1 / `bits.VEILS`; bias: metres in front of which nothing is shaded; apart:
+    metres, as the light sees them, within which a strand does not shade itself; out (V,).
+
+    Where slots is not None: eye (26,) the camera; width metres at the root, of which `taper` is lost to the tip; scale
+    (S,) or None; slots (V,) int32: number of each wide vertex, or −1; shades (n, LINES) uint64: what is dark of the
+    piece after each, a bit for each of 64 places along each of the lines across it that the camera sees.
 
     The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
     farther.
@@ -327,27 +207,6 @@ def reach(screen, a, v, n, stride):
 
 
 @inner
-def add_up(dark, sums, p):
-    """Share of piece p that is lit, and what it comes to where it counts the more the nearer it is to the piece's
-    end."""
-    words = dark.shape[0]
-    total = ZERO
-    toward = ZERO
-    for w in range(words):
-        x = ~dark[w]  # bits that are set: in each two, each four, each byte; then all bytes, and bytes by their number
-        x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
-        x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
-        x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-        count = np.float32((x * np.uint64(0x0101010101010101)) >> np.uint64(56))
-        total += count
-        toward += np.float32((x * np.uint64(0x0001020304050607)) >> np.uint64(56)) * np.float32(8)
-        toward += count * np.float32(4 + WORD * w)
-    per = ONE / np.float32(WORD * words)
-    sums[2 * p] = total * per
-    sums[2 * p + 1] = toward * per * per
-
-
-@inner
 def mean(sums, v, n, far):
     """What of the light is left about vertex v of n pieces, weighted by a hat that reaches over `far` pieces."""
     total = ZERO
@@ -451,51 +310,6 @@ def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil
                     covered |= darken(dark, since, np.int64(begin + cuts[BATCH + m] * size), veil, v, w)
         if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):
             return
-
-
-@inlined
-def between_bits(since, until, w):
-    """The bits of word w among those from `since` to before `until`, which it has some of."""
-    first = np.uint64(max(since - WORD * w, 0))
-    rest = np.uint64(max(WORD * (w + 1) - until, 0))
-    return (ALL << first) & (ALL >> rest)
-
-
-@inner
-def darken(dark, since, until, veil, v, w):
-    """Set the bits from `since` to before `until`, those that band w darkens of the line v; whether there are any."""
-    if since >= until:
-        return False
-    for word in range(since // WORD, (until - 1) // WORD + 1):
-        mask = between_bits(since, until, word)
-        if veil < VEILS:
-            mask &= scattered(np.uint64(v) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(w), np.uint64(word), veil)
-        dark[word] |= mask
-    return True
-
-
-@inner
-def all_dark(dark, since, until):
-    """Whether all bits from `since` to before `until` are set."""
-    for word in range(since // WORD, (until - 1) // WORD + 1):
-        mask = between_bits(since, until, word)
-        if dark[word] & mask != mask:
-            return False
-    return True
-
-
-@inner
-def scattered(seed, word, veil):
-    """Bits of which `veil` in `VEILS` are set, by chance, the same for the same numbers (SplitMix64)."""
-    out = NONE
-    state = seed + word * np.uint64(0xD1B54A32D192ED03)
-    for i in range(VEIL_BITS):
-        state += np.uint64(0x9E3779B97F4A7C15)
-        x = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        x ^= x >> np.uint64(31)
-        out = out | x if (veil >> i) & 1 else out & x
-    return out
 
 
 @inner

@@ -25,9 +25,9 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined
+from ...simd import get, get3, put, put3, root, some, spread, where
 from .contact_shapes import LEAST, TINY, nearest
 from .rod import GRIP, HIT, OFF, OVER, E, R
-from .simd import get, get3, put, put3, root, some, spread, where
 
 SLACK = 1e-6
 """Depth as a share of an edge that is no more than rounding, where that of coordinates is not more yet."""

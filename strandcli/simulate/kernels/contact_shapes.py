@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined, inner
+from ...simd import get, get3, put, root, some, spread, where
 from .rod import FOUND, SEGMENT, E
-from .simd import get, get3, put, root, some, spread, where
 
 TINY = 1e-20
 LEAST = 1e-6

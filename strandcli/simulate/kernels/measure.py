@@ -8,8 +8,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
+from ...simd import get3, greatest, lay, spread, width
 from . import contact_shapes as shapes
-from .simd import get3, greatest, lay, spread, width
 
 ZERO = np.float32(0)
 ONE = np.float32(1)

@@ -38,7 +38,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inner
-from .simd import get, get3, put, put3, root, some, spread, where
+from ...simd import get, get3, put, put3, root, some, spread, where
 
 QUARTER = 0.9 / 4
 """θ/4: the share of the mass that compression may use up in H."""

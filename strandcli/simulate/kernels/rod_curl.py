@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inner
+from ...simd import cosine, get, get3, put, put3, root, sine, spread
 from .rod import AXES, DI, FIRST, N1, N2, SEGMENT, TINY, C, E, G
-from .simd import cosine, get, get3, put, put3, root, sine, spread
 
 FOLD = 0.02
 """Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""

@@ -7,8 +7,8 @@ is used.
 from __future__ import annotations
 
 from ...jit import inner
+from ...simd import get, get3, put, spread
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, T, rows_for
-from .simd import get, get3, put, spread
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""

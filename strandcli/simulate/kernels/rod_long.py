@@ -14,9 +14,9 @@ divided by its variance, and the adjoint of the filter, from the tip to the root
 from __future__ import annotations
 
 from ...jit import inner
+from ...simd import get, get3, put, put3, spread
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, T, rows_for
 from .rod_dense import SHORT
-from .simd import get, get3, put, put3, spread
 
 GAIN = 3
 """Vectors of scratch a segment: the gain of the particle. That of the edge takes the place of the loads G, and what was

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ...jit import inner
+from ...simd import get, put, root, some, spread, where
 from . import rod, rod_dense, rod_long
 from .rod import FIRST, SEGMENT, A, M, T
-from .simd import get, put, root, some, spread, where
 
 PATIENCE = 6
 """Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
+from ...simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, where, width
 from . import rod, rod_curl, rod_newton, rod_sweep
 from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, A, C, E, K, M, R, T, U
-from .simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, where, width
 from .tickets import ALL, take
 
 HUGE = 1e18

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inner
+from ...simd import get, get3, put, put3, root, some, spread, where
 from . import contact
 from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, E, U
-from .simd import get, get3, put, put3, root, some, spread, where
 
 HUGE = 1e18
 NONE = 1e-12

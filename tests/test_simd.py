@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 
 from strandcli.constants import VECTOR
-from strandcli.simulate.kernels.simd import (
+from strandcli.simd import (
     get,
     get3,
     greatest,

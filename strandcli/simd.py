@@ -36,8 +36,8 @@ from numba.core.datamodel import models
 from numba.core.extending import intrinsic, lower_builtin, register_model
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
-from ...constants import VECTOR
-from ...jit import inner
+from .constants import VECTOR
+from .jit import inner
 
 
 class Lanes(types.Type):
@@ -307,31 +307,22 @@ def some(typingctx: Any, mask: Any) -> Any:
     return types.boolean(mask), emit
 
 
-@intrinsic
-def root(typingctx: Any, x: Any) -> Any:
-    """Square root."""
-    if not isinstance(x, Lanes):
-        return None
-    call = _call("llvm.sqrt")
-    return x(x), lambda context, builder, sig, args: call(builder, *args)
+def _of_each(function: str, doc: str) -> Any:
+    """An LLVM function of each lane."""
+    call = _call(function)
+
+    def typed(typingctx: Any, x: Any) -> Any:
+        if not isinstance(x, Lanes):
+            return None
+        return x(x), lambda context, builder, sig, args: call(builder, *args)
+
+    typed.__doc__ = doc
+    return intrinsic(typed)
 
 
-@intrinsic
-def sine(typingctx: Any, x: Any) -> Any:
-    """Sine of radians, number by number: not to be used where time counts."""
-    if not isinstance(x, Lanes):
-        return None
-    call = _call("llvm.sin")
-    return x(x), lambda context, builder, sig, args: call(builder, *args)
-
-
-@intrinsic
-def cosine(typingctx: Any, x: Any) -> Any:
-    """Cosine likewise."""
-    if not isinstance(x, Lanes):
-        return None
-    call = _call("llvm.cos")
-    return x(x), lambda context, builder, sig, args: call(builder, *args)
+root = _of_each("llvm.sqrt", "Square root.")
+sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
+cosine = _of_each("llvm.cos", "Cosine likewise.")
 
 
 @intrinsic
