@@ -121,7 +121,8 @@ def _emit_whole_kernels() -> None:
     )  # fmt: skip
 
     def finish_whole(self: Any) -> None:
-        if not kernel.is_part(self):
+        # what comes from the cache may be called by Python whoever asked for it, and its machine code is there
+        if getattr(self, "_compiled_object", None) or not kernel.is_part(self):
             finish(self)
             return
         self._finalize_dynamic_globals()

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import gc
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -155,3 +159,32 @@ def test_nothing_is_left_changed() -> None:
     with pytest.raises(Exception, match="nothing"):
         wrong(2)
     assert (gc.get_threshold(), list(ffi.lib._lock._cblist)) == before
+
+
+CALLED_FROM_BOTH = """
+import sys
+import numpy as np
+from strandcli.draw.kernels import tiles
+from strandcli.jit import function, inner
+
+@inner
+def part(t, past, bits):
+    return tiles.fixed(t, past, bits) + 1
+
+@function
+def whole(t, past, bits):
+    return part(t, past, bits) * 2
+
+if "kernel first" in sys.argv:
+    assert whole(np.float32(0.3), 1, 10) == 2664
+assert tiles.fixed(np.float32(0.3), 1, 10) == 1331
+"""
+
+
+def test_what_a_part_takes_from_the_cache_python_may_call_as_well(tmp_path: Path) -> None:
+    script = tmp_path / "both.py"
+    script.write_text(CALLED_FROM_BOTH)
+    place = {**os.environ, "STRANDCLI_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(__file__).parents[1])}
+    for words in ([], ["kernel first"]):  # the first run fills the cache
+        done = subprocess.run([sys.executable, script, *words], env=place, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
