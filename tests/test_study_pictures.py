@@ -100,7 +100,7 @@ def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> No
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129] * 2)
     )
     found = []
-    for more in ([], ["material.scatter=dual", "material.diffuse=0", "environment.image=sky.hdr"]):
+    for more in ([], ["material.scatter=dual", "material.diffuse=0", f"environment.image={tmp_path / 'sky.hdr'}"]):
         scene = strandcli.load(str(tmp_path / "brush.yaml"), overrides=["material.model=chiang", *more])
         study = ShadowStudy(Request(scene=scene, name="brush"))
         study.prepare(lambda text: None)
