@@ -219,13 +219,9 @@ def shadows(
                 power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
                 whole += power
                 if spheres is not None:
-                    if sized is None:
-                        power *= solids.lit(spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin)
-                    else:
-                        power *= penumbra.lit(
-                            spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights[i, 12],
-                            lights[i, 0],
-                        )  # fmt: skip
+                    power *= penumbra.past(
+                        spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
+                    )
                 if maps is not None and power > ZERO and lights[i, 10] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
                 if stacks is not None and power > ZERO and lights[i, 10] > ZERO:

@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from ...jit import function, inner
+from . import solids
 from .approximations import asin
 
 ZERO = np.float32(0.0)
@@ -33,6 +34,14 @@ STEPS = 32
 """Of a search along the way to the light."""
 ALONG = 16
 """Along an axis."""
+
+
+@inner
+def past(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights, i, sized):
+    """What solids leave of light number i at a point: `solids.lit`, or `lit` where any light has a size."""
+    if sized is None:
+        return solids.lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
+    return lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights[i, 12], lights[i, 0])
 
 
 @function

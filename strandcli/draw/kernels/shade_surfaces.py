@@ -76,13 +76,9 @@ def surfaces(
                 px = x + nx * skin
                 py = y + ny * skin
                 pz = z + nz * skin
-                if sized is None:
-                    falloff *= solids.lit(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin)
-                else:
-                    falloff *= penumbra.lit(
-                        spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights[i, 12],
-                        lights[i, 0],
-                    )  # fmt: skip
+                falloff *= penumbra.past(
+                    spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights, i, sized
+                )
                 if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
                     falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
                 if stacks is not None and falloff > ZERO and lights[i, 10] > ZERO:
