@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import RefusedError, UsageError
 from . import png
+from .claim import Claim
 from .files import prepare_folder, write_pieces
 from .layers import Layers, layer_bytes, layer_files, write_layers
 
@@ -64,8 +65,8 @@ class FrameWriter:
         frames of another scene. ``also`` names further files that the run will write and must not find. ``layers`` are
         those that come with each picture, and ``exr`` whether as EXR too (see `layers.write_layers`).
 
-        Raises ``RefusedError`` for a folder that cannot be written to or has too little room, and ``UsageError`` for
-        files that are in the way.
+        Raises ``RefusedError`` for a folder that cannot be written to or has too little room, or where another run is
+        writing the same frames, and ``UsageError`` for files that are in the way.
         """
         if overwrite and resume:
             raise UsageError("--overwrite and --resume exclude each other: replace the frames, or keep them")
@@ -84,6 +85,7 @@ class FrameWriter:
         self.wanted = tuple(frame for frame in frames if frame not in self.written)
         each = width * height * BYTES_PER_PIXEL + layer_bytes(self.layers, exr, width * height)
         prepare_folder(directory, round(len(self.wanted) * each))
+        self._claim = Claim(directory, "frames", self.wanted)
 
     def _look(self, frames: Sequence[int], overwrite: bool, resume: bool, also: Sequence[str]) -> None:
         there = [frame for frame in frames if (self.directory / frame_file(frame)).exists()]
@@ -131,6 +133,7 @@ class FrameWriter:
             self._put(None)
             self._thread.join()
             self._thread = None
+        self._claim.release()
         if kind is None:
             self._raise()
 

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from .. import __version__
 from ..errors import RefusedError, UsageError
+from .claim import Claim
 from .files import atomic, prepare_folder, write_json
 
 Positions = npt.NDArray[np.float32]
@@ -50,6 +51,7 @@ class PositionsWriter:
         self.wanted = tuple(f for f in frames if f not in self.kept)
         self.done = list(self.kept)
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
+        self._claim = Claim(directory, "positions")
 
     def _whole(self, path: Path) -> bool:
         try:
@@ -65,7 +67,7 @@ class PositionsWriter:
         self.done.append(frame)
 
     def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> dict[str, Any]:
-        """Write the manifest of the frames that are there; returns it."""
+        """Write the manifest of the frames that are there, and let go of the folder; returns the manifest."""
         data = {
             "schema_version": SCHEMA_VERSION,
             "strandcli": __version__,
@@ -78,7 +80,10 @@ class PositionsWriter:
             "fps": fps,
             "frames": [{"frame": f, "file": positions_file(f)} for f in sorted(self.done)],
         }
-        write_json(self.directory / MANIFEST, data)
+        try:
+            write_json(self.directory / MANIFEST, data)
+        finally:
+            self._claim.release()
         return data
 
 

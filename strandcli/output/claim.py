@@ -1,0 +1,93 @@
+"""Which files of a folder a run is writing: two runs that write the same ones at once would mix two films.
+
+A claim is a lock on bytes of a hidden file, a byte a frame, so that several runs, on several machines that share the
+folder too, may each write frames of their own. The system lets go of it when its process ends, in whatever way: a file
+that a killed run has left claims nothing. Where a file system has no locks, nothing is claimed and nothing refused.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from ..errors import RefusedError
+
+_ALL = (0, 0)
+"""First byte of a lock, and how many: on a whole file."""
+_TRIES = 3
+"""A run that ends holds the whole file while it removes it."""
+
+
+class Claim:
+    """A hold on some files of a folder, until `release` or the end of the process; not against this process itself."""
+
+    def __init__(self, directory: Path, what: str, numbers: Iterable[int] | None = None) -> None:
+        """Claim the files called ``what`` ("frames") with these numbers, None: all of them, in a folder that is there.
+
+        Raises ``RefusedError`` where another run has claimed one of them.
+        """
+        self._path = directory / f".{what}.lock"
+        spans = [_ALL] if numbers is None else _spans(numbers)
+        self._file = self._lock(spans, what) if spans else None
+
+    def release(self) -> None:
+        """Let go, and remove the file where nobody else holds a part of it."""
+        if self._file is None:
+            return
+        with suppress(OSError):
+            _hold(self._file, _ALL)
+            self._path.unlink()
+        os.close(self._file)
+        self._file = None
+
+    def _lock(self, spans: list[tuple[int, int]], what: str) -> int | None:
+        """The open file; None where there are no locks."""
+        for _ in range(_TRIES):
+            try:
+                while (file := _locked(self._path, spans)) is None:
+                    pass
+                return file
+            except BlockingIOError:
+                time.sleep(0.05)
+            except OSError:  # no locks on this file system, or a file of another user's
+                return None
+        raise RefusedError(
+            f"{self._path.parent}: another run is writing the same {what} there just now; wait until it has ended, "
+            "or choose another folder with -o"
+        )
+
+
+def _spans(numbers: Iterable[int]) -> list[tuple[int, int]]:
+    """First and count of each run of numbers."""
+    spans: list[tuple[int, int]] = []
+    for number in sorted(numbers):
+        if spans and sum(spans[-1]) == number:
+            spans[-1] = spans[-1][0], spans[-1][1] + 1
+        else:
+            spans.append((number, 1))
+    return spans
+
+
+def _hold(file: int, span: tuple[int, int]) -> None:
+    first, count = span
+    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, count, first)
+
+
+def _locked(path: Path, spans: list[tuple[int, int]]) -> int | None:
+    """The open file with these bytes locked; None where its last owner removed it meanwhile."""
+    file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        for span in spans:
+            _hold(file, span)
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(file), os.stat(path)):
+                return file
+    except BaseException:
+        os.close(file)
+        raise
+    os.close(file)
+    return None
