@@ -13,6 +13,7 @@ different sides, too much of it is left.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +31,9 @@ CLEAR = np.float32(2.0)
 """More than any sine: not in the way at all."""
 INV_PI = np.float32(1 / math.pi)
 CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
-STEPS = 32
+STEPS = np.int64(32)
 """Of a search along the way to the light."""
-ALONG = 16
+ALONG = np.int64(16)
 """Along an axis."""
 
 
@@ -120,26 +121,7 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
     if least <= -radius:
         return least
-    low = ZERO
-    high = ONE
-    near = ONE - CLOSER
-    far = CLOSER
-    at_near = ball(r, wx + near * bx, wy + near * by, wz + near * bz, lx, ly, lz, reach)
-    at_far = ball(r, wx + far * bx, wy + far * by, wz + far * bz, lx, ly, lz, reach)
-    for _ in range(ALONG):
-        if at_near < at_far:
-            high = far
-            far = near
-            at_far = at_near
-            near = high - CLOSER * (high - low)
-            at_near = ball(r, wx + near * bx, wy + near * by, wz + near * bz, lx, ly, lz, reach)
-        else:
-            low = near
-            near = far
-            at_near = at_far
-            far = low + CLOSER * (high - low)
-            at_far = ball(r, wx + far * bx, wy + far * by, wz + far * bz, lx, ly, lz, reach)
-    return min(least, min(at_near, at_far))
+    return min(least, lowest_on_axis((r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach), ZERO, ONE, ALONG))
 
 
 @inner
@@ -162,27 +144,9 @@ def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, reach, radius):
         return CLEAR
     high = min(around - (ox * dx + oy * dy + oz * dz), reach)
-    low = high * SHARP
     if high <= ZERO:
         return CLEAR
-    near = high - CLOSER * (high - low)
-    far = low + CLOSER * (high - low)
-    at_near = away(ox + near * dx, oy + near * dy, oz + near * dz, hx, hy, hz) / near
-    at_far = away(ox + far * dx, oy + far * dy, oz + far * dz, hx, hy, hz) / far
-    for _ in range(STEPS):
-        if at_near < at_far:
-            high = far
-            far = near
-            at_far = at_near
-            near = high - CLOSER * (high - low)
-            at_near = away(ox + near * dx, oy + near * dy, oz + near * dz, hx, hy, hz) / near
-        else:
-            low = near
-            near = far
-            at_near = at_far
-            far = low + CLOSER * (high - low)
-            at_far = away(ox + far * dx, oy + far * dy, oz + far * dz, hx, hy, hz) / far
-    return min(at_near, at_far)
+    return lowest_on_way((ox, oy, oz, dx, dy, dz, hx, hy, hz), high * SHARP, high, STEPS)
 
 
 @inner
@@ -195,3 +159,49 @@ def away(x, y, z, hx, hy, hz):
     oy = max(ay, ZERO)
     oz = max(az, ZERO)
     return math.sqrt(ox * ox + oy * oy + oz * oz) + min(max(ax, max(ay, az)), ZERO)
+
+
+@inner
+def on_axis(s, at):
+    """`ball` of the ball at the place s of a capsule's axis, from w along b."""
+    r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach = at
+    return ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
+
+
+@inner
+def on_way(t, at):
+    """A box's distance, at the distance t from o along d, over t."""
+    ox, oy, oz, dx, dy, dz, hx, hy, hz = at
+    return away(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
+
+
+def search(of: Any) -> Any:
+    """A kernel's search for the least value of a function of (t, at): (at, low, high, steps) to that value, where
+    between low and high there is one minimum. By golden sections."""
+
+    @inner
+    def lowest(at, low, high, steps):
+        near = high - CLOSER * (high - low)
+        far = low + CLOSER * (high - low)
+        at_near = of(near, at)
+        at_far = of(far, at)
+        for _ in range(steps):
+            if at_near < at_far:
+                high = far
+                far = near
+                at_far = at_near
+                near = high - CLOSER * (high - low)
+                at_near = of(near, at)
+            else:
+                low = near
+                near = far
+                at_near = at_far
+                far = low + CLOSER * (high - low)
+                at_far = of(far, at)
+        return min(at_near, at_far)
+
+    return lowest
+
+
+lowest_on_axis = search(on_axis)
+lowest_on_way = search(on_way)
