@@ -253,6 +253,35 @@ def test_light_is_asked_for_only_where_it_is_seen() -> None:
     assert not layer.marks[20:].any()
 
 
+@pytest.mark.parametrize("hidden", [False, True])
+def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
+    """Of so many strands in any order, each over the whole picture, a pixel keeps those that are in front of all before
+    them: about the logarithm of their number."""
+    count = 4000
+    depth = np.random.default_rng(5).permutation(count) / count + 0.1
+    screen = np.array([[[-40.0, 12.0, d], [80.0, 12.0, d]] for d in depth], np.float32).reshape(-1, 3)
+    lines, widths = Polylines(np.arange(0, 2 * count + 1, 2), screen), np.full(2 * count, 90.0, np.float32)
+    colours = np.repeat(np.random.default_rng(6).uniform(0, 1, (count, 3)).astype(np.float32), 2, axis=0)
+    edges = None
+    if hidden:  # by a solid in the left half
+        hides = np.zeros((24, 40), np.float32)
+        hides[:, :20] = 2
+        edges = none(hides.ravel())
+    for faint in (0.0, 0.01):
+        coverage = Coverage((40, 24), 1.0 - faint, None)
+        image = np.zeros((24, 40, 3), np.float32)
+        for layer in coverage.layers(lines, screen, widths, edges, 1, Scratch()):
+            layer.compose(colours, image)
+        seen = image[:, 20:] if hidden else image
+        front = colours[2 * int(depth.argmax())]
+        if faint:  # a hundredth gets through, to what must be there
+            assert coverage.fragments == count * seen[..., 0].size
+        else:
+            assert coverage.fragments < 30 * seen[..., 0].size
+        np.testing.assert_allclose(seen, np.broadcast_to(front, seen.shape), atol=1e-6 + faint)
+        assert not hidden or not image[:, :20].any()
+
+
 def test_too_many_in_one_row_are_refused_by_name() -> None:
     line = np.array([[0.0, 0.5, 0.5], [40.0, 0.6, 0.5]])
     for nearest in (None, 30):

@@ -49,13 +49,14 @@ def gather(
     edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
     number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
     them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
-    work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
-    what the last tile left;
+    work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32;
     found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
     how many there are. marks: not read, but soon to be written to, as all that is seen.
     """
     counts[:] = 0
-    if hides is not None:
+    if hides is None:
+        veil[:] = ZERO
+    else:
         for y in range(top, bottom):
             for x in range(left, right):
                 veil[(y - top) << ROW_BITS | (x - left)] = hides[y * width + x]
