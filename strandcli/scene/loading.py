@@ -84,6 +84,8 @@ def _locate(given: str) -> Path:
             return path
         if path.is_dir():
             raise UsageError(f"{shown(given)} is a folder; a preset is a .yaml file")
+        if path.is_symlink() or path.exists():
+            raise UsageError(f"{shown(given)} is a device, a pipe or a link to nowhere; a preset is a .yaml file")
         beside = [p.name for p in path.parent.iterdir() if p.suffix in library.SUFFIXES] if path.name else []
     except (OSError, ValueError):
         beside = []
