@@ -11,6 +11,8 @@ from ..scene.model import Camera
 from ..scene.motion import camera_at
 
 SIZE = 26
+STRETCH = 23
+"""Where `View.pack` says how much longer a short way can be in a corner of the screen."""
 
 
 @dataclass(frozen=True)

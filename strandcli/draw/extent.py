@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.model import Material
-from .camera import View
+from .camera import STRETCH, View
 from .curves import Polylines
 from .kernels import project
 from .scratch import Scratch
@@ -58,12 +58,13 @@ def widths_of(
     if material.width == 0:
         return None if scale is None or not thins else np.repeat(scale, np.diff(lines.first))
     nearest = float(screen[:, 2].max()) if view.perspective else 1.0
-    widest = 1.0 if scale is None else float(scale.max())
+    packed = view.pack()
+    widest = float(packed[STRETCH]) if scale is None else float(packed[STRETCH] * scale.max())
     if material.width * widest * view.focal * nearest <= least:
         return None
     widths = scratch.take("widths", len(screen), np.float32)
     project.widths(
-        lines.first, screen, view.pack(), np.float32(material.width), np.float32(material.taper), scale,
+        lines.first, screen, packed, np.float32(material.width), np.float32(material.taper), scale, np.float32(1.0),
         np.float32(least), widths,
     )  # fmt: skip
     return widths

@@ -156,7 +156,7 @@ def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scrat
     widths = scratch.take("light_widths", len(screen), np.float32)
     project.widths(
         lines.first, screen, view.pack(), np.float32(thickness.width), np.float32(thickness.taper), lines.scale,
-        np.float32(0.0), widths,
+        np.float32(0.0), np.float32(0.0), widths,
     )  # fmt: skip
     out = np.empty((len(screen), 4), np.float32)
     out[:, :3] = screen

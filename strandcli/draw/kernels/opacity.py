@@ -14,6 +14,7 @@ import numpy as np
 
 from ...jit import function, inner, parallel, prange
 from .approximations import exp
+from .project import wider
 from .raster import FIXED, POINT
 from .shadow import between, held, texel_of
 
@@ -51,6 +52,7 @@ def draw(
 def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, extents, layers, stacks):
     """All pieces of the polyline a … end − 1 in the rows from `top` to before `bottom`."""
     thin = width * taper / np.float32(max(end - a - 1, 1))
+    middle = HALF * np.float32(size)
     x1 = screen[a, 0]
     y1 = screen[a, 1]
     q1 = screen[a, 2]
@@ -67,6 +69,8 @@ def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, ex
         d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         w = (width - thin * (np.float32(v - a) - HALF)) * scale
+        if far <= ZERO:  # as a lamp sees it
+            w *= wider(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, extents, layers, stacks)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...jit import inner, parallel, prange
@@ -10,13 +12,15 @@ from .curves import into
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 MOST = np.float32(1e8)
+TINY = np.float32(1e-12)
 
 
 @parallel
-def widths(first, screen, view, thickness, taper, scale, least, out):
+def widths(first, screen, view, thickness, taper, scale, aside, least, out):
     """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
-    scale (S,): factor of each strand, or None; never under `least`. first, screen, view as in `points`; out (V,)
-    float32."""
+    scale (S,): factor of each strand, or None; aside: 1 to have them wider aside of the view's axis, as `wider` says,
+    else 0; never under `least`. first, screen, view as in `points`; out (V,) float32."""
+    aslant = view[12] * aside
     for s in prange(first.shape[0] - 1):
         begin = first[s]
         end = first[s + 1]
@@ -27,7 +31,28 @@ def widths(first, screen, view, thickness, taper, scale, least, out):
                 wide *= scale[s]
             if view[12] > ZERO:
                 wide *= screen[v, 2]
+            if aslant > ZERO:
+                before = v - 1 if v > begin and screen[v - 1, 2] > ZERO else v
+                after = v + 1 if v + 1 < end and screen[v + 1, 2] > ZERO else v
+                wide *= wider(
+                    screen[v, 0] - view[15], screen[v, 1] - view[16],
+                    screen[after, 0] - screen[before, 0], screen[after, 1] - screen[before, 1], view[13],
+                )  # fmt: skip
             out[v] = max(wide, least)
+
+
+@inner
+def wider(x, y, dx, dy, focal):
+    """How many times wider on the screen than in the middle, at the same depth, a thin cylinder is at (x, y) pixels
+    from the view's axis whose picture goes along (dx, dy).
+
+    The planes through the eye that touch a cylinder are the one through its axis turned by ± radius / distance. On the
+    screen that one is a line, δ pixels from the middle; turned, it moves by √(1 + δ² / focal²) times as much as in the
+    middle. A strand that points at the middle is no wider; one across has all of the 1 / cos of its angle from there.
+    """
+    size = math.sqrt(dx * dx + dy * dy)
+    off = (dx * y - dy * x) / (max(size, TINY) * focal)
+    return math.sqrt(ONE + off * off)
 
 
 @parallel
