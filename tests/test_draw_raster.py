@@ -169,6 +169,33 @@ def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: 
     assert np.mean(areas) == pytest.approx(90 * wide, rel=0.02)
 
 
+@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("wide", [60.0, 700.0, 1e9])
+def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(wide: float, workers: int) -> None:
+    """Near a strand, and beyond its ends where the picture begins; the nearest is seen, whichever came first."""
+    rng = np.random.default_rng(9)
+    lines = []
+    for _ in range(12):
+        begin, way = rng.uniform([-200, -200], [260, 330]), rng.normal(size=2) * 150
+        near, far = rng.uniform(0.1, 1, 2)
+        lines.append(np.array([[*begin, near], [*(begin + way), far]]))
+    keys = drawn(lines, 60, 130, [np.full(2, wide)] * 12, workers)
+    best, who, sure = np.zeros((130, 60)), np.full((130, 60), -1), np.ones((130, 60), bool)
+    y, x = np.mgrid[:130, :60] + 0.5
+    for number, ((x0, y0, q0), (x1, y1, q1)) in enumerate(lines):
+        flat = abs(x1 - x0) >= abs(y1 - y0)
+        at, across, a0, b0, a1, b1 = (x, y, x0, y0, x1, y1) if flat else (y, x, y0, x0, y1, x1)
+        t = (at - a0) / (a1 - a0)
+        off = np.abs(across - b0 - t * (b1 - b0)) - wide / 2 * np.hypot(a1 - a0, b1 - b0) / abs(a1 - a0)
+        q = np.where((t >= 0) & (t <= 1) & (off < 0), q0 + t * (q1 - q0), 0)
+        edge = (np.abs(off) < 1e-3) | (np.abs(t * (a1 - a0)) < 1e-3) | (np.abs((t - 1) * (a1 - a0)) < 1e-3)
+        sure &= ~edge & ((np.abs(q - best) > 1e-3) | (q == 0))
+        who, best = np.where(q > best, 2 * number, who), np.maximum(q, best)
+    assert sure.mean() > 0.9
+    assert (who >= 0).mean() > 0.5
+    np.testing.assert_array_equal(identity(keys)[sure], who[sure])
+
+
 @pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 90.0, 215.0])
 def test_a_ribbon_narrows_without_steps(angle: float) -> None:
     """From 14 to 2 pixels: each cut across is as wide as the line is there."""
