@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,13 @@ def test_strange_names_are_no_presets(name: str) -> None:
 def test_a_folder_is_no_preset() -> None:
     Path("d.yaml").mkdir()
     assert "'d.yaml' is a folder" in fails("d.yaml")
+
+
+def test_what_is_neither_file_nor_folder_is_no_preset() -> None:
+    os.mkfifo("pipe.yaml")
+    Path("lost.yaml").symlink_to("nowhere.yaml")
+    for name in ("pipe.yaml", "lost.yaml", os.devnull):
+        assert f"'{name}' is a device, a pipe or a link to nowhere" in fails(name)
 
 
 def test_a_preset_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
