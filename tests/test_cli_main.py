@@ -57,7 +57,7 @@ def test_help_lists_every_command_and_each_has_help_of_its_own(run: Runner) -> N
         (["render", "tiny.yaml", "--colour"], "No such option"),
         (["render", "tiny.yaml", "--strands", "0"], "0 is not in the range 1<=x<=100000000"),
         (["render", "tiny.yaml", "--strands", "-5"], "-5 is not in the range"),
-        (["render", "tiny.yaml", "--strands", "1e3"], "'1e3' is not a valid integer"),
+        (["render", "tiny.yaml", "--strands", "1e3"], "'1e3' is not a valid whole number"),
         (["render", "tiny.yaml", "--particles", "1"], "1 is not in the range 2<=x"),
         (["render", "tiny.yaml", "--size", "0x10"], "from 1 to 32768 pixels"),
         (["render", "tiny.yaml", "--size", "800"], "not a width and a height in pixels, such as 800x600"),

@@ -24,7 +24,7 @@ OWN = {
     "--particles", type=options.COUNT_PARTICLES, default=10, show_default=True, metavar="N", help="Particles a strand."
 )
 @click.option(
-    "--frames", type=click.IntRange(1, 100_000), default=20, show_default=True, metavar="N", help="Frames to time."
+    "--frames", type=options.Whole(1, 100_000), default=20, show_default=True, metavar="N", help="Frames to time."
 )
 @click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
 @click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
@@ -35,7 +35,7 @@ OWN = {
     show_default=True,
     help="How finely the scene is drawn; preset: as it is written.",
 )
-@click.option("--level", type=click.IntRange(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
+@click.option("--level", type=options.Whole(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @options.overrides
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads

@@ -15,7 +15,7 @@ from . import options
 @click.argument("second", type=click.Path(path_type=Path), metavar="B")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write a difference image (PNG).")
 @click.option(
-    "--threshold", type=click.IntRange(0, 255), default=0, show_default=True, metavar="N",
+    "--threshold", type=options.Whole(0, 255), default=0, show_default=True, metavar="N",
     help="Count pixels that differ by more than N/255 in some channel.",
 )  # fmt: skip
 @click.option(

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 MOST_PIXELS = 32_768
-COUNT_STRANDS = click.IntRange(1, 100_000_000)
-COUNT_PARTICLES = click.IntRange(2, 100_000)
 
 
 class SizeType(click.ParamType):
@@ -43,10 +41,18 @@ class SizeType(click.ParamType):
         return width, height
 
 
-class ThreadsType(click.IntRange):
-    """A number of threads that this machine has."""
+class Whole(click.IntRange):
+    """A whole number within bounds."""
 
-    name = "N"
+    name = "whole number"
+
+
+COUNT_STRANDS = Whole(1, 100_000_000)
+COUNT_PARTICLES = Whole(2, 100_000)
+
+
+class ThreadsType(Whole):
+    """A number of threads that this machine has."""
 
     def __init__(self) -> None:
         super().__init__(min=1)
@@ -86,8 +92,8 @@ frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", 
 size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
 strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
 particles = click.option("--particles", type=COUNT_PARTICLES, metavar="N", help="Particles a strand.")
-threads = click.option("--threads", type=ThreadsType(), help="Threads.  [default: all cores]")
-seed = click.option("--seed", type=click.IntRange(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
+threads = click.option("--threads", type=ThreadsType(), metavar="N", help="Threads.  [default: all cores]")
+seed = click.option("--seed", type=Whole(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
 overrides = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",

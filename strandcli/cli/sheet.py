@@ -13,10 +13,10 @@ from . import options
 @click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DIR_OR_FILE...")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="The sheet (PNG).")
 @click.option(
-    "--columns", type=click.IntRange(1, 1000), default=4, show_default=True, metavar="N", help="Images a row."
+    "--columns", type=options.Whole(1, 1000), default=4, show_default=True, metavar="N", help="Images a row."
 )
 @click.option(
-    "--width", type=click.IntRange(16, 32_768), default=400, show_default=True, metavar="PX",
+    "--width", type=options.Whole(16, 32_768), default=400, show_default=True, metavar="PX",
     help="Images wider than this are scaled down.",
 )  # fmt: skip
 @options.overwrite

@@ -47,12 +47,12 @@ max_error = click.option(
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
-@click.option("--frame", type=click.IntRange(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
+@click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
 @click.option("--size", type=options.SizeType(), help="Size of pictures.  [default: some 30,000 pixels]")
 @options.seed
 @options.overrides
 @options.folder("out/study")
-@click.option("--threads", type=options.ThreadsType(), default=1, show_default=True,
+@click.option("--threads", type=options.ThreadsType(), metavar="N", default=1, show_default=True,
               help="Threads. One alone is timed most evenly, and so few strands hardly need another.")  # fmt: skip
 @options.overwrite
 @options.talk("Print a line a run on a terminal too, and what is compiled.")
