@@ -172,7 +172,7 @@ def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: 
 @pytest.mark.parametrize("workers", [1, 3])
 @pytest.mark.parametrize("wide", [60.0, 700.0, 1e9])
 def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(wide: float, workers: int) -> None:
-    """Near a strand, and beyond its ends where the picture begins; the nearest is seen, whichever came first."""
+    """Of strands in and beside the picture; the nearest is seen, whichever came first."""
     rng = np.random.default_rng(9)
     lines = []
     for _ in range(12):
@@ -192,7 +192,7 @@ def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(
         sure &= ~edge & ((np.abs(q - best) > 1e-3) | (q == 0))
         who, best = np.where(q > best, 2 * number, who), np.maximum(q, best)
     assert sure.mean() > 0.9
-    assert (who >= 0).mean() > 0.5
+    assert 0.3 < (who >= 0).mean() <= 1
     np.testing.assert_array_equal(identity(keys)[sure], who[sure])
 
 
