@@ -116,6 +116,7 @@ def test_a_preset_that_is_not_there_is_exit_code_2(run: Runner) -> None:
         (MemoryError(), 4),
         (PermissionError(13, "words", "a"), 4),
         (OSError(28, "words", "a"), 4),
+        (OSError(36, "words", "a"), 4),
         (OSError(5, "words", "a"), 1),
         (click.ClickException("words"), 2),
         (KeyboardInterrupt(), 130),

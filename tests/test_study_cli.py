@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from cli_runs import Runner
 
-from strandcli.study import advice
+from strandcli.study import advice, sweep
 
 STILL = """\
 title: strands that have nothing to do
@@ -46,6 +46,14 @@ def test_a_preset_is_studied(run: Runner) -> None:
     again = run("study", "still.yaml", *QUICK, "-o", "s")
     assert again.code == 2
     assert "--overwrite" in again.error()
+
+
+def test_where_nothing_can_be_written_nothing_is_measured(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("s").write_text("a file")
+    monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
+    refused = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert refused.code == 4
+    assert "s: is a file, not a folder" in refused.error()
 
 
 def test_what_is_set_by_hand_is_not_turned(run: Runner) -> None:

@@ -126,6 +126,9 @@ def _main(arguments: Sequence[str] | None) -> int:
         return report(error, state.debug)
 
 
+_REFUSALS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENAMETOOLONG)
+
+
 def report(error: BaseException, debug: bool) -> int:
     """Print ``error`` for the person in front of the terminal and return the exit code it stands for."""
     if debug and not isinstance(error, click.ClickException | click.Abort | KeyboardInterrupt):
@@ -157,7 +160,7 @@ def report(error: BaseException, debug: bool) -> int:
                 "('strandcli plan' estimates the need)"
             )
             return REFUSED
-        case OSError() if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT):
+        case OSError() if error.errno in _REFUSALS:
             _say(_os_error(error))
             return REFUSED
         case OSError() if error.strerror:

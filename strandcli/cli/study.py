@@ -89,7 +89,10 @@ def command(
         options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
 
     from .. import runtime
+    from ..output.files import prepare_folder
     from ..study import summary, sweep
+
+    prepare_folder(folder, 1_000_000)
 
     chosen = axes.find("reference" if preset is None else axis or "motion")
     studies = []
@@ -212,11 +215,10 @@ def _finite(data: Any) -> Any:
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from .. import runtime
     from ..output.compare import write_image
-    from ..output.files import prepare_folder, write_json, write_pieces
+    from ..output.files import write_json, write_pieces
     from ..study.chart import chart
     from ..study.tables import to_csv
 
-    prepare_folder(folder, 1_000_000)
     name = file_name(study.name, study.axis)
     drawing = chart(study, max_error)
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
