@@ -174,3 +174,15 @@ def test_left_out_where_there_is_nothing_to_occlude() -> None:
     assert not scene_of(HAIR).occluded
     assert scene_of(HAIR + "ambient_occlusion: {cells: 5000}\n").occluded
     assert "ambient occlusion" in {stage.stage for stage in make_plan(dark, [1]).left_out}
+
+
+def test_far_from_the_origin_strands_in_one_place_have_a_grid() -> None:
+    """A million kilometres off, single precision knows no metres."""
+    points = thicket(5) + np.array([1e9, 2e9, -1e9])
+    packed = strands(points)
+    where = points.astype(np.float32).astype(np.float64).reshape(-1, 3)
+    bounds = np.stack([where.min(0), where.max(0)])
+    found = occlusion.build(AmbientOcclusion(), packed, 5, bounds, Thickness(0.01), None, None, Scratch())
+    assert np.isfinite(found.box).all()
+    assert (found.box[6:9] >= occlusion.FEWEST).all()
+    assert ((found.volume[:, 0] >= 0) & (found.volume[:, 0] <= 1.01)).all()

@@ -32,6 +32,8 @@ ENOUGH = 6000
 """Strands that are counted at the least where there are more; each then stands for several."""
 AROUND = 0.5
 """Part of the strands' extent by which solids beside them widen the box."""
+GRAIN = 1e-6
+"""Of places in single precision, as a share of their distance from the origin, and some more."""
 GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
@@ -106,7 +108,9 @@ def _box(
             low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
     room = AROUND * (bounds[1] - bounds[0])
     low, high = np.maximum(low, bounds[0] - room), np.minimum(high, bounds[1] + room)
-    return low - 1e-3 * radius, high + 1e-3 * radius
+    # far from the origin single precision may put all strands into one place
+    margin = max(1e-3 * radius, GRAIN * float(np.abs(bounds).max()))
+    return low - margin, high + margin
 
 
 def _grid(

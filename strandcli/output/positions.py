@@ -173,7 +173,7 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
         raise UsageError(f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     entries = data.get("frames") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not all(_is_entry(entry) for entry in entries):

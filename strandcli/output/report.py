@@ -166,7 +166,7 @@ def read_report(directory: Path) -> dict[str, Any] | None:
     """The report that an earlier run left in ``directory``, or None if there is none that can be read."""
     try:
         data = json.loads((directory / FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return data if isinstance(data, dict) and isinstance(data.get("frames", []), list) else None
 

@@ -138,7 +138,7 @@ def _read(path: Path) -> dict[str, Any] | None:
     """An earlier study; None where there is none, or none that can be read."""
     try:
         data = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return data if isinstance(data, dict) and {"points", "metric", "margin", "reference"} <= set(data) else None
 

@@ -299,7 +299,7 @@ def read_hashes(directory: Path) -> dict[str, Any]:
         data = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path}: cannot be read: {error}") from None
     images = data.get("images") if isinstance(data, dict) else None
     if not isinstance(images, dict) or not all(_is_record(record) for record in images.values()):
