@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .pipeline import Frame
+    from .frame import Frame
     from .scene.model import Scene
 
 __all__ = ["__version__", "load", "render"]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .frame import Frame
 from .scene.model import Scene
-
-if TYPE_CHECKING:
-    from .pipeline import Frame
 
 GAP = 4
 INK = (225, 225, 225)
@@ -20,8 +18,6 @@ PAPER = (24, 25, 28)
 
 def side_by_side(scene: Scene, parts: Sequence[Iterator[Frame]]) -> Iterator[Frame]:
     """Frames of all panels, joined; times and counts add up, of errors the greatest counts."""
-    from .pipeline import Frame
-
     for frames in zip(*parts, strict=True):
         images = [frame.image for frame in frames if frame.image is not None]
         image = join(images, [panel.label for panel in scene.panels]) if images else None

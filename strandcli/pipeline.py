@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from . import runtime
 from .blocks import lanes, pack, unpack
 from .crew import in_order, share_out
 from .errors import SimulationError, UsageError
+from .frame import Frame
 from .groom.children import Children
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
@@ -22,21 +23,6 @@ from .scene.model import Scene
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
-
-
-@dataclass
-class Frame:
-    """One finished frame."""
-
-    number: int
-    image: NDArray[np.uint8] | None
-    """(height, width, 3) sRGB; None where nothing was drawn."""
-    positions: NDArray[np.float32] | None
-    """(strands, particles, 3) metres, where they were asked for."""
-    report: dict[str, Any]
-    """Seconds a stage, counts and errors, as in report.json."""
-    aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
-    """Layers that ``image.aovs`` asks for, by name: (height, width) or (height, width, 3); see `draw.aovs`."""
 
 
 def render(

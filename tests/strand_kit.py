@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from reference.rules import Twin
 
+from strandcli.frame import Frame
 from strandcli.groom.emit import Groom, emit
-from strandcli.pipeline import Frame, render
+from strandcli.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate import compose
 from strandcli.simulate.rules import Pass, registry

@@ -12,7 +12,7 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.draw.aovs import NOTHING, SOLID
 from strandcli.draw.camera import camera_view
-from strandcli.pipeline import Frame
+from strandcli.frame import Frame
 from strandcli.scene import Scene
 from strandcli.scene.model import AOVS
 

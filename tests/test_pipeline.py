@@ -15,9 +15,10 @@ from test_pipeline_extremes import EVERYTHING, UNLIT
 from strandcli import runtime
 from strandcli.constants import W
 from strandcli.errors import UsageError
+from strandcli.frame import Frame
 from strandcli.groom import children
 from strandcli.panels import GAP, fitting_size, join
-from strandcli.pipeline import Frame, render
+from strandcli.pipeline import render
 from strandcli.scene import Scene
 
 THREADS = int(numba.config.NUMBA_NUM_THREADS)

@@ -13,7 +13,8 @@ from . import options
 from .progress import Progress
 
 if TYPE_CHECKING:
-    from ..study.stress.run import Result, Task
+    from ..study.stress.run import Result
+    from ..study.stress.task import Task
     from ..study.stress.verdicts import Verdict
 
 MOST_TOLD = 20

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,10 +21,9 @@ from ...simulate.rules import registry
 from .axes import DEFAULTS, Case
 from .drive import Meter
 from .scenes import keys_of, times_of, wind_of
+from .sheets import values
+from .task import Task
 from .verdicts import Verdict, judge, judged_by_residual
-
-if TYPE_CHECKING:
-    from .run import Task
 
 VARIED = ("dt", "substeps", "wind", "emitter")
 MOST_STRANDS = 256
@@ -34,9 +32,6 @@ AFTER_WIND = ("stiffness", "collision", "elasticity")
 
 def tasks(scene: Scene, solver: str | None = None) -> list[Task]:
     """One piece of work for each combination, by the preset's own solver unless another is given."""
-    from .run import Task
-    from .sheets import values
-
     if scene.panels:
         raise UsageError(f"{scene.source}: draws several panels; stress one preset at a time")
     which = solver or scene.solver

@@ -10,36 +10,21 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ... import runtime
 from ...errors import UsageError
 from ...scene.faults import hint
-from ...scene.model import Scene
 from . import checks, drive, expected, inputs, preset, sheets
 from .axes import AXES, SOLVERS, Case, case_named
 from .strand import NotRepresented
+from .task import Task
 from .verdicts import WORDS, Verdict, judge, judged_by_residual
 
 Notify = Callable[[str], None]
 CHUNK = 12
 """Tasks that a process is handed at once."""
 MASSLESS = "its particles have no mass"
-
-
-class Task(NamedTuple):
-    """A piece of work: a batch of cases, one named check or input, or a preset's scene with its labels."""
-
-    solver: str
-    cases: tuple[Case, ...] = ()
-    named: str = ""
-    scene: Scene | None = None
-    labels: tuple[str, ...] = ()
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What its results are called."""
-        return (f"{self.solver}/{self.named}",) if self.named else tuple(case.name for case in self.cases)
 
 
 @dataclass
