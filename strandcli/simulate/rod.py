@@ -289,6 +289,13 @@ class RodSolver(Solver):
             )
         return held
 
+    def advance(self, frame: int) -> None:
+        """As any solver; the row before the roots then has the very bits that `take` gives it."""
+        super().advance(frame)
+        roots = self.positions[:, 1].copy()
+        self.place_roots(frame)
+        self.positions[:, 1] = roots
+
     def place_roots(self, frame_number: int) -> None:
         """By the emitter's pose at a frame."""
         turn, moved = self._pose((frame_number - 1) / self.scene.time.fps)
