@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ...jit import parallel, prange
-from . import dual, occlusion, opacity, penumbra, solids
+from . import dual, finish, occlusion, penumbra, percentage_closer, solids
+from .approximations import exp
 from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
@@ -22,11 +23,12 @@ INV_PI = np.float32(1 / math.pi)
 @parallel
 def surfaces(
     keys, width, height, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, paint, skin, sized, spots, image,
+    spheres, capsules, planes, boxes, paint, coats, skin, sized, spots, image,
 ):  # fmt: skip
-    """Lambertian radiance of the solids that are seen.
+    """Radiance of the solids that are seen: Lambertian, under a coat where there is one.
 
-    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused;
+    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused; coats
+    (m, 4) as in `kernels.finish`, None where all solids are matte and even;
     spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
     bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.dual.veil_of`, None where strands shade in grey;
     image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
@@ -62,6 +64,35 @@ def surfaces(
                 r += around(sky, 1, 0, nx, ny, nz)
                 g += around(sky, 1, 1, nx, ny, nz)
                 b += around(sky, 1, 2, nx, ny, nz)
+            under = ONE
+            coat_r = ZERO
+            coat_g = ZERO
+            coat_b = ZERO
+            if coats is not None:
+                far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
+                wx = -dx * far
+                wy = -dy * far
+                wz = -dz * far
+                facing = nx * wx + ny * wy + nz * wz
+                if coats[which, finish.COAT] > ZERO:
+                    share = finish.mirrored(coats[which, finish.COAT], coats[which, finish.ROUGH], facing)
+                    under = ONE - share
+                    # where the eye is mirrored to
+                    mx = (facing + facing) * nx - wx
+                    my = (facing + facing) * ny - wy
+                    mz = (facing + facing) * nz - wz
+                    coat_r = ambient[0]
+                    coat_g = ambient[1]
+                    coat_b = ambient[2]
+                    if sky is not None:
+                        coat_r += around(sky, 1, 0, mx, my, mz)
+                        coat_g += around(sky, 1, 1, mx, my, mz)
+                        coat_b += around(sky, 1, 2, mx, my, mz)
+                    if volume is not None:
+                        share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
+                    coat_r *= share
+                    coat_g *= share
+                    coat_b *= share
             if volume is not None:
                 share = occlusion.seen(volume, box, x, y, z, nx, ny, nz)
                 r *= share / max(ONE - bounce[0] * (ONE - share), TINY)
@@ -72,7 +103,6 @@ def surfaces(
                 cosine = nx * lx + ny * ly + nz * lz
                 if cosine <= ZERO:
                     continue
-                falloff *= cosine * INV_PI
                 px = x + nx * skin
                 py = y + ny * skin
                 pz = z + nz * skin
@@ -81,18 +111,43 @@ def surfaces(
                 )
                 if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
                     falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
-                if stacks is not None and falloff > ZERO and lights[i, 10] > ZERO:
-                    if veil is None:
-                        falloff *= opacity.transmittance(x, y, z, lights, i, stacks, starts, sizes, views)
-                    else:
-                        passed = opacity.optical_depth(x, y, z, lights, i, stacks, starts, sizes, views)
-                        r += falloff * lights[i, 4] * dual.through(passed, veil, 0)
-                        g += falloff * lights[i, 5] * dual.through(passed, veil, 1)
-                        b += falloff * lights[i, 6] * dual.through(passed, veil, 2)
-                        continue
-                r += falloff * lights[i, 4]
-                g += falloff * lights[i, 5]
-                b += falloff * lights[i, 6]
+                if falloff == ZERO:
+                    continue
+                falloff *= cosine
+                red = falloff * lights[i, 4]
+                green = falloff * lights[i, 5]
+                blue = falloff * lights[i, 6]
+                if stacks is not None and lights[i, 10] > ZERO:
+                    passed = percentage_closer.optical_depth(x, y, z, lights, i, stacks, starts, sizes, views)
+                    if passed > ZERO and veil is None:
+                        share = exp(-passed)
+                        red *= share
+                        green *= share
+                        blue *= share
+                    elif passed > ZERO:
+                        red *= dual.through(passed, veil, 0)
+                        green *= dual.through(passed, veil, 1)
+                        blue *= dual.through(passed, veil, 2)
+                r += INV_PI * red
+                g += INV_PI * green
+                b += INV_PI * blue
+                if coats is not None and coats[which, finish.COAT] > ZERO:
+                    angle = lights[i, 12] if lights[i, 0] == ZERO else min(lights[i, 12] / reach, ONE)
+                    share = finish.gleam(
+                        coats[which, finish.COAT], coats[which, finish.ROUGH], angle,
+                        nx, ny, nz, lx, ly, lz, wx, wy, wz,
+                    )  # fmt: skip
+                    coat_r += share * red
+                    coat_g += share * green
+                    coat_b += share * blue
+            if coats is not None and coats[which, finish.MOTTLE] > ZERO:
+                # a pixel's width on the surface, which it meets at a slant
+                pixel = t / (focal * max(far * facing, TINY)) if view[12] > ZERO else ONE / (focal * max(facing, TINY))
+                tone = finish.patches(x, y, z, coats[which, finish.GRAIN], pixel)
+                under *= ONE + coats[which, finish.MOTTLE] * tone
+            r *= under
+            g *= under
+            b *= under
             there = ONE
             if paint[which, 3] > ZERO:
                 ax = x - paint[which, 4]
@@ -100,6 +155,6 @@ def surfaces(
                 az = z - paint[which, 6]
                 there = max(ONE - math.sqrt(ax * ax + ay * ay + az * az) / paint[which, 3], ZERO)
                 there = there * there * (np.float32(3.0) - np.float32(2.0) * there)
-            image[row, column, 0] += there * (r * paint[which, 0] - image[row, column, 0])
-            image[row, column, 1] += there * (g * paint[which, 1] - image[row, column, 1])
-            image[row, column, 2] += there * (b * paint[which, 2] - image[row, column, 2])
+            image[row, column, 0] += there * (r * paint[which, 0] + coat_r - image[row, column, 0])
+            image[row, column, 1] += there * (g * paint[which, 1] + coat_g - image[row, column, 1])
+            image[row, column, 2] += there * (b * paint[which, 2] + coat_b - image[row, column, 2])

@@ -1,0 +1,79 @@
+"""Shadows of strands on solids, from deep opacity maps.
+
+On strands a texel's steps drown among strands; on smooth skin each shows as a square. So here what is left of the light
+is averaged over the texels about a point (percentage-closer filtering, Reeves, Salesin & Cook 1987), by weights that
+fall smoothly to nothing at R texels, (1 − (x / R)²)² along each side. R is two texels, and more where the light has a
+size: the shadow of strands at a distance D is blurred by a disc of the light's angular radius times D. Strands are
+taken to be in the middle of the map's depths, from where no search is needed: what touches the skin is blurred too
+much where the rest of the groom is far away.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import function
+from . import opacity
+from .approximations import exp
+from .shadow import texel_of
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+LEAST = np.float32(2.0)
+MOST = np.float32(6.0)
+"""Texels to each side."""
+DISC = np.float32(7.0 / 4.0)
+"""R² of weights that have the variance of a disc of radius one: a quarter of it against R² / 7."""
+DARK = np.float32(1e-6)
+
+
+@function
+def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
+    """τ between light number i and a point of a solid, such that e^-τ is the filtered share of the light that is left.
+
+    As `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`.
+    """
+    layers = np.int64(lights[i, 10])
+    stride = layers + opacity.HEAD + 1
+    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+        u, v, d = texel_of(x, y, z, views, one)
+        size = sizes[one]
+        edge = np.float32(size - 1)
+        flat = views[one, 12] == ZERO
+        # beside a perspective map begins the next one of the same light
+        room = MOST if flat else ZERO
+        if d < views[one, 14] or u < -room or v < -room or u >= edge + room or v >= edge + room:
+            continue
+        away = max(d - views[one, 14] - HALF * views[one, 19], ZERO)
+        blur = lights[i, 12] * away * views[one, 13] if flat else ZERO
+        if not flat:
+            angle = lights[i, 12] if lights[i, 0] == ZERO else lights[i, 12] / max(d, DARK)
+            blur = angle * away * views[one, 13] / max(d, DARK)
+        reach = min(math.sqrt(LEAST * LEAST + DISC * blur * blur), MOST)
+        per = ONE / reach
+        left = np.int64(np.ceil(u - reach))
+        right = np.int64(np.floor(u + reach))
+        top = np.int64(np.ceil(v - reach))
+        bottom = np.int64(np.floor(v + reach))
+        d -= lights[i, 9]
+        total = ZERO
+        kept = ZERO
+        for row in range(top, bottom + 1):
+            down = (np.float32(row) - v) * per
+            down = ONE - down * down
+            for column in range(left, right + 1):
+                across = (np.float32(column) - u) * per
+                across = ONE - across * across
+                weight = down * down * across * across
+                total += weight
+                if row >= 0 and column >= 0 and row < size and column < size:
+                    base = np.uint64(starts[one] + (row * size + column) * stride)
+                    passed = opacity.depth_at(d, base, layers, stacks)
+                    if passed > ZERO:
+                        kept += weight * (ONE - exp(-passed))
+        share = ONE - kept / max(total, DARK)
+        return -np.float32(math.log(max(share, DARK))) if kept > ZERO else ZERO
+    return ZERO
