@@ -1,11 +1,11 @@
 """What a solid's surface is beside its colour: a coat that mirrors, and patches.
 
-The coat is a microfacet layer of Trowbridge and Reitz's (GGX) normals with α = roughness² (Burley 2012), Schlick's
-Fresnel term and Smith's masking in Hammon's form for both ways at once (2017, "PBR Diffuse Lighting for GGX+Smith
-Microsurfaces"). A light's size widens the normals: a disc of angular radius a moves half-way vectors by a / 2, whose
-variance along each axis, a² / 16, is added to α² / 2. Light from everywhere is mirrored as a whole, by a Fresnel term
-that rises less the rougher the coat is; what is under the coat gets what it does not mirror, so that a white solid in
-even light is as bright as that.
+The coat is a microfacet layer of Trowbridge and Reitz's (GGX) normals with α = roughness² (Burley 2012), Smith's
+masking, where ways in and out are masked together by height, and Schlick's Fresnel term. A light's size widens the
+normals: over a disc of angular radius a half-way vectors lie within a / 2, and where its middle is mirrored the mean of
+α² / (α² + s²)² over such a disc of s is 1 / (α² + a² / 4); further out the gleam falls more softly than the disc's own.
+Light from everywhere is mirrored as a whole, by a Fresnel term that rises less the rougher the coat is; what is under
+the coat gets what it does not mirror, so that a white solid in even light is as bright as that.
 
 Patches are noise over space, octave by octave, each left out where it is finer than a pixel.
 """
@@ -23,9 +23,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 THREE = np.float32(3.0)
-FIVE = 5
 TINY = np.float32(1e-6)
-EIGHTH = np.float32(0.125)
+QUARTER = np.float32(0.25)
 INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
 BITS = np.float32(2.0**-24)
@@ -58,12 +57,11 @@ def gleam(coat, rough, size, nx, ny, nz, lx, ly, lz, vx, vy, vz):
     lh = min((lx * hx + ly * hy + lz * hz) * per, ONE)
     nl = max(nx * lx + ny * ly + nz * lz, TINY)
     nv = max(nx * vx + ny * vy + nz * vz, TINY)
-    square = rough * rough * rough * rough + EIGHTH * size * size
+    square = rough * rough * rough * rough + QUARTER * size * size
     bent = nh * nh * (square - ONE) + ONE
     facets = square * INV_PI / (bent * bent)
-    alpha = math.sqrt(square)
-    seen = HALF / max(TWO * nl * nv * (ONE - alpha) + (nl + nv) * alpha, TINY)
-    return fresnel(coat, ONE, lh) * facets * seen
+    seen = nl * math.sqrt(nv * nv * (ONE - square) + square) + nv * math.sqrt(nl * nl * (ONE - square) + square)
+    return fresnel(coat, ONE, lh) * facets * HALF / max(seen, TINY)
 
 
 @function

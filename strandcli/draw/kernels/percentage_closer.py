@@ -2,10 +2,14 @@
 
 On strands a texel's steps drown among strands; on smooth skin each shows as a square. So here what is left of the light
 is averaged over the texels about a point (percentage-closer filtering, Reeves, Salesin & Cook 1987), by weights that
-fall smoothly to nothing at R texels, (1 − (x / R)²)² along each side. R is two texels, and more where the light has a
-size: the shadow of strands at a distance D is blurred by a disc of the light's angular radius times D. Strands are
-taken to be in the middle of the map's depths, from where no search is needed: what touches the skin is blurred too
-much where the rest of the groom is far away.
+fall smoothly to nothing at R texels, (1 − (x / R)²)² along each side. R is a texel and a half at the least, where they
+are next to a quadratic spline, and more where the light has a size: the shadow of strands at a distance D is blurred by
+a disc of the light's angular radius times D, of which a texel itself is a part. Strands are taken to be in the middle
+of the map's depths, which needs no search: what touches the skin is blurred too much where the rest of the groom is far
+away.
+
+On a ground under a thousand strands the mean error against rays to all of a light is .018 where it is blurred by three
+texels, .036 without the filter; where by one, .033 against .023: smoothness has its price.
 """
 
 from __future__ import annotations
@@ -22,11 +26,12 @@ from .shadow import texel_of
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-LEAST = np.float32(2.0)
+LEAST = np.float32(1.5)
 MOST = np.float32(6.0)
 """Texels to each side."""
 DISC = np.float32(7.0 / 4.0)
-"""R² of weights that have the variance of a disc of radius one: a quarter of it against R² / 7."""
+TEXEL = np.float32(7.0 / 12.0)
+"""R² of weights, whose variance is R² / 7, for that of a disc of radius one, a quarter, and of a texel, a twelfth."""
 DARK = np.float32(1e-6)
 
 
@@ -52,7 +57,7 @@ def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
         if not flat:
             angle = lights[i, 12] if lights[i, 0] == ZERO else lights[i, 12] / max(d, DARK)
             blur = angle * away * views[one, 13] / max(d, DARK)
-        reach = min(math.sqrt(LEAST * LEAST + DISC * blur * blur), MOST)
+        reach = min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), MOST)
         per = ONE / reach
         left = np.int64(np.ceil(u - reach))
         right = np.int64(np.floor(u + reach))
