@@ -69,5 +69,5 @@ def test_strands_without_pigment_may_have_a_colour_of_their_own() -> None:
     assert palette.paths is not None
     other = np.isclose(palette.tint[:, :, :3], straw, atol=1e-6).all(-1)
     assert other.mean() == pytest.approx(0.25, abs=0.02)
-    base = pigment.absorption((0.1, 0.3, 0.05), 0.3)
-    np.testing.assert_allclose(palette.tint[other][:, 3:] + base, np.tile(pigment.absorption(straw, 0.3), (other.sum(), 1)), rtol=1e-5)
+    base, own = (pigment.absorption(colour, 0.3) for colour in ((0.1, 0.3, 0.05), straw))
+    np.testing.assert_allclose(palette.tint[other][:, 3:] + base, np.tile(own, (other.sum(), 1)), rtol=1e-5)

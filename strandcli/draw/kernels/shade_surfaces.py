@@ -178,7 +178,9 @@ def radiance(
         px = x + nx * skin
         py = y + ny * skin
         pz = z + nz * skin
-        falloff *= penumbra.past(spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights, i, sized)
+        falloff *= penumbra.past(
+            spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights, i, sized
+        )
         if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
             falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
         if falloff == ZERO:
