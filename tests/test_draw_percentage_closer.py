@@ -10,12 +10,14 @@ import pytest
 from numpy.typing import NDArray
 from test_draw_opacity import straight
 
+from strandcli.draw import dual
 from strandcli.draw.camera import axes
+from strandcli.draw.kernels import dual as kernel
 from strandcli.draw.kernels import opacity, percentage_closer
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import Thickness, plan_maps
-from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
+from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.shadow import bundle
 
@@ -33,14 +35,20 @@ def on_ground(count: int, seed: int = 0) -> NDArray[np.float64]:
     return np.stack([across[0], np.full(count, -1.4), across[1] + 0.2], 1)
 
 
-def left(by: ModuleType, light: Light, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What a light's map leaves of it."""
+def left(
+    by: ModuleType, light: Light, points: NDArray[np.float64], veil: NDArray[np.float32] | None = None
+) -> NDArray[np.float64]:
+    """What a light's map leaves of it; in colour with a ``veil``."""
     maps = plan_maps((light,), BOUNDS, Scratch(), WIDE, SPACING)
     assert maps is not None
     maps.build(LINES, 1, Scratch())
     packed = pack_lights((light,), maps, BOUNDS)
     numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-    return np.exp([-by.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
+    if by is opacity:
+        return np.exp([-opacity.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
+    asked = np.float32(points)
+    found = np.array([percentage_closer.left(x, y, z, *numbers[:2], veil, *numbers[2:]) for x, y, z in asked])
+    return found[:, 0] if veil is None else found
 
 
 def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], rays: int = 256) -> NDArray[np.float64]:
@@ -112,3 +120,23 @@ def test_nothing_in_front_of_all_strands_is_shaded_but_what_a_lamp_shades_is() -
     assert (left(percentage_closer, SUN, -3 * np.array([SUN.direction])) == 1).all()
     inside = PointLight(position=(0.1, 0.05, -0.1), size=0.02, shadow=DEEP)
     assert left(percentage_closer, inside, np.array([[0.9, -1.4, 0.8]]))[0] < 0.9
+
+
+def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
+    """Where half of the light is hidden altogether and half not at all, no thin veil of strands is in between."""
+    material = Material(model="chiang", pigment="blond")
+    tables = dual.build_tables(material, material.beta_n)
+    streams, veil = dual.streams_of(tables), dual.veil_of(tables)
+    for passed in np.geomspace(0.01, 40, 60):
+        at = passed / (passed + 2) * 64
+        k = int(at)
+        got = 1 - (veil[k] + (at - k) * (veil[k + 1] - veil[k]))
+        true = [kernel.through(np.float32(passed), streams, c) for c in range(3)]
+        np.testing.assert_allclose(got, true, atol=2e-3)
+    points = on_ground(60)
+    red, green, blue = left(percentage_closer, SUN, points, veil).T
+    grey = left(percentage_closer, SUN, points)
+    assert (red >= green).all()
+    assert (green >= blue - 1e-6).all()
+    assert (blue >= grey - 2e-3).all()
+    assert (red - grey).max() > 0.05

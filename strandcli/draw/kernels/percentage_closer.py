@@ -21,6 +21,7 @@ import numpy as np
 from ...jit import function
 from . import opacity
 from .approximations import exp
+from .dual import HALF_WAY
 from .shadow import texel_of
 
 ZERO = np.float32(0.0)
@@ -36,10 +37,11 @@ DARK = np.float32(1e-6)
 
 
 @function
-def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
-    """τ between light number i and a point of a solid, such that e^-τ is the filtered share of the light that is left.
+def left(x, y, z, lights, i, veil, stacks, starts, sizes, views):
+    """Share of light number i, in red, green and blue, that strands leave a point of a solid.
 
-    As `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`.
+    As `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`; veil (n, 3): of
+    `strandcli.draw.dual.veil_of`, None where strands shade in grey and by e^-τ alone.
     """
     layers = np.int64(lights[i, 10])
     stride = layers + opacity.HEAD + 1
@@ -65,7 +67,9 @@ def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
         bottom = np.int64(np.floor(v + reach))
         d -= lights[i, 9]
         total = ZERO
-        kept = ZERO
+        red = ZERO
+        green = ZERO
+        blue = ZERO
         for row in range(top, bottom + 1):
             down = (np.float32(row) - v) * per
             down = ONE - down * down
@@ -77,8 +81,20 @@ def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
                 if row >= 0 and column >= 0 and row < size and column < size:
                     base = np.uint64(starts[one] + (row * size + column) * stride)
                     passed = opacity.depth_at(d, base, layers, stacks)
-                    if passed > ZERO:
-                        kept += weight * (ONE - exp(-passed))
-        share = ONE - kept / max(total, DARK)
-        return -np.float32(math.log(max(share, DARK))) if kept > ZERO else ZERO
-    return ZERO
+                    if passed <= ZERO:
+                        continue
+                    if veil is None:
+                        red += weight * (ONE - exp(-passed))
+                    else:
+                        at = passed / (passed + HALF_WAY) * np.float32(veil.shape[0] - 1)
+                        k = min(np.int64(at), veil.shape[0] - 2)
+                        at -= np.float32(k)
+                        red += weight * (veil[k, 0] + at * (veil[k + 1, 0] - veil[k, 0]))
+                        green += weight * (veil[k, 1] + at * (veil[k + 1, 1] - veil[k, 1]))
+                        blue += weight * (veil[k, 2] + at * (veil[k + 1, 2] - veil[k, 2]))
+        if veil is None:
+            green = red
+            blue = red
+        per = ONE / max(total, DARK)
+        return ONE - red * per, ONE - green * per, ONE - blue * per
+    return ONE, ONE, ONE

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from ...jit import inner, parallel, prange
-from . import dual, finish, occlusion, penumbra, percentage_closer, seams, solids
-from .approximations import exp
+from . import finish, occlusion, penumbra, percentage_closer, seams, solids
 from .light import around, toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
@@ -190,16 +189,10 @@ def radiance(
         green = falloff * lights[i, 5]
         blue = falloff * lights[i, 6]
         if stacks is not None and lights[i, 10] > ZERO:
-            passed = percentage_closer.optical_depth(x, y, z, lights, i, stacks, starts, sizes, views)
-            if passed > ZERO and veil is None:
-                share = exp(-passed)
-                red *= share
-                green *= share
-                blue *= share
-            elif passed > ZERO:
-                red *= dual.through(passed, veil, 0)
-                green *= dual.through(passed, veil, 1)
-                blue *= dual.through(passed, veil, 2)
+            one, two, three = percentage_closer.left(x, y, z, lights, i, veil, stacks, starts, sizes, views)
+            red *= one
+            green *= two
+            blue *= three
         r += INV_PI * red
         g += INV_PI * green
         b += INV_PI * blue
