@@ -161,7 +161,7 @@ def test_pale_hair_glows_and_black_hair_does_not() -> None:
 def test_what_is_behind_strands_gets_all_that_the_streams_bring(pigment: str) -> None:
     """Against the streams where the layer ends, τ' = 0, and against light that is lost by absorption alone."""
     material = Material(model="chiang", pigment=pigment)
-    veil = dual.veil_of(dual.build_tables(material, material.beta_n))
+    veil = dual.streams_of(dual.build_tables(material, material.beta_n))
     for c in range(3):
         numbers = [np.float32(number) for number in veil[:, c]]
         assert float(kernel.through(ZERO, veil, c)) == pytest.approx(1.0, abs=1e-5)

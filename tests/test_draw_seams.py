@@ -105,3 +105,33 @@ def test_the_edge_of_a_group_is_antialiased_and_has_no_holes() -> None:
     for row in covered[29:36]:
         there = np.flatnonzero(row)
         assert len(there) == there[-1] - there[0] + 1
+
+
+FOLDED = """
+emitter: {{strands: 1, length: 0.01, shape: {{kind: sphere, radius: 0.01}}}}
+rules: []
+solids:
+  - {{kind: sphere, radius: 0.5, position: [-0.3, 0, 0.8], colour: [1, 1, 1], blend: 0.01}}
+  - {{kind: sphere, radius: 0.6, position: [0.3, 0, -0.8], colour: [1, 1, 1], blend: 0.01}}
+camera: {{position: [0, 0, 4]{kind}}}
+ambient: [0, 0, 0]
+lights: [{{kind: directional, direction: [-0.3, 0, -1], intensity: 3, shadow: {{model: "off"}}}}]
+image: {{size: {size}, resolver: {resolver}, background: [0, 0, 0]}}
+"""
+
+
+@pytest.mark.parametrize("kind", ["", ", kind: orthographic, height: 2"])
+def test_where_what_blends_ends_in_front_of_itself_the_edge_is_smooth(kind: str) -> None:
+    """Against eight by eight samples of the same surface: the dim limb of the near ball before the lit one, which rays
+    reach that graze the near one."""
+    linear = []
+    for size, resolver in (("96x64", "sorted"), ("768x512", "zbuffer")):
+        image = frames_of(scene_of(FOLDED.format(kind=kind, size=size, resolver=resolver)), 1)[0].image
+        assert image is not None
+        light = (image[..., 0].astype(float) / 255) ** 2.2
+        linear.append(light if size == "96x64" else light.reshape(64, 8, 96, 8).mean((1, 3)))
+    got, exact = linear
+    steep = np.abs(exact[:, 2:] - exact[:, :-2]) > 0.2
+    off = np.abs(got - exact)
+    assert steep.sum() > 100
+    assert off.max() < 0.1  # 0.6 with one ray a pixel

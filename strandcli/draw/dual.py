@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from ..scene.model import Material
 
 N_THETA, N_PHI = 64, 257
+VEIL = 65
+"""Nodes of a veil's table."""
 MOST = 0.999
 """Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
 APART = 0.02
@@ -64,6 +66,17 @@ class DualTables:
 
 
 def veil_of(tables: DualTables) -> NDArray[np.float32]:
+    """(65, 3): what strands keep of a light from what is behind τ of them, in even steps of τ / (τ + 2): 1 less
+    `kernels.dual.through`. The last row is that of no end of strands."""
+    streams = streams_of(tables)
+    table = np.ones((VEIL, 3), np.float32)
+    for row, share in enumerate(np.linspace(0.0, 1.0, VEIL)[:-1]):
+        passed = np.float32(float(kernel.HALF_WAY) * share / (1.0 - share))
+        table[row] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
+    return np.clip(table, 0, 1)
+
+
+def streams_of(tables: DualTables) -> NDArray[np.float32]:
     """(5, 3): κ, R, k₀, P and Q of `kernels.dual.through`, for light on what is behind strands: the mean over strands
     that lie in all directions, by the area that they show."""
     theta = np.linspace(0.0, 0.5 * np.pi, N_THETA)

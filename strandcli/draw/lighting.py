@@ -15,7 +15,7 @@ from .kernels import shade_strands, shade_surfaces
 from .occlusion import Occlusion
 from .shading import Palette
 from .shadow import ShadowMaps, map_arrays
-from .solids import paint_of
+from .solids import finish_of, paint_of
 
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """The pixels of a picture lie where they belong."""
@@ -75,10 +75,11 @@ class Lighting:
         """
         if self.solids is None:
             return
-        paint = paint_of([solid for solid in self.scene.solids if solid.visible], self.scene.emitter, self.at)
+        seen = [solid for solid in self.scene.solids if solid.visible]
+        paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             keys, width, height, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
-            *map_arrays(self.maps), *self.solids, paint, self.skin, self.sized, spots, image,
+            *map_arrays(self.maps), *self.solids, paint, finish_of(seen), self.skin, self.sized, spots, image,
         )  # fmt: skip
 
     def _sky(self) -> tuple[Any, ...]:

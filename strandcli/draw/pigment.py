@@ -91,7 +91,8 @@ def tint(
     """Colour of a mass and σ_a, (…, 3) each, at places ``along`` a strand, [0, 1], of strands of ``tone`` in [−1, 1].
 
     An RGB colour is multiplied by (1 + variation)^tone, so that none turns negative and dark and pale strands are as
-    frequent; melanin is divided by it. The share ``material.grey`` of strands, those of the palest tone, have none.
+    frequent; melanin is divided by it. The share ``material.grey`` of strands, those of the palest tone, have none, but
+    the colour ``material.grey_colour``.
     """
     spread = np.log1p(material.colour_variation) * tone[..., None]
     along = along[..., None]
@@ -106,5 +107,6 @@ def tint(
         last = first if material.tip_colour is None else np.array(material.tip_colour)
         colour = (first + along * (last - first)) * np.exp(spread)
         sigma = absorption(colour, roughness)
-    white = (tone > 1.0 - 2.0 * material.grey)[..., None]
-    return np.where(white, 1.0, colour), np.where(white, 0.0, sigma)
+    faded = (tone > 1.0 - 2.0 * material.grey)[..., None]
+    other = np.array(material.grey_colour, np.float64)
+    return np.where(faded, other, colour), np.where(faded, absorption(other, roughness), sigma)

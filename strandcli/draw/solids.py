@@ -97,3 +97,18 @@ def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.flo
         if solid.kind == kind
     ]
     return np.array(rows, np.float32)
+
+
+def finish_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
+    """(m, 4) of what each surface has beside its colour, as `kernels.finish` reads it: the coat's reflectance straight
+    on and its roughness, spread of the patches and the width of the largest, in the order of `COLUMNS`; None where no
+    solid has a coat or patches."""
+    if not any(solid.coat > 0 or solid.mottle > 0 for solid in solids):
+        return None
+    rows = [
+        [solid.coat, solid.roughness, solid.mottle, solid.grain]
+        for kind in COLUMNS
+        for solid in solids
+        if solid.kind == kind
+    ]
+    return np.array(rows, np.float32)

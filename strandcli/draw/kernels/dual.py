@@ -18,6 +18,8 @@ SLANT = np.float32(math.sqrt(2.0))
 """Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
 INV_PI = np.float32(1.0 / math.pi)
 PER_QUARTER = np.float32(2.0 / math.pi)
+HALF_WAY = np.float32(2.0)
+"""τ in the middle of a veil's table."""
 LEAST = np.float32(1e-4)
 PALER = np.float32(4.0)
 
@@ -56,19 +58,19 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 
 
 @function
-def through(passed, veil, c):
+def through(passed, streams, c):
     """Share of a light that arrives in channel c behind `passed` strands, that which they scatter on included.
 
-    veil (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
+    streams (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
     """
-    straight = exp(-veil[2, c] * passed)
-    near = exp(-veil[0, c] * passed)
-    mirror = veil[1, c]
-    back = veil[4, c] * straight
+    straight = exp(-streams[2, c] * passed)
+    near = exp(-streams[0, c] * passed)
+    mirror = streams[1, c]
+    back = streams[4, c] * straight
     returned = mirror * near
-    first = (returned * back - veil[3, c]) / (ONE - returned * returned)
+    first = (returned * back - streams[3, c]) / (ONE - returned * returned)
     final = -back - first * returned
-    return straight + max(first * near + final * mirror + veil[3, c] * straight, ZERO)
+    return straight + max(first * near + final * mirror + streams[3, c] * straight, ZERO)
 
 
 @function

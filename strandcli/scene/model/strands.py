@@ -33,6 +33,7 @@ class Material:
     )
     pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin")
     grey: float = number(0.0, low=0, high=1, doc="share of strands without any pigment")
+    grey_colour: Colour = fields.colour((1.0, 1.0, 1.0), doc="colour of a mass of those: withered grass, say")
     colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
     eta: float = number(1.55, above=1, high=3, doc="index of refraction")
     alpha: float = number(-7.5, low=-20, high=20, unit="deg", doc="shift of the R lobe toward the root, by the scales")

@@ -1,0 +1,142 @@
+"""Shadows of strands on solids: filtered, against rays that meet cylinders from all over a light's disc."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import ModuleType
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from test_draw_opacity import straight
+
+from strandcli.draw import dual
+from strandcli.draw.camera import axes
+from strandcli.draw.kernels import dual as kernel
+from strandcli.draw.kernels import opacity, percentage_closer
+from strandcli.draw.scratch import Scratch
+from strandcli.draw.shading import pack_lights
+from strandcli.draw.shadow import Thickness, plan_maps
+from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
+from strandcli.study.kernels import cylinders
+from strandcli.study.pictures.shadow import bundle
+
+DEEP = Shadow(model="opacity")
+SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), size=6.0, shadow=DEEP)
+LAMP = PointLight(position=(2.0, 4.0, 1.0), size=0.5, shadow=DEEP)
+WIDE, SPACING = Thickness(0.014, 0.3), 0.06
+LINES = straight(1000, 7)
+BOUNDS = np.stack([LINES.world.min(0), LINES.world.max(0)]).astype(np.float64)
+
+
+def on_ground(count: int, seed: int = 0) -> NDArray[np.float64]:
+    """Points of a ground under the strands, in their shadow and beside it."""
+    across = np.random.default_rng(seed).uniform(-1.6, 0.6, (2, count))
+    return np.stack([across[0], np.full(count, -1.4), across[1] + 0.2], 1)
+
+
+def left(
+    by: ModuleType, light: Light, points: NDArray[np.float64], veil: NDArray[np.float32] | None = None
+) -> NDArray[np.float64]:
+    """What a light's map leaves of it; in colour with a ``veil``."""
+    maps = plan_maps((light,), BOUNDS, Scratch(), WIDE, SPACING)
+    assert maps is not None
+    maps.build(LINES, 1, Scratch())
+    packed = pack_lights((light,), maps, BOUNDS)
+    numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+    if by is opacity:
+        return np.exp([-opacity.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
+    asked = np.float32(points)
+    found = np.array([percentage_closer.left(x, y, z, *numbers[:2], veil, *numbers[2:]) for x, y, z in asked])
+    return found[:, 0] if veil is None else found
+
+
+def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], rays: int = 256) -> NDArray[np.float64]:
+    """The share of a round light that points see past the cylinders."""
+    u, v = (numbers[:, None, None] for numbers in bundle(rays, 1.0, np.random.default_rng(1)).T)
+    if isinstance(light, DirectionalLight):
+        right, up, forward = axes(light.direction, (0.0, 1.0, 0.0))
+        off = np.sin(np.radians(light.size / 2))
+        ways = np.broadcast_to(-forward + off * (u * right + v * up), (rays, *points.shape)).reshape(-1, 3)
+    else:
+        right, up, _ = axes(-np.array(light.position), (0.0, 1.0, 0.0))
+        ways = (np.array(light.position) + light.size / 2 * (u * right + v * up) - points).reshape(-1, 3)
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    probes = np.tile(points, (rays, 1))
+    frames = np.stack([np.stack([*axes(way, (0.0, 1.0, 0.0))[:2], way]) for way in ways])
+    left = np.zeros((len(probes), 2))
+    cylinders.transmittance(
+        LINES.first, LINES.world.astype(np.float64), radii_of(), probes, np.full(len(probes), -1), frames,
+        np.full(len(probes), np.inf), np.zeros((2, 2)), left,
+    )  # fmt: skip
+    return np.asarray(left.mean(1).reshape(rays, -1).mean(0))
+
+
+def radii_of() -> NDArray[np.float64]:
+    """Of the cylinders, which thin out toward their tips."""
+    share = np.tile(np.arange(9) / 8, 1000)
+    return 0.5 * WIDE.width * (1 - WIDE.taper * share)
+
+
+@pytest.mark.parametrize(
+    ("light", "most", "gain"),
+    [(replace(SUN, size=2.0), 0.09, 0.8), (SUN, 0.04, 0.65), (replace(SUN, size=20.0), 0.025, 1.6), (LAMP, 0.07, 0.7)],
+    ids=["small", "sun", "wide", "lamp"],
+)
+def test_shadows_on_a_ground_are_those_of_a_round_light(
+    light: DirectionalLight | PointLight, most: float, gain: float
+) -> None:
+    """Without the filter a wide light's shadows are off by twice as much, others by a third less, but that in squares.
+    A small light's show single strands, which no opacity map does."""
+    points = on_ground(120)
+    truth = truth_of(light, points)
+    assert 0.2 < truth.mean() < 0.9
+    off, hard = left(percentage_closer, light, points) - truth, left(opacity, light, points) - truth
+    assert np.abs(off).mean() < most
+    assert abs(off.mean()) < 0.02
+    assert np.abs(hard).mean() > gain * np.abs(off).mean()
+
+
+@pytest.mark.parametrize("size", [0.0, 6.0, 30.0])
+def test_nothing_shows_a_texels_side(size: float) -> None:
+    """Along a line over the ground, in steps of a hundredth of a texel, no step is much larger than its neighbours."""
+    light = replace(SUN, size=size)
+    line = np.linspace([-1.2, -1.4, -0.1], [-0.6, -1.4, 0.0], 1501)
+    soft, hard = (np.abs(np.diff(left(by, light, line), 2)).max() for by in (percentage_closer, opacity))
+    assert soft < 0.1 * hard
+
+
+def test_the_shadow_ends_beyond_the_maps_border() -> None:
+    """A map ends a texel from the strands; a wide light's shadow goes on, and falls to nothing without a step."""
+    light = replace(SUN, size=12.0)
+    line = np.linspace([-2.4, -1.4, -0.4], [-0.7, -1.4, -0.4], 1201)
+    found = left(percentage_closer, light, line)
+    assert found[0] == 1
+    assert found[-1] < 0.8
+    assert np.abs(np.diff(found)).max() < 0.01
+
+
+def test_nothing_in_front_of_all_strands_is_shaded_but_what_a_lamp_shades_is() -> None:
+    assert (left(percentage_closer, SUN, -3 * np.array([SUN.direction])) == 1).all()
+    inside = PointLight(position=(0.1, 0.05, -0.1), size=0.02, shadow=DEEP)
+    assert left(percentage_closer, inside, np.array([[0.9, -1.4, 0.8]]))[0] < 0.9
+
+
+def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
+    """Where half of the light is hidden altogether and half not at all, no thin veil of strands is in between."""
+    material = Material(model="chiang", pigment="blond")
+    tables = dual.build_tables(material, material.beta_n)
+    streams, veil = dual.streams_of(tables), dual.veil_of(tables)
+    for passed in np.geomspace(0.01, 40, 60):
+        at = passed / (passed + 2) * 64
+        k = int(at)
+        got = 1 - (veil[k] + (at - k) * (veil[k + 1] - veil[k]))
+        true = [kernel.through(np.float32(passed), streams, c) for c in range(3)]
+        np.testing.assert_allclose(got, true, atol=2e-3)
+    points = on_ground(60)
+    red, green, blue = left(percentage_closer, SUN, points, veil).T
+    grey = left(percentage_closer, SUN, points)
+    assert (red >= green).all()
+    assert (green >= blue - 1e-6).all()
+    assert (blue >= grey - 2e-3).all()
+    assert (red - grey).max() > 0.05
