@@ -6,9 +6,9 @@ is used.
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from ...simd import get, get3, put, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, rows_for
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""
@@ -18,13 +18,6 @@ PIVOT = 1e-6
 def size_for(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
     return rows_for(n) + n * (n + 3)
-
-
-@inner
-def newton(s, n):
-    """τ += δ, S δ = r."""
-    couple(s, n)
-    solve(s, n)
 
 
 @inner
@@ -59,9 +52,9 @@ def couple(s, n):
 
 @inner
 def solve(s, n):
-    """τ += S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive definite by Schur's product
-    theorem; a pivot that rounding has taken below a millionth of its entry is raised to that. Below the diagonal
-    columns hold L times their pivots."""
+    """The first half of S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive
+    definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry is raised to
+    that. Below the diagonal columns hold L times their pivots."""
     pivots = FIRST + (n + 2) * SEGMENT
     line = pivots + n
     square = pivots + 2 * n
@@ -89,11 +82,15 @@ def solve(s, n):
                 b -= get(s, other + n + k) * lower
             put(s, other + j, a)
             put(s, other + n + j, b)
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        x = get(s, o + R)
-        for i in range(n - 1, j, -1):
-            x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)
-        x *= get(s, pivots + j)
-        put(s, o + R, x)
-        put(s, o + T, get(s, o + T) + x)
+
+
+@inlined
+def substitute(s, n, j):
+    """The last half of S⁻¹ r, a number at a time from the tip on: the change of a segment's τ."""
+    square = FIRST + (n + 2) * SEGMENT + 2 * n
+    x = get(s, FIRST + j * SEGMENT + R)
+    for i in range(n - 1, j, -1):
+        x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)
+    x *= get(s, square - 2 * n + j)
+    put(s, FIRST + j * SEGMENT + R, x)
+    return x

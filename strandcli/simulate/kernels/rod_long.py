@@ -13,9 +13,9 @@ divided by its variance, and the adjoint of the filter, from the tip to the root
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, rows_for
 from .rod_dense import SHORT
 
 GAIN = 3
@@ -26,13 +26,6 @@ observed beyond, over its variance, that of r."""
 def size_for(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
     return rows_for(n) + n * GAIN
-
-
-@inner
-def newton(s, n):
-    """τ += S⁻¹ r."""
-    observe(s, n)
-    recall(s, n)
 
 
 @inner
@@ -109,24 +102,18 @@ def observe(s, n):
         czz -= ez * kz
 
 
-@inner
-def recall(s, n):
-    """From the tip to the root; m, w: the adjoints of the means."""
-    zero = spread(s, 0.0)
-    mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
-        ex, ey, ez = get3(s, o + G, 1)
-        change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
-        put(s, o + T, get(s, o + T) + change)
-        x, y, z = get3(s, o + E, 1)
-        x = mx + (wx + x * change)
-        y = my + (wy + y * change)
-        z = mz + (wz + z * change)
-        f = get(s, o + N1)
-        g = get(s, o + N2)
-        mx -= g * x
-        my -= g * y
-        mz -= g * z
-        wx, wy, wz = f * x, f * y, f * z
+@inlined
+def recall(s, n, j, mean):
+    """From the tip on, the change of a segment's τ, given the adjoints of the means; and those before it."""
+    (mx, my, mz), (wx, wy, wz) = mean
+    o = FIRST + j * SEGMENT
+    dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
+    ex, ey, ez = get3(s, o + G, 1)
+    change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    x, y, z = get3(s, o + E, 1)
+    x = mx + (wx + x * change)
+    y = my + (wy + y * change)
+    z = mz + (wz + z * change)
+    f = get(s, o + N1)
+    g = get(s, o + N2)
+    return change, ((mx - g * x, my - g * y, mz - g * z), (f * x, f * y, f * z))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import inner
 from ...simd import get, put, root, some, spread, where
-from . import rod, rod_dense, rod_long
+from . import rod, rod_dense, rod_descent, rod_long
 from .rod import FIRST, SEGMENT, A, M, T
 
 PATIENCE = 6
@@ -48,31 +48,31 @@ def iterate(s, n, iterations, enough, long):
                 ever = max(ever, get(s, rod.HARD))
                 mine = max(ever, worst) > rod.FAR
                 energy = rod.retract(s, n, mine)
-                rod.load(s, n)
-                rod.demand(s, n)
+                rod_descent.load(s, n)
                 rod.foresee(s, n)
                 if programmed:
                     rose = energy > before * RISE
                     most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
-            else:
-                rod.demand(s, n)
             if long is None:
-                rod_dense.newton(s, n)
+                rod_dense.couple(s, n)
+                rod_dense.solve(s, n)
             else:
-                rod_long.newton(s, n)
-        if not programmed:
-            hard = rod.factor(s, n)
-        rod.load(s, n)
-        if programmed:
-            rod.shorten(s, n, share)
-        elif count > PATIENCE:
-            rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
+                rod_long.observe(s, n)
+            if programmed:
+                rod_descent.descend(s, n, long, True, None, True)
+                rod.shorten(s, n, share)
+            else:
+                hard = rod_descent.settle(s, n, long, True)
+                if count > PATIENCE:
+                    rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
+        else:
+            hard = rod_descent.settle(s, n, long, None)
         worst = rod.move(s, n)
         if programmed:
             worst = worst / (share * share)
-            hard = rod.factor(s, n)
+            hard = rod_descent.factor(s, n)
     return worst
 
 
