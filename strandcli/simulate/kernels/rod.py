@@ -76,7 +76,7 @@ def ahead(s, o, x, y, z, u, v, w):
 
 @inner
 def move(s, n):
-    """u += y, e += z, and r of edges as they are then; returns the greatest | |e|² − 1 | of each lane."""
+    """u += y, e += z; the greatest | |e|² − 1 | of each lane."""
     worst = spread(s, 0.0)
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
@@ -93,9 +93,7 @@ def move(s, n):
         ey += y
         ez += z
         put3(s, o + E, 1, ex, ey, ez)
-        q = ex * ex + ey * ey + ez * ez
-        put(s, o + R, demand(q))
-        off = abs(q - 1.0)
+        off = abs(ex * ex + ey * ey + ez * ez - 1.0)
         worst = max(worst, where(off < MOST, off, MOST))  # never NaN
     return worst
 
@@ -168,14 +166,17 @@ def shorten(s, n, share):
 
 
 @inlined
-def demand(q):
-    """r of an edge whose length is √q."""
-    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
+def demand(s, o, q, foreseen):
+    """r of an edge whose length is √q; ``foreseen``: with what `foresee` has found."""
+    r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
+    if foreseen:
+        r += get(s, o + R)
+    return r
 
 
 @inner
 def foresee(s, n):
-    """r of edges as they are, and what the change that loads ask for would add to it."""
+    """What the change that loads ask for would add to r, into its place."""
     x = spread(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
@@ -186,7 +187,7 @@ def foresee(s, n):
         v += y
         w += z
         ex, ey, ez = get3(s, o + E, 1)
-        put(s, o + R, demand(ex * ex + ey * ey + ez * ez) + (ex * x + ey * y + ez * z))
+        put(s, o + R, ex * x + ey * y + ez * z)
 
 
 @inner

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, get3, put, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, demand, rows_for
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""
@@ -21,8 +21,8 @@ def size_for(n: int) -> int:
 
 
 @inner
-def couple(s, n):
-    """The lower triangle of S = (e_i·e_j) ∘ P, column by column.
+def couple(s, n, foreseen):
+    """r, ``foreseen`` as `rod.demand` has it, and the lower triangle of S = (e_i·e_j) ∘ P, column by column.
 
     P, the covariances of z where that of y is H⁻¹, follows from the process that elimination leaves, root to tip:
     z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i. a, b, c: variances of y and z and their covariance."""
@@ -39,7 +39,9 @@ def couple(s, n):
         c = f * (f * c - g * b) - g * d + get(s, o + DI)
         b = d + c
         a += d + b
-        put(s, square + j * n + j, c * max(x * x + y * y + z * z, SHORT))
+        q = x * x + y * y + z * z
+        put(s, o + R, demand(s, o, q, foreseen))
+        put(s, square + j * n + j, c * max(q, SHORT))
         u = b
         v = c
         for i in range(j + 1, n):

@@ -1,7 +1,8 @@
-"""What goes from the tip of a strand to its root: the change of tension, the pivots of H, and loads, in one pass.
+"""What goes from the tip of a strand to its root: the change of tension, the pivots of H, and loads.
 
-Each of the three is a chain in which a segment waits for the one after it, for a division, too. Together they wait for
-one another's sake, and what a long strand needs comes once through the caches.
+Each of the three is a chain in which a segment waits for the one after it, for a division, too. The first two go
+together, and in long strands all three, so that what they need comes through the caches once. In short ones, which the
+nearest cache holds, loads go by themselves, a coordinate at a time: all that is carried along is then in registers.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ QUARTER = 0.9 / 4
 BEAM = 0.7
 """The share of √(M κ) that it may: what buckles a beam with a free end on an elastic foundation (Hetényi 1946), the
 same all along."""
+BRIEF = 40
+"""Segments up to which strands count as short here: the nearest cache has room for half as many."""
 MARGIN = 0.5
 """H counts as definite where its pivots keep this share of the mass."""
 
@@ -26,11 +29,11 @@ def settle(s, n, long, changed):
     `rod_long` has prepared. Lanes where τ makes H indefinite take the bounded τ instead; returns whether there are
     any."""
     put(s, HARD, 0.0)
-    lost = descend(s, n, long, changed, False, True)
+    lost = bring(s, n, long, changed, False)
     hard = some(lost > 0.0)
     if hard:
         bound(s, n, lost)
-        load(s, n)
+        bring(s, n, long, None, None)
     return hard
 
 
@@ -46,9 +49,28 @@ def factor(s, n):
 
 
 @inner
+def bring(s, n, long, changed, factored):
+    """`descend` with loads, in one pass or two."""
+    if long is None:
+        lost = descend(s, n, long, changed, factored, None)
+        load(s, n)
+    elif n > BRIEF:
+        lost = descend(s, n, long, changed, factored, True)
+    else:
+        lost = descend(s, n, long, changed, factored, None)
+        load(s, n)
+    return lost
+
+
+@inner
 def load(s, n):
-    """G with the pivots that there are."""
-    descend(s, n, None, None, None, True)
+    """G alone, coordinate by coordinate, with the pivots that there are."""
+    for c in range(3):
+        p = spread(s, 0.0)
+        q, bend, force = p, p, p
+        for j in range(n - 1, -1, -1):
+            o = FIRST + j * SEGMENT
+            p, q, bend, force = bear(s, o, c, get(s, o + T), p, q, bend, force)
 
 
 @inner

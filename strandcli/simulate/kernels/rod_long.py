@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, demand, rows_for
 from .rod_dense import SHORT
 
 GAIN = 3
@@ -29,9 +29,9 @@ def size_for(n: int) -> int:
 
 
 @inner
-def observe(s, n):
-    """From the root to the tip. Covariances: a of the particle, b of the particle with the edge, c of the edge; m, w:
-    their means."""
+def observe(s, n, foreseen):
+    """From the root to the tip, r ``foreseen`` as `rod.demand` has it. Covariances: a of the particle, b of the same
+    with the edge, c of the edge; m, w: their means."""
     zero = spread(s, 0.0)
     axx, axy, axz, ayy, ayz, azz = zero, zero, zero, zero, zero, zero
     bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
@@ -73,7 +73,7 @@ def observe(s, n):
         short = max(SHORT - square, 0.0) / get(s, o + M)
         variance = max(x * kx + y * ky + z * kz, noise * square) + short
         over = 1.0 / max(variance, TINY)
-        seen = (get(s, o + R) - (x * wx + y * wy + z * wz)) * over
+        seen = (demand(s, o, square, foreseen) - (x * wx + y * wy + z * wz)) * over
         mx += hx * seen
         my += hy * seen
         mz += hz * seen

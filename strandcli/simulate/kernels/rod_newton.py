@@ -44,11 +44,12 @@ def iterate(s, n, iterations, enough, long):
             pull(s, n)
         programmed = count > 0 and (hard or programmed)
         if count > 0:
-            if programmed or some(worst > rod.FAR):
+            far = programmed or some(worst > rod.FAR)
+            if far:
                 ever = max(ever, get(s, rod.HARD))
                 mine = max(ever, worst) > rod.FAR
                 energy = rod.retract(s, n, mine)
-                rod_descent.load(s, n)
+                rod_descent.bring(s, n, long, None, None)
                 rod.foresee(s, n)
                 if programmed:
                     rose = energy > before * RISE
@@ -56,12 +57,12 @@ def iterate(s, n, iterations, enough, long):
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
             if long is None:
-                rod_dense.couple(s, n)
+                rod_dense.couple(s, n, far)
                 rod_dense.solve(s, n)
             else:
-                rod_long.observe(s, n)
+                rod_long.observe(s, n, far)
             if programmed:
-                rod_descent.descend(s, n, long, True, None, True)
+                rod_descent.bring(s, n, long, True, None)
                 rod.shorten(s, n, share)
             else:
                 hard = rod_descent.settle(s, n, long, True)
