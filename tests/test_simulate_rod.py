@@ -192,3 +192,25 @@ def test_rules_of_other_packages_are_refused_by_name() -> None:
     object.__setattr__(one, "rules", (*one.rules, RuleUse("vortex", None, "vortex")))
     with pytest.raises(UsageError, match=r"vortex.*solver: thesis"):
         RodSolver(one, emit(one.emitter, one.seed))
+
+
+def test_long_strands_stop_where_an_edge_is_wrong_by_a_share_of_the_strand(monkeypatch: pytest.MonkeyPatch) -> None:
+    n, changes = 199, {"emitter.strands": 64, "emitter.jitter": 60.0, "emitter.particles": 200}
+    one = scene(1e3, **changes)
+
+    def fallen() -> tuple[np.ndarray, list[float]]:
+        solver = RodSolver(one, emit(one.emitter, one.seed))
+        left = []
+        for i in range(12):
+            solver.step((i + 1) / 24, 1 / 24)
+            left.append(float(solver.errors(1)["residual_max"] or 0.0))
+        return solver.particles().astype(float), left
+
+    shape, left = fallen()
+    # | |e| − 1 | is half of | |e|² − 1 |
+    bound = rod_solver.ENOUGH[False, False] / 2
+    assert bound < max(left) <= 1.01 * bound * n / rod_solver.FINE
+    monkeypatch.setitem(rod_solver.ENOUGH, (False, False), 1e-7)
+    exact, left = fallen()
+    assert max(left) < 1e-6
+    assert np.linalg.norm(shape - exact, axis=2).max() < 1e-4  # of a metre, which strands are long

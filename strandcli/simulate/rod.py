@@ -52,12 +52,8 @@ as a natural shape that turns by radians, and beyond, what rounding leaves of th
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
-"""Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
-anyway, less will do, and of most strands the error is far less than of the worst."""
-FINE = 32
-"""Segments beyond which the first of these grows with their number, so that an edge is wrong by the same share of its
-strand: what it is wrong by of itself, where contact kinks a strand, says ever less of the shape. Beside runs that went
-on to 1e-6, strands of 200 and 1,000 particles in contact are off by no more than those that stopped at 1e-5."""
+"""Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for):
+where motion is calmed down anyway, less will do, and of most strands the error is far less than of the worst."""
 WORTH = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 MOMENT = 1e-6
@@ -164,9 +160,9 @@ class RodSolver(Solver):
         """What every step hands on in the same way: arrays that it changes in place, and numbers that stay."""
         around, rod, n = self.surroundings, self.scene.rod, self.edges.shape[1]
         self._pull = tuple(around.gravity.tolist())
-        exact = rod.precision == "double"
-        enough = ENOUGH[self.second, exact] * (1.0 if self.second or exact else max(1.0, n / FINE))
-        self._bounds = enough, 4 * float(np.finfo(self.dtype).eps), self.torsion
+        self._bounds = (
+            ENOUGH[self.second, rod.precision == "double"], 4 * float(np.finfo(self.dtype).eps), self.torsion
+        )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
         self._numbers = np.zeros(14 + 24, self.dtype)
         size = (rod_long if self.long else rod_dense).size_for(n)

@@ -76,8 +76,9 @@ def ahead(s, o, x, y, z, u, v, w):
 
 @inner
 def move(s, n):
-    """u += y, e += z; the greatest | |e|² − 1 | of each lane."""
+    """u += y, e += z; the greatest | |e|² − 1 | of each lane, and their sum."""
     worst = spread(s, 0.0)
+    total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
     for j in range(n):
@@ -94,8 +95,10 @@ def move(s, n):
         ez += z
         put3(s, o + E, 1, ex, ey, ez)
         off = abs(ex * ex + ey * ey + ez * ez - 1.0)
-        worst = max(worst, where(off < MOST, off, MOST))  # never NaN
-    return worst
+        off = where(off < MOST, off, MOST)  # never NaN
+        worst = max(worst, off)
+        total += off
+    return worst, total
 
 
 @inner
