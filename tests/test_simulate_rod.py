@@ -192,3 +192,27 @@ def test_rules_of_other_packages_are_refused_by_name() -> None:
     object.__setattr__(one, "rules", (*one.rules, RuleUse("vortex", None, "vortex")))
     with pytest.raises(UsageError, match=r"vortex.*solver: thesis"):
         RodSolver(one, emit(one.emitter, one.seed))
+
+
+def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = scene(1e3, **{"emitter.strands": 64, "emitter.jitter": 60.0, "emitter.particles": 200})
+
+    def fallen() -> tuple[np.ndarray, float]:
+        solver = RodSolver(one, emit(one.emitter, one.seed))
+        left, films = 0.0, []
+        for i in range(18):
+            solver.step((i + 1) / 24, 1 / 24)
+            left = max(left, float(solver.errors(1)["residual_max"] or 0.0))
+            films.append(solver.particles().astype(float))
+        return np.array(films), left
+
+    films, left = fallen()
+    # | |e| − 1 | is half of | |e|² − 1 |; single edges may be off by more, by their share of 199 and not of 32
+    bound = rod_solver.ENOUGH[False, False] / 2
+    assert bound < left <= 1.01 * bound * 199 / 32
+    monkeypatch.setitem(rod_solver.ENOUGH, (False, False), 1e-7)
+    exact, left = fallen()
+    assert left < 1e-6
+    off = np.linalg.norm(films - exact, axis=3).max(2)  # of a metre, which strands are long
+    assert off.max() < 1.3e-3
+    assert off.mean() < 6e-5

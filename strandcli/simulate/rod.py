@@ -52,8 +52,8 @@ as a natural shape that turns by radians, and beyond, what rounding leaves of th
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
-"""Greatest error of |e|² at which iterations stop, for (BDF2, double precision asked for): where motion is calmed down
-anyway, less will do, and of most strands the error is far less than of the worst."""
+"""Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for):
+where motion is calmed down anyway, less will do, and of most strands the error is far less than of the worst."""
 WORTH = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 MOMENT = 1e-6

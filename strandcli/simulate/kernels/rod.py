@@ -37,16 +37,9 @@ segments of zeros before the first and after the last spare the recurrences thei
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inner
-from ...simd import get, get3, put, put3, root, some, spread, where
+from ...jit import inlined, inner
+from ...simd import get, get3, put, put3, root, spread, where
 
-QUARTER = 0.9 / 4
-"""θ/4: the share of the mass that compression may use up in H."""
-BEAM = 0.7
-"""The share of √(M κ) that it may: what buckles a beam with a free end on an elastic foundation (Hetényi 1946), the
-same all along."""
-MARGIN = 0.5
-"""H counts as definite where its pivots keep this share of the mass."""
 FAR = 0.3
 """Error of |e|² above which edges go back to unit length before the next iteration."""
 TINY = 1e-30
@@ -73,85 +66,6 @@ def rows_for(n: int) -> int:
 
 
 @inner
-def factor(s, n):
-    """The pivots of H. Lanes where τ makes H indefinite take the bounded τ instead and are marked in row HARD, by 2
-    where that is what masses alone resist; returns whether there are any."""
-    put(s, HARD, 0.0)
-    lost = eliminate(s, n, False)
-    hard = some(lost > 0.0)
-    if hard:
-        put(s, HARD, lost)
-        still = eliminate(s, n, True)
-        if some(still > 0.0):
-            put(s, HARD, lost + still)
-            eliminate(s, n, True)
-    return hard
-
-
-@inner
-def eliminate(s, n, bounded):
-    """i, i κ and i B from the tip to the root; returns 1 in lanes with a pivot that is too small, which is raised. Of a
-    definite H that does no harm; of another, what lies before it has pivots that run away to −∞."""
-    zero = spread(s, 0.0)
-    lost = zero
-    a = zero
-    b = zero
-    c = zero
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        mass = get(s, o + M)
-        k = get(s, o + K)
-        t = get(s, o + T)
-        if bounded:
-            light = min(get(s, o - SEGMENT + M), mass)
-            least = -QUARTER * light
-            beam = min(least, -BEAM * root(light * k))
-            given = get(s, HARD)
-            t = where(given > 0.0, max(t, where(given > 1.0, least, beam)), t)
-        a += mass
-        g = a + b
-        q = g + b + c + t
-        raised = max(MARGIN * mass - k, q)
-        lost = where(q >= raised, lost, 1.0)
-        i = 1.0 / (raised + k)
-        f = k * i
-        h = g * i
-        put(s, o + DI, i)
-        put(s, o + N1, f)
-        put(s, o + N2, h)
-        a -= g * h
-        b = k * h
-        c = raised * f
-    return lost
-
-
-@inner
-def load(s, n):
-    """The residual ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1}, b_j = κ_j (c_j − c̄_j),
-    where the edge before the first is the clamped direction; and G, from the tip to the root."""
-    for c in range(3):
-        edge = get(s, FIRST + (n - 1) * SEGMENT + E + c)
-        p = spread(s, 0.0)
-        q = p
-        b2 = p
-        f2 = p
-        for j in range(n - 1, -1, -1):
-            row = FIRST + j * SEGMENT
-            o = row + c
-            before = get(s, o - SEGMENT + E)
-            b1 = get(s, row + K) * (edge - before - get(s, o + C))
-            f1 = get(s, row + T) * edge + (b1 - b2)
-            p -= get(s, row + M) * (get(s, o + A) - get(s, o + U)) + (f2 - f1)
-            sum = p + q
-            put(s, o + G, get(s, row + DI) * sum)
-            p -= get(s, row + N2) * sum
-            q = get(s, row + N1) * sum
-            edge = before
-            b2 = b1
-            f2 = f1
-
-
-@inner
 def ahead(s, o, x, y, z, u, v, w):
     """The change of an edge, from that of the one before it and of the particle in between."""
     f = get(s, o + N1)
@@ -162,8 +76,9 @@ def ahead(s, o, x, y, z, u, v, w):
 
 @inner
 def move(s, n):
-    """u += y, e += z; the greatest | |e|² − 1 | of each lane."""
+    """u += y, e += z; the greatest | |e|² − 1 | of each lane, and their sum."""
     worst = spread(s, 0.0)
+    total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
     for j in range(n):
@@ -180,8 +95,10 @@ def move(s, n):
         ez += z
         put3(s, o + E, 1, ex, ey, ez)
         off = abs(ex * ex + ey * ey + ez * ez - 1.0)
-        worst = max(worst, where(off < MOST, off, MOST))  # never NaN
-    return worst
+        off = where(off < MOST, off, MOST)  # never NaN
+        worst = max(worst, off)
+        total += off
+    return worst, total
 
 
 @inner
@@ -251,19 +168,18 @@ def shorten(s, n, share):
             put(s, o, get(s, o) * share)
 
 
-@inner
-def demand(s, n):
-    """r of edges as they are."""
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + E, 1)
-        q = x * x + y * y + z * z
-        put(s, o + R, where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0)))
+@inlined
+def demand(s, o, q, foreseen):
+    """r of an edge whose length is √q; ``foreseen``: with what `foresee` has found."""
+    r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
+    if foreseen:
+        r += get(s, o + R)
+    return r
 
 
 @inner
 def foresee(s, n):
-    """Add to r what the change that loads ask for would."""
+    """What the change that loads ask for would add to r, into its place."""
     x = spread(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
@@ -274,7 +190,7 @@ def foresee(s, n):
         v += y
         w += z
         ex, ey, ez = get3(s, o + E, 1)
-        put(s, o + R, get(s, o + R) + (ex * x + ey * y + ez * z))
+        put(s, o + R, ex * x + ey * y + ez * z)
 
 
 @inner

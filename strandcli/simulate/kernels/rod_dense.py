@@ -6,9 +6,9 @@ is used.
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from ...simd import get, get3, put, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, demand, rows_for
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""
@@ -21,15 +21,8 @@ def size_for(n: int) -> int:
 
 
 @inner
-def newton(s, n):
-    """τ += δ, S δ = r."""
-    couple(s, n)
-    solve(s, n)
-
-
-@inner
-def couple(s, n):
-    """The lower triangle of S = (e_i·e_j) ∘ P, column by column.
+def couple(s, n, foreseen):
+    """r, ``foreseen`` as `rod.demand` has it, and the lower triangle of S = (e_i·e_j) ∘ P, column by column.
 
     P, the covariances of z where that of y is H⁻¹, follows from the process that elimination leaves, root to tip:
     z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i. a, b, c: variances of y and z and their covariance."""
@@ -46,7 +39,9 @@ def couple(s, n):
         c = f * (f * c - g * b) - g * d + get(s, o + DI)
         b = d + c
         a += d + b
-        put(s, square + j * n + j, c * max(x * x + y * y + z * z, SHORT))
+        q = x * x + y * y + z * z
+        put(s, o + R, demand(s, o, q, foreseen))
+        put(s, square + j * n + j, c * max(q, SHORT))
         u = b
         v = c
         for i in range(j + 1, n):
@@ -59,9 +54,9 @@ def couple(s, n):
 
 @inner
 def solve(s, n):
-    """τ += S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive definite by Schur's product
-    theorem; a pivot that rounding has taken below a millionth of its entry is raised to that. Below the diagonal
-    columns hold L times their pivots."""
+    """The first half of S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive
+    definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry is raised to
+    that. Below the diagonal columns hold L times their pivots."""
     pivots = FIRST + (n + 2) * SEGMENT
     line = pivots + n
     square = pivots + 2 * n
@@ -89,11 +84,15 @@ def solve(s, n):
                 b -= get(s, other + n + k) * lower
             put(s, other + j, a)
             put(s, other + n + j, b)
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        x = get(s, o + R)
-        for i in range(n - 1, j, -1):
-            x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)
-        x *= get(s, pivots + j)
-        put(s, o + R, x)
-        put(s, o + T, get(s, o + T) + x)
+
+
+@inlined
+def substitute(s, n, j):
+    """The last half of S⁻¹ r, a number at a time from the tip on: the change of a segment's τ."""
+    square = FIRST + (n + 2) * SEGMENT + 2 * n
+    x = get(s, FIRST + j * SEGMENT + R)
+    for i in range(n - 1, j, -1):
+        x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)
+    x *= get(s, square - 2 * n + j)
+    put(s, FIRST + j * SEGMENT + R, x)
+    return x

@@ -13,9 +13,9 @@ divided by its variance, and the adjoint of the filter, from the tip to the root
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, T, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, demand, rows_for
 from .rod_dense import SHORT
 
 GAIN = 3
@@ -29,16 +29,9 @@ def size_for(n: int) -> int:
 
 
 @inner
-def newton(s, n):
-    """τ += S⁻¹ r."""
-    observe(s, n)
-    recall(s, n)
-
-
-@inner
-def observe(s, n):
-    """From the root to the tip. Covariances: a of the particle, b of the particle with the edge, c of the edge; m, w:
-    their means."""
+def observe(s, n, foreseen):
+    """From the root to the tip, r ``foreseen`` as `rod.demand` has it. Covariances: a of the particle, b of the same
+    with the edge, c of the edge; m, w: their means."""
     zero = spread(s, 0.0)
     axx, axy, axz, ayy, ayz, azz = zero, zero, zero, zero, zero, zero
     bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
@@ -80,7 +73,7 @@ def observe(s, n):
         short = max(SHORT - square, 0.0) / get(s, o + M)
         variance = max(x * kx + y * ky + z * kz, noise * square) + short
         over = 1.0 / max(variance, TINY)
-        seen = (get(s, o + R) - (x * wx + y * wy + z * wz)) * over
+        seen = (demand(s, o, square, foreseen) - (x * wx + y * wy + z * wz)) * over
         mx += hx * seen
         my += hy * seen
         mz += hz * seen
@@ -109,24 +102,18 @@ def observe(s, n):
         czz -= ez * kz
 
 
-@inner
-def recall(s, n):
-    """From the tip to the root; m, w: the adjoints of the means."""
-    zero = spread(s, 0.0)
-    mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
-    for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
-        dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
-        ex, ey, ez = get3(s, o + G, 1)
-        change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
-        put(s, o + T, get(s, o + T) + change)
-        x, y, z = get3(s, o + E, 1)
-        x = mx + (wx + x * change)
-        y = my + (wy + y * change)
-        z = mz + (wz + z * change)
-        f = get(s, o + N1)
-        g = get(s, o + N2)
-        mx -= g * x
-        my -= g * y
-        mz -= g * z
-        wx, wy, wz = f * x, f * y, f * z
+@inlined
+def recall(s, n, j, mean):
+    """From the tip on, the change of a segment's τ, given the adjoints of the means; and those before it."""
+    (mx, my, mz), (wx, wy, wz) = mean
+    o = FIRST + j * SEGMENT
+    dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
+    ex, ey, ez = get3(s, o + G, 1)
+    change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    x, y, z = get3(s, o + E, 1)
+    x = mx + (wx + x * change)
+    y = my + (wy + y * change)
+    z = mz + (wz + z * change)
+    f = get(s, o + N1)
+    g = get(s, o + N2)
+    return change, ((mx - g * x, my - g * y, mz - g * z), (f * x, f * y, f * z))

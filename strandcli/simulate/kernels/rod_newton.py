@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import inner
 from ...simd import get, put, root, some, spread, where
-from . import rod, rod_dense, rod_long
+from . import rod, rod_dense, rod_descent, rod_long
 from .rod import FIRST, SEGMENT, A, M, T
 
 PATIENCE = 6
@@ -16,6 +16,10 @@ PULLED = 4.0
 RISE = 1.00001
 """Energy that is no more than so many times what it was has not risen but for rounding."""
 MEND = 1.5
+FINE = 32
+"""Segments beyond which an edge that is wrong, as where contact kinks a strand, counts by its share of the strand."""
+WHOLE = 3.0
+"""How many times the mean error of edges is no less than the worst one's where all are wrong, as where strands whip."""
 STUCK = 20
 FAST = 1.9
 """Steps with bounded τ are too short where they go on for long, as near a saddle; twice as long is safe."""
@@ -24,19 +28,23 @@ FAST = 1.9
 @inner
 def iterate(s, n, iterations, enough, long):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
-    returns what they are in the end, the greatest of each lane. Begins with x(τ) for the τ of the step before, or,
-    where loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N).
+    returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
+    greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
+    loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N).
 
     From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
     changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
     worst = spread(s, 0.0)
+    total = worst
+    alone = min(1.0, FINE / n)
+    together = WHOLE / n
     share = spread(s, 1.0)
     before = spread(s, rod.MOST * rod.MOST)
     ever = spread(s, 0.0)
     hard = False
     programmed = False
     for count in range(-1, iterations + 1):
-        if count > 1 and not some(worst > enough):
+        if count > 1 and not some(min(worst, max(alone * worst, together * total)) > enough):
             break
         if count == 0:
             if not some(worst > WILD):
@@ -44,35 +52,37 @@ def iterate(s, n, iterations, enough, long):
             pull(s, n)
         programmed = count > 0 and (hard or programmed)
         if count > 0:
-            if programmed or some(worst > rod.FAR):
+            far = programmed or some(worst > rod.FAR)
+            if far:
                 ever = max(ever, get(s, rod.HARD))
                 mine = max(ever, worst) > rod.FAR
                 energy = rod.retract(s, n, mine)
-                rod.load(s, n)
-                rod.demand(s, n)
+                rod_descent.bring(s, n, long, None, None)
                 rod.foresee(s, n)
                 if programmed:
                     rose = energy > before * RISE
                     most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
-            else:
-                rod.demand(s, n)
             if long is None:
-                rod_dense.newton(s, n)
+                rod_dense.couple(s, n, far)
+                rod_dense.solve(s, n)
             else:
-                rod_long.newton(s, n)
-        if not programmed:
-            hard = rod.factor(s, n)
-        rod.load(s, n)
-        if programmed:
-            rod.shorten(s, n, share)
-        elif count > PATIENCE:
-            rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
-        worst = rod.move(s, n)
+                rod_long.observe(s, n, far)
+            if programmed:
+                rod_descent.bring(s, n, long, True, None)
+                rod.shorten(s, n, share)
+            else:
+                hard = rod_descent.settle(s, n, long, True)
+                if count > PATIENCE:
+                    rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
+        else:
+            hard = rod_descent.settle(s, n, long, None)
+        worst, total = rod.move(s, n)
         if programmed:
             worst = worst / (share * share)
-            hard = rod.factor(s, n)
+            total = total / (share * share)
+            hard = rod_descent.factor(s, n)
     return worst
 
 
