@@ -7,13 +7,15 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner
-from ...simd import lay
+from ...simd import get, lay, put, strip
 from .coverage import (
+    ALONG,
     AREA,
     CELL,
     CELLS,
     DEPTH,
     FLAT_WAY,
+    LANES,
     MIDDLE,
     PLACE,
     RISE,
@@ -35,6 +37,9 @@ AHEAD = np.int64(2)
 """Parts that memory is asked for before they are looked at."""
 LINE = np.int64(16)
 """Numbers of a cache line."""
+STEPS = np.arange(LANES, dtype=np.float32)
+SURE = np.float32(1 - 1e-6)
+"""What is so much behind is behind, whatever the rounding."""
 
 
 @inner
@@ -55,10 +60,7 @@ def gather(
     how many there are. marks: not read, but soon to be written to, as all that is seen.
     """
     counts[:] = 0
-    if hides is not None:
-        for y in range(top, bottom):
-            for x in range(left, right):
-                veil[(y - top) << ROW_BITS | (x - left)] = hides[y * width + x]
+    hidden = ZERO if hides is None else draw_veil(hides, top, bottom, left, right, width, veil) * SURE
     points = lay(screen)
     n = np.int64(0)
     m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
@@ -85,7 +87,7 @@ def gather(
                         way, begun = way_of(
                             points[3 * after - 3], points[3 * after - 2], points[3 * after - 1],
                             points[3 * after], points[3 * after + 1], points[3 * after + 2],
-                            widths is None or max(widths[after - 1], widths[after]) > WIDE,
+                            widths is None or max(widths[np.uint64(after - 1)], widths[np.uint64(after)]) > WIDE,
                         )  # fmt: skip
                         if way == NO_WAY:
                             continue
@@ -93,11 +95,11 @@ def gather(
                         if (run != RIBBON) & (run != BEHIND):
                             n, m = thin(
                                 points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
-                                top, bottom, left, right, veil, work, cells, n, found, counts, m,
+                                hidden, top, bottom, left, right, veil, work, cells, n, found, counts, m,
                             )  # fmt: skip
                     if after > high:
                         break
-                    if way == RIBBON:
+                    if way == RIBBON and max(points[3 * after - 1], points[3 * after + 2]) >= hidden:
                         m = ribbon(
                             screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
                             top, bottom, left, right, veil, found, counts, m,
@@ -109,7 +111,7 @@ def gather(
             if final:
                 break
             block = links[block]
-    return fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
+    return fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
 
 
 @inlined
@@ -145,17 +147,22 @@ def solids(edges, depth, cover, base, top, bottom, left, right, width, found, co
 
 @inlined
 def thin(
-    points, widths, opacity, v, lit_past, bits, run, start, closing, top, bottom, left, right, veil, work, cells, n,
-    found, counts, m,
+    points, widths, opacity, v, lit_past, bits, run, start, closing, hidden, top, bottom, left, right, veil, work,
+    cells, n, found, counts, m,
 ):  # fmt: skip
     """List the cells that the piece from vertex v − 1 to v leaves behind, and, `closing`, the one that its run ends in;
     covers those listed so far where there are too many.
 
-    run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel; n:
-    cells listed before; m: fragments found before. Returns how many there are then.
+    run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel;
+    hidden: depth number behind which nothing is seen; n: cells listed before; m: fragments found before. Returns how
+    many there are then.
+
+    Most pieces leave few cells: a vector of them is written, and what is too many written over by the next.
     """
     x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
     x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
+    if max(q0, q1) < hidden:
+        return n, m
     flat = abs(run) == 1
     sign = ONE if run > 0 else -ONE
     u0 = sign * (x0 if flat else y0)
@@ -168,38 +175,48 @@ def thin(
     stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low)
     per = ONE / (u1 - u0)
     slope = (v1 - v0) * per
-    rise = q1 - q0
-    w0 = widths[v - 1]
-    wider = widths[v] - w0
+    w0 = widths[np.uint64(v - 1)]
+    w1 = widths[np.uint64(v)]
     stretch = math.sqrt(ONE + slope * slope)
-    h = max(HALF * stretch * max(w0, widths[v]), THIN)
+    h = max(HALF * stretch * max(w0, w1), THIN)
     stretch *= opacity
-    most = np.int32(np.int64(1) << bits) - np.int32(1)
-    fine = np.float32(most) + ONE
-    lit = np.int32(lit_past << bits)
-    way = np.int32(-1 if flat else 0)
-    turned = np.int32(0 if run > 0 else -1)
-    rises = abs(slope)
+    back = ZERO if run > 0 else ONE
+    floats = strip(work)
+    integers = strip(cells)
+    steps = get(strip(STEPS), 0)
     while cell < stop:
-        if n == CELLS:
-            m = fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
+        if n > CELLS - LANES:
+            m = fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
             n = np.int64(0)
-        here = min(stop, cell + CELLS - n)
-        for c in range(cell, here):
-            k = np.uint64(n)
-            enter = max(np.float32(c), start)
-            length = min(np.float32(c + 1), u1) - enter
-            past = enter + HALF * length - u0
-            t = min(max(past * per, ZERO), ONE)
-            work[np.uint64(DEPTH) + k] = q0 + rise * t
-            work[np.uint64(MIDDLE) + k] = v0 + slope * past
-            work[np.uint64(AREA) + k] = stretch * length * (w0 + t * wider)
-            work[np.uint64(RISE) + k] = rises * length
-            work[np.uint64(H) + k] = h
-            cells[np.uint64(PLACE) + k] = lit + min(np.int32(t * fine), most)
-            cells[np.uint64(CELL) + k] = c ^ turned
-            cells[np.uint64(VERTEX) + k] = v - 1
-            cells[np.uint64(FLAT_WAY) + k] = way
-            n += 1
-        cell = here
+        here = steps + np.float32(cell)
+        enter = max(here, start)
+        length = min(here + ONE, u1) - enter
+        past = enter + HALF * length - u0
+        t = min(max(past * per, ZERO), ONE)
+        put(floats, DEPTH + n, q0 + (q1 - q0) * t)
+        put(floats, MIDDLE + n, v0 + slope * past)
+        put(floats, AREA + n, stretch * length * (w0 + t * (w1 - w0)))
+        put(floats, RISE + n, abs(slope) * length)
+        put(floats, H + n, h)
+        put(floats, ALONG + n, t)
+        put(floats, CELL + n, sign * here - back)
+        put(integers, PLACE + n, lit_past << bits)
+        put(integers, VERTEX + n, v - 1)
+        put(integers, FLAT_WAY + n, -np.int64(flat))
+        n += min(stop - cell, LANES)
+        cell += LANES
     return n, m
+
+
+@inner
+def draw_veil(hides, top, bottom, left, right, width, veil):
+    """The depth numbers in front of which nothing is hidden, of the tile's pixels; returns the least."""
+    least = np.int32(np.float32(np.inf).view(np.int32))
+    for y in range(top, bottom):
+        to = np.uint64((y - top) << ROW_BITS)
+        at = np.uint64(y * width + left)
+        for x in range(np.uint64(right - left)):
+            veil[to + x] = hides[at + x]
+        for x in range(np.uint64(right - left)):  # numbers that are not negative are in the order of their bits
+            least = min(least, np.int32(np.float32(veil[to + x]).view(np.int32)))
+    return np.int32(least).view(np.float32)

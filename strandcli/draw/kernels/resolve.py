@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inner, parallel, prange
-from ...simd import get, lay, put, spread, where, width
+from ...simd import get, lay, put, spread, strip, where, width
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch
@@ -126,8 +126,8 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
     be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
-    rows = lay(depths)
-    ranks = lay(behind)
+    rows = strip(depths)
+    ranks = strip(behind)
     for p in range(counts.shape[0]):
         n = counts[p]
         first = ends[p] - n
