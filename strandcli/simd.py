@@ -13,7 +13,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), sine(x), cosine(x)
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), whole(x), sine(x), cosine(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
     pattern(x < y)              in which, as bits of a number, the first the lowest
@@ -339,6 +339,7 @@ def _of_each(function: str, doc: str) -> Any:
 
 
 root = _of_each("llvm.sqrt", "Square root.")
+whole = _of_each("llvm.floor", "The greatest whole number that is no greater.")
 sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
 cosine = _of_each("llvm.cos", "Cosine likewise.")
 

@@ -35,7 +35,6 @@ from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-THIN = np.float32(1 / 16)
 FLAT = np.float32(1 / 16)
 FAINT = np.float32(1e-5)
 """Share of a cell that is not worth a fragment."""
@@ -183,10 +182,3 @@ def choose(work, n):
             put(rows, np.uint64(CHOSEN) + chosen, get(lists, bits * EACH) + np.float32(row * CELLS + some))
             chosen += np.uint64(HOW_MANY[bits])
     return chosen
-
-
-@inlined
-def whole(x):
-    """The greatest whole number that is no greater than x: the library's is a call, for which registers are saved."""
-    i = np.int64(x)
-    return i - np.int64(np.float32(i) > x)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...jit import inlined, inner
@@ -19,14 +17,36 @@ from .coverage import (
     MIDDLE,
     PLACE,
     RISE,
-    THIN,
     VERTEX,
     ZERO,
     H,
     fragments,
-    whole,
 )
-from .parts import BEHIND, BLOCK, LOW, NO_WAY, RIBBON, SHIFT, WIDE, way_of
+from .parts import BLOCK, LOW, SHIFT
+from .pieces import (
+    ACROSS,
+    BEGIN,
+    BEHIND,
+    DEEPER,
+    END,
+    FIRST,
+    HEIGHT,
+    LAST,
+    NEAREST,
+    NO_WAY,
+    PER,
+    PIECES,
+    RIBBON,
+    SLOPE,
+    STRETCH,
+    WAY,
+    WIDER,
+    Q,
+    W,
+    hold,
+    look,
+    take,
+)
 from .prefetch import prefetch
 from .ribbon import ribbon
 from .tiles import NUMBERS, ROW_BITS
@@ -45,7 +65,7 @@ SURE = np.float32(1 - 1e-6)
 @inner
 def gather(
     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
-    top, bottom, left, right, width, work, cells, veil, found, counts, marks,
+    top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
@@ -54,7 +74,8 @@ def gather(
     edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
     number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
     them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
-    work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
+    pieces (pieces.ROWS * pieces.ROW,) float32, work (ROWS * CELLS,) float32,
+    cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
     what the last tile left;
     found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
     how many there are. marks: not read, but soon to be written to, as all that is seen.
@@ -72,42 +93,13 @@ def gather(
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
                 ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
                 s = pool[slot, 1] >> SHIFT
-                a = first[s]
-                end = first[s + 1]
                 low = pool[slot, 0] & LOW
                 high = pool[slot, 1] & LOW
                 start = np.uint32(pool[slot, 0] >> SHIFT).view(np.float32)
-                run = RIBBON
-                v = low - 1
-                for after in range(low, end + 1):
-                    # what the piece before `after` is: whether the run of the piece before `v` goes on with it
-                    way = BEHIND
-                    begun = ZERO
-                    if after < end:
-                        way, begun = way_of(
-                            points[3 * after - 3], points[3 * after - 2], points[3 * after - 1],
-                            points[3 * after], points[3 * after + 1], points[3 * after + 2],
-                            widths is None or max(widths[np.uint64(after - 1)], widths[np.uint64(after)]) > WIDE,
-                        )  # fmt: skip
-                        if way == NO_WAY:
-                            continue
-                    if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-                        if (run != RIBBON) & (run != BEHIND):
-                            n, m = thin(
-                                points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
-                                hidden, top, bottom, left, right, veil, work, cells, n, found, counts, m,
-                            )  # fmt: skip
-                    if after > high:
-                        break
-                    if way == RIBBON and max(points[3 * after - 1], points[3 * after + 2]) >= hidden:
-                        m = ribbon(
-                            screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
-                            top, bottom, left, right, veil, found, counts, m,
-                        )  # fmt: skip
-                    if way != run:
-                        start = begun if v >= low else start
-                        run = way
-                    v = after
+                n, m = part(
+                    first[s], first[s + 1], low, high, start, hidden, points, screen, widths, opacity, stride, bits,
+                    top, bottom, left, right, veil, pieces, work, cells, n, found, counts, m,
+                )  # fmt: skip
             if final:
                 break
             block = links[block]
@@ -146,40 +138,83 @@ def solids(edges, depth, cover, base, top, bottom, left, right, width, found, co
 
 
 @inlined
-def thin(
-    points, widths, opacity, v, lit_past, bits, run, start, closing, hidden, top, bottom, left, right, veil, work,
-    cells, n, found, counts, m,
+def part(
+    a, end, low, high, start, hidden, points, screen, widths, opacity, stride, bits, top, bottom, left, right, veil,
+    pieces, work, cells, n, found, counts, m,
 ):  # fmt: skip
-    """List the cells that the piece from vertex v − 1 to v leaves behind, and, `closing`, the one that its run ends in;
-    covers those listed so far where there are too many.
+    """The pieces that end in the vertices low … high of the strand a … end − 1: cells of thin ones are listed, beside
+    the n before, and wide ones drawn.
 
-    run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel;
-    hidden: depth number behind which nothing is seen; n: cells listed before; m: fragments found before. Returns how
-    many there are then.
+    start: where the run of the first piece began; hidden: depth number behind which nothing is seen; the rest as in
+    `gather`. Returns how many cells are listed then, and how many fragments were found.
+
+    A thin piece waits for the next one, which tells whether its run goes on: points do not.
+    """
+    run = RIBBON
+    v = low - 1
+    k = np.int64(0)
+    base = low
+    while base < end:
+        count = min(max(high + 1 - base, 0) + 1, min(end - base, PIECES))
+        take(points, widths, base - 1, count + 1, pieces)
+        look(pieces, count, opacity)
+        for i in range(1, count + 1):
+            way = pieces[WAY + i]
+            if way == NO_WAY:
+                continue
+            after = base + i - 1
+            if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+                if (run != RIBBON) & (run != BEHIND):
+                    n, m = thin(
+                        pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run, hidden,
+                        top, bottom, left, right, veil, work, cells, n, found, counts, m,
+                    )  # fmt: skip
+            if after > high:
+                return n, m
+            if way == RIBBON and pieces[NEAREST + i] >= hidden:
+                m = ribbon(
+                    screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
+                    top, bottom, left, right, veil, found, counts, m,
+                )  # fmt: skip
+            if way != run:
+                start = pieces[BEGIN + i] if v >= low else start
+                run = way
+            v = after
+            k = i
+        hold(pieces, k)
+        k = np.int64(0)
+        base += count
+    if widths is not None:  # noqa: SIM102
+        if (run != RIBBON) & (run != BEHIND):
+            n, m = thin(
+                pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, True, hidden,
+                top, bottom, left, right, veil, work, cells, n, found, counts, m,
+            )  # fmt: skip
+    return n, m
+
+
+@inlined
+def thin(
+    pieces, k, v, lit_past, bits, run, start, closing, hidden, top, bottom, left, right, veil, work, cells, n, found,
+    counts, m,
+):  # fmt: skip
+    """List the cells that piece number k, from vertex v − 1 to v, leaves behind, and, `closing`, the one that its run
+    ends in; covers those listed so far where there are too many.
+
+    run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel; n:
+    cells listed before; m: fragments found before. Returns how many there are then.
 
     Most pieces leave few cells: a vector of them is written, and what is too many written over by the next.
     """
-    x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
-    x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
-    if max(q0, q1) < hidden:
+    p = lay(pieces)
+    if p[NEAREST + k] < hidden:
         return n, m
     flat = abs(run) == 1
-    sign = ONE if run > 0 else -ONE
-    u0 = sign * (x0 if flat else y0)
-    u1 = sign * (x1 if flat else y1)
-    v0 = y0 if flat else x0
-    v1 = y1 if flat else x1
     low = left if flat else top
     high = right if flat else bottom
-    cell = max(whole(u0), low if run > 0 else -high)
-    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low)
-    per = ONE / (u1 - u0)
-    slope = (v1 - v0) * per
-    w0 = widths[np.uint64(v - 1)]
-    w1 = widths[np.uint64(v)]
-    stretch = math.sqrt(ONE + slope * slope)
-    h = max(HALF * stretch * max(w0, w1), THIN)
-    stretch *= opacity
+    cell = max(np.int64(p[FIRST + k]), low if run > 0 else -high)
+    stop = min(np.int64(p[LAST + k]) + np.int64(closing), high if run > 0 else -low)
+    sign = ONE if run > 0 else -ONE
     back = ZERO if run > 0 else ONE
     floats = strip(work)
     integers = strip(cells)
@@ -190,14 +225,14 @@ def thin(
             n = np.int64(0)
         here = steps + np.float32(cell)
         enter = max(here, start)
-        length = min(here + ONE, u1) - enter
-        past = enter + HALF * length - u0
-        t = min(max(past * per, ZERO), ONE)
-        put(floats, DEPTH + n, q0 + (q1 - q0) * t)
-        put(floats, MIDDLE + n, v0 + slope * past)
-        put(floats, AREA + n, stretch * length * (w0 + t * (w1 - w0)))
-        put(floats, RISE + n, abs(slope) * length)
-        put(floats, H + n, h)
+        length = min(here + ONE, p[END + k]) - enter
+        past = enter + HALF * length - p[BEGIN + k]
+        t = min(max(past * p[PER + k], ZERO), ONE)
+        put(floats, DEPTH + n, p[Q + k] + p[DEEPER + k] * t)
+        put(floats, MIDDLE + n, p[ACROSS + k] + p[SLOPE + k] * past)
+        put(floats, AREA + n, p[STRETCH + k] * length * (p[W + k] + t * p[WIDER + k]))
+        put(floats, RISE + n, abs(p[SLOPE + k]) * length)
+        put(floats, H + n, p[HEIGHT + k])
         put(floats, ALONG + n, t)
         put(floats, CELL + n, sign * here - back)
         put(integers, PLACE + n, lit_past << bits)

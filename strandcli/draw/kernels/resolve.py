@@ -6,6 +6,7 @@ import numpy as np
 
 from ...jit import inner, parallel, prange
 from ...simd import get, lay, put, spread, strip, where, width
+from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch
@@ -59,6 +60,7 @@ def resolve(
         spare = np.empty(room, np.uint32)
         counts = np.empty(PIXELS, np.int64)
         starts = np.empty(PIXELS, np.int64)
+        strand = np.empty(pieces.ROWS * pieces.ROW, np.float32)
         work = np.empty(ROWS * CELLS, np.float32)
         cells = np.empty(INTEGERS * CELLS, np.int32)
         veil = np.zeros(PIXELS, np.float32)
@@ -73,7 +75,7 @@ def resolve(
             right = min(x + TILE_WIDTH, width)
             n = gather(
                 first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
+                tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
             )  # fmt: skip
             if n > room and n <= end - o:
                 room = min(n + n // 4, share)
@@ -84,7 +86,7 @@ def resolve(
                 spare = np.empty(room, np.uint32)
                 gather(
                     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                    tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
+                    tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
                 )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
