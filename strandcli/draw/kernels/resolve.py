@@ -266,6 +266,7 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     colours = lay(vertex)
     at = np.uint64(o)
     last = np.uint64(place.shape[0] - 1)
+    reach = THREE * np.uint64(stride) + TWO
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
@@ -278,7 +279,9 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
             for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
-                prefetch(vertex, THREE * np.uint64(place[min(i + AHEAD, last)]))
+                later = THREE * np.uint64(place[min(i + AHEAD, last)])
+                prefetch(vertex, later)
+                prefetch(vertex, later + reach)
                 if v < vertices:
                     # of the light at both lit vertices
                     far = w * along[i]
