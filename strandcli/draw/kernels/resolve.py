@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import inner, parallel, prange
+from ...jit import inlined, inner, parallel, prange
 from ...simd import get, lay, put, spread, strip, where, width
 from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
@@ -16,8 +16,10 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """What lies behind where less light than this gets through is left out."""
-RUN = 64
+RUN = 256
 """Lists no longer than this are sorted by counting."""
+FEW_LANES = 8
+"""Fragments that are one short vector."""
 FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
@@ -128,19 +130,15 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
     be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
-    rows = strip(depths)
-    ranks = strip(behind)
     for p in range(counts.shape[0]):
         n = counts[p]
         first = ends[p] - n
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            for some in range(0, size, width(rows)):
-                own = get(rows, low + some)
-                nearer = spread(rows, ZERO)
-                for j in range(low, low + size):
-                    nearer = where(own < rows[j], nearer + ONE, nearer)
-                put(ranks, some, nearer)
+            if size <= FEW_LANES:
+                count_nearer(strip(depths), strip(behind), low, size)
+            else:
+                count_nearer(lay(depths), lay(behind), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
@@ -150,6 +148,17 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
                 insert(fragments, listed, low, size, order)
         if n > RUN:
             merge(fragments, first, n, order, spare)
+
+
+@inlined
+def count_nearer(rows, ranks, low, size):
+    """How many of so many depths from place `low` on are nearer than each."""
+    for some in range(0, size, width(rows)):
+        own = get(rows, low + some)
+        nearer = spread(rows, ZERO)
+        for j in range(low, low + size):
+            nearer = where(own < rows[j], nearer + ONE, nearer)
+        put(ranks, some, nearer)
 
 
 @inner
