@@ -45,7 +45,7 @@ from .jit import inner
 class Lanes(types.Type):
     """A vector of numbers, ``size`` bytes of them."""
 
-    def __init__(self, dtype: types.Number, size: int) -> None:
+    def __init__(self, dtype: Any, size: int) -> None:
         self.dtype, self.size = dtype, size
         self.mask = Mask(size * 8 // dtype.bitwidth)
         super().__init__(f"Lanes({dtype}, {size})")
@@ -62,7 +62,7 @@ class Mask(types.Type):
 class Rows(types.Type):
     """Numbers in memory, or vectors of them where ``whole``; vectors have ``size`` bytes."""
 
-    def __init__(self, dtype: types.Number, whole: bool, size: int) -> None:
+    def __init__(self, dtype: Any, whole: bool, size: int) -> None:
         self.dtype, self.whole, self.size = dtype, whole, size
         super().__init__(f"{'Heap' if whole else 'Rows'}({dtype}, {size})")
 

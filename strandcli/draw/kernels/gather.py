@@ -74,11 +74,10 @@ def gather(
     edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
     number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
     them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
-    pieces (pieces.ROWS * pieces.ROW,) float32, work (ROWS * CELLS,) float32,
-    cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32: zero before, or
-    what the last tile left;
-    found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
-    how many there are. marks: not read, but soon to be written to, as all that is seen.
+    pieces (pieces.ROWS * pieces.ROW,) float32, work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work
+    with; veil (PIXELS,) float32: zero before, or what the last tile left; found (capacity * NUMBERS,) int32: fragments,
+    as many as find room; counts (PIXELS,) int64: of each pixel. Returns how many there are. marks: not read, but soon
+    to be written to, as all that is seen.
     """
     counts[:] = 0
     hidden = ZERO if hides is None else draw_veil(hides, top, bottom, left, right, width, veil) * SURE

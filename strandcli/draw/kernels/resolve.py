@@ -16,10 +16,10 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """What lies behind where less light than this gets through is left out."""
-RUN = 256
+RUN = 128
 """Lists no longer than this are sorted by counting."""
 FEW_LANES = 8
-"""Fragments that are one short vector."""
+"""Fragments that are a vector of `strip`, which most lists are."""
 FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
