@@ -5,6 +5,7 @@ cache that holds all rows. With this type a kernel is written for one strand, mo
 vectorises always; a vector that is wider than the machine's registers takes several.
 
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
+    rows = strip(array)         the same, and vectors of half as many: where most loops are short
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
     rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address
     rows[o]                     a number
@@ -12,15 +13,16 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), sine(x), cosine(x)
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), whole(x), sine(x), cosine(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
+    pattern(x < y)              in which, as bits of a number, the first the lowest
     greatest(x), spread(x, 2.0)
 
-Numbers that are not vectors stand for lanes that are all equal. max and min return their first argument where one is
-NaN that comes second, as Numba's do. Rows are no more than an address: handing them on costs nothing, where an array's
-references are counted, and who calls keeps the array. Places are not checked, and arithmetic is IEEE 754's, so that
-bits are those of scalars.
+Whole numbers can be got and put, and no more. Numbers that are not vectors stand for lanes that are all equal. max and
+min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
+handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places are not
+checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
 """
 
 from __future__ import annotations
@@ -41,12 +43,12 @@ from .jit import inner
 
 
 class Lanes(types.Type):
-    """A vector of floating numbers."""
+    """A vector of numbers, ``size`` bytes of them."""
 
-    def __init__(self, dtype: types.Float) -> None:
-        self.dtype = dtype
-        self.mask = Mask(VECTOR * 8 // dtype.bitwidth)
-        super().__init__(f"Lanes({dtype})")
+    def __init__(self, dtype: Any, size: int) -> None:
+        self.dtype, self.size = dtype, size
+        self.mask = Mask(size * 8 // dtype.bitwidth)
+        super().__init__(f"Lanes({dtype}, {size})")
 
 
 class Mask(types.Type):
@@ -58,22 +60,17 @@ class Mask(types.Type):
 
 
 class Rows(types.Type):
-    """Numbers in memory, or vectors of them where ``whole``."""
+    """Numbers in memory, or vectors of them where ``whole``; vectors have ``size`` bytes."""
 
-    def __init__(self, dtype: types.Float, whole: bool) -> None:
-        self.dtype, self.whole = dtype, whole
-        super().__init__(f"{'Heap' if whole else 'Rows'}({dtype})")
-
-
-def _vector(scalar: Any) -> Any:
-    """LLVM's type for a vector of such numbers."""
-    return ir.VectorType(scalar, VECTOR // (4 if scalar == ir.FloatType() else 8))
+    def __init__(self, dtype: Any, whole: bool, size: int) -> None:
+        self.dtype, self.whole, self.size = dtype, whole, size
+        super().__init__(f"{'Heap' if whole else 'Rows'}({dtype}, {size})")
 
 
 @register_model(Lanes)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Lanes) -> None:
-        super().__init__(manager, kind, _vector(manager.lookup(kind.dtype).get_value_type()))
+        super().__init__(manager, kind, ir.VectorType(manager.lookup(kind.dtype).get_value_type(), kind.mask.count))
 
 
 @register_model(Mask)
@@ -88,12 +85,12 @@ class _RowsModel(models.PrimitiveModel):
         super().__init__(manager, kind, manager.lookup(kind.dtype).get_value_type().as_pointer())
 
 
-def _wide(context: Any, builder: Any, value: Any, given: Any, dtype: Any) -> Any:
-    """A lowered argument as a vector; a number goes to all lanes."""
+def _wide(context: Any, builder: Any, value: Any, given: Any, kind: Lanes) -> Any:
+    """A lowered argument as a vector of this kind; a number goes to all lanes."""
     if isinstance(given, Lanes):
         return value
-    value = context.cast(builder, value, given, dtype)
-    wide = _vector(value.type)
+    value = context.cast(builder, value, given, kind.dtype)
+    wide = context.get_value_type(kind)
     none = ir.Constant(wide, ir.Undefined)
     first = builder.insert_element(none, value, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, none, ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None))
@@ -105,15 +102,16 @@ def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, 
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             wide = [one for one in args if isinstance(one, Lanes)]
-            if len(args) == count and wide and all(isinstance(one, (Lanes, types.Number)) for one in args):
+            fits = len(args) == count and all(isinstance(one, (Lanes, types.Number)) for one in args)
+            if fits and wide and all(isinstance(one.dtype, types.Float) for one in wide):
                 return signature(wide[0].mask if compares else wide[0], *args)
             return None
 
     infer_global(function)(Template)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        dtype = next(one for one in sig.args if isinstance(one, Lanes)).dtype
-        return emit(builder, *(_wide(context, builder, v, t, dtype) for v, t in zip(args, sig.args, strict=True)))
+        kind = next(one for one in sig.args if isinstance(one, Lanes))
+        return emit(builder, *(_wide(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)))
 
     kinds = [(Lanes,)] if count == 1 else [(Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)]
     for kind in kinds:
@@ -166,7 +164,7 @@ _join(operator.or_, lambda b, x, y: b.or_(x, y), 2)
 _join(operator.invert, lambda b, x: b.xor(x, ir.Constant(x.type, [1] * x.type.count)), 1)
 
 
-def _address(whole: bool) -> Callable[..., Any]:
+def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
     def typed(typingctx: Any, array: Any) -> Any:
         if not (isinstance(array, types.Array) and array.layout == "C"):
             return None
@@ -174,13 +172,15 @@ def _address(whole: bool) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return context.make_array(sig.args[0])(context, builder, value=args[0]).data
 
-        return Rows(array.dtype, whole)(array), emit
+        return Rows(array.dtype, whole, size)(array), emit
 
     return typed
 
 
 lay: Any = intrinsic(_address(False))
 """The numbers of a contiguous array."""
+strip: Any = intrinsic(_address(False, VECTOR // 2))
+"""The same, for vectors of half the length."""
 heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
@@ -193,7 +193,7 @@ def _addressed(whole: bool) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
 
-        return Rows(kind.instance_type, whole)(kind, address), emit
+        return Rows(kind.instance_type, whole, VECTOR)(kind, address), emit
 
     return typed
 
@@ -217,13 +217,18 @@ def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.load(builder.gep(args[0], [args[1]]))
 
 
-def _here(builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
+def _lanes(rows: Rows | Lanes) -> Lanes:
+    """The kind of vectors that these rows hold, or that this one is."""
+    return Lanes(rows.dtype, rows.size)
+
+
+def _here(context: Any, builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
     """Pointer to a vector. Functions that have vectors keep them on their stack, too; LLVM finds out too late to align
     it by itself, and half of them would lie across two cache lines, or not, as the process happens to be loaded."""
     traits = builder.function.attributes
     traits.alignstack = VECTOR
     traits.add("nounwind")  # as all of Numba's are; without any other, llvmlite does not write the alignment
-    wide = _vector(rows.type.pointee).as_pointer()
+    wide = context.get_value_type(_lanes(kind)).as_pointer()
     if kind.whole:
         return builder.gep(builder.bitcast(rows, wide), [o])
     return builder.bitcast(builder.gep(rows, [o]), wide)
@@ -236,9 +241,9 @@ def get(typingctx: Any, rows: Any, o: Any) -> Any:
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_here(builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
+        return builder.load(_here(context, builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
 
-    return Lanes(rows.dtype)(rows, o), emit
+    return _lanes(rows)(rows, o), emit
 
 
 @intrinsic
@@ -249,8 +254,8 @@ def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = sig.args[0]
-        value = _wide(context, builder, args[2], sig.args[2], kind.dtype)
-        builder.store(value, _here(builder, kind, *args[:2]), align=kind.dtype.bitwidth // 8)
+        value = _wide(context, builder, args[2], sig.args[2], _lanes(kind))
+        builder.store(value, _here(context, builder, kind, *args[:2]), align=kind.dtype.bitwidth // 8)
         return context.get_dummy_value()
 
     return types.void(rows, o, x), emit
@@ -275,7 +280,7 @@ def width(typingctx: Any, rows: Any) -> Any:
     """How many lanes a vector of these rows has."""
     if not isinstance(rows, Rows):
         return None
-    count = VECTOR * 8 // rows.dtype.bitwidth
+    count = _lanes(rows).mask.count
     return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
 
 
@@ -287,8 +292,8 @@ def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        dtype = sig.return_type.dtype
-        first, second = (_wide(context, builder, v, t, dtype) for v, t in zip(args[1:], sig.args[1:], strict=True))
+        kind = sig.return_type
+        first, second = (_wide(context, builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
         return builder.select(args[0], first, second)
 
     return wide[0](mask, x, y), emit
@@ -307,6 +312,19 @@ def some(typingctx: Any, mask: Any) -> Any:
     return types.boolean(mask), emit
 
 
+@intrinsic
+def pattern(typingctx: Any, mask: Any) -> Any:
+    """The lanes in which a mask holds, as bits of a number, the first the lowest."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+        return builder.zext(bits, context.get_value_type(sig.return_type))
+
+    return types.uint64(mask), emit
+
+
 def _of_each(function: str, doc: str) -> Any:
     """An LLVM function of each lane."""
     call = _call(function)
@@ -321,6 +339,7 @@ def _of_each(function: str, doc: str) -> Any:
 
 
 root = _of_each("llvm.sqrt", "Square root.")
+whole = _of_each("llvm.floor", "The greatest whole number that is no greater.")
 sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
 cosine = _of_each("llvm.cos", "Cosine likewise.")
 
@@ -349,6 +368,6 @@ def spread(typingctx: Any, like: Any, x: Any) -> Any:
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _wide(context, builder, args[1], sig.args[1], sig.return_type.dtype)
+        return _wide(context, builder, args[1], sig.args[1], sig.return_type)
 
-    return Lanes(like.dtype)(like, x), emit
+    return _lanes(like)(like, x), emit

@@ -242,6 +242,54 @@ def test_solids_hide_what_is_behind_them() -> None:
         assert not image[6, 10:].any()
 
 
+def test_what_is_left_out_behind_a_whole_tile_is_what_its_pixels_hide() -> None:
+    """Where a solid fills a tile, pieces behind all of it are left out as they are; a hole in it has them looked at."""
+    strands, widths, colours = crowd(14, 300)
+    strands = [np.column_stack([line[:, :2] * 2, line[:, 2]]) for line in strands]
+    y, x = np.mgrid[:64, :96]
+    hides = (0.35 + 0.3 * x / 96 + 0.1 * y / 64).astype(np.float32)
+    holes = hides.copy()
+    holes[::32, ::32] = 0
+    whole, pierced = (
+        drawn(strands, widths, (96, 64), colours=colours, behind=0.3, hides=one.ravel()) for one in (hides, holes)
+    )
+    kept = holes > 0
+    np.testing.assert_array_equal(whole[kept], pierced[kept])
+    assert (whole != pierced)[~kept].mean() > 0.3
+    assert (whole[..., 0] != np.float32(0.3)).mean() > 0.5
+
+
+@pytest.mark.parametrize("wide", [0.02, 0.3])
+def test_points_on_a_strand_change_nothing(wide: float) -> None:
+    """However many, and wherever among the pieces that are looked at together: but that pieces with points in between
+    no longer follow each other, and where both are in a pixel cover it independently."""
+    rng = np.random.default_rng(15)
+    for pieces in (7, 63, 64, 65, 128, 300):
+        line = bent(rng, 40, pieces, 0.2).astype(np.float32)
+        again = np.where(rng.uniform(size=len(line)) < 0.3, rng.integers(1, 90, len(line)), 1)
+        one = white([line], [np.full(len(line), wide)], (40, 40))
+        other = white([np.repeat(line, again, 0)], [np.full(again.sum(), wide)], (40, 40))
+        np.testing.assert_allclose(one, other, atol=wide**2)
+        assert one.max() > 0.3 * min(wide, 1)
+
+
+@pytest.mark.parametrize("count", [5, 8, 9, 100, 128, 129, 700])
+def test_a_pixel_of_any_number_of_fragments_is_in_order(count: int) -> None:
+    """Against the same laid one over the other; some as far as others, which go by their index."""
+    rng = np.random.default_rng(16)
+    depth = np.float32(0.1) + rng.integers(1, 2 * count, count).astype(np.float32) / (2 * count)
+    strands = [np.array([[2.0, 1.5, d], [3.0, 1.5, d]]) for d in depth]
+    colours = np.repeat(rng.uniform(0, 1, (count, 3)), 2, 0)
+    wide = [np.full(2, 0.5)] * count
+    opacity = min(4 / count, 1.0)
+    image = drawn(strands, wide, (5, 3), colours=colours, opacity=opacity)
+    expected = np.zeros(3)
+    for i in np.lexsort((-np.arange(count), depth)):
+        expected += 0.5 * opacity * (colours[2 * i] - expected)
+    through = (1 - 0.5 * opacity) ** count
+    np.testing.assert_allclose(image[1, 2], expected, atol=2e-5 if through > 1 / 512 else 1 / 256)
+
+
 def test_light_is_asked_for_only_where_it_is_seen() -> None:
     front = [np.array([[0.0, y, 0.9], [20.0, y, 0.9]]) for y in np.arange(0.5, 10)]
     behind = [line - np.array([0, 0, 0.5]) for line in front]

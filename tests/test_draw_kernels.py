@@ -77,7 +77,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
     "lit": (solids.lit, (*SOLIDS, *[ONE] * 8)),
     "ray": (solids.ray, (ROW, ONE, ONE)),
-    "encode": (film.encode, (ONE, ONE, np.zeros(65536, np.uint8))),
+    "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (
         marschner.marschner,
         (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),

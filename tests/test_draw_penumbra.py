@@ -129,3 +129,24 @@ lights: [{kind: directional, direction: [-1, -1, 0], size: %s}]
     steps = [np.abs(np.diff(picture[40:56], axis=1)).max() for picture in pictures]
     assert steps[0] > 2 * steps[1] > 2.5 * steps[2]
     assert pictures[0][48, 24] == pictures[1][48, 24] == pictures[2][48, 24]
+
+
+@pytest.mark.parametrize("name", ["capsule", "capsule seen from its end", "box"])
+def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
+    """No ray into a light of any size is cut where the whole light is said to be free."""
+    packed = packed_of(SCENES[name])
+    generator = np.random.default_rng(8)
+    told = free = 0
+    for _ in range(300):
+        where = generator.normal(size=3)
+        where *= generator.uniform(1.0, 3.0) / np.linalg.norm(where)
+        middle = generator.normal(size=3) - 0.7 * where
+        middle /= np.linalg.norm(middle)
+        radius = math.sin(math.radians(generator.uniform(0.1, 30)))
+        numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
+        clear = penumbra.lit(*packed, *numbers, np.float32(radius), np.float32(0)) == 1
+        share = by_rays(packed, where, middle, radius, 60)
+        assert share == 1 or not clear
+        told += clear
+        free += share == 1
+    assert told > 0.85 * free > 50

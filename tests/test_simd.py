@@ -15,12 +15,15 @@ from strandcli.simd import (
     greatest,
     heap,
     lay,
+    pattern,
     put,
     put3,
     root,
     some,
     spread,
+    strip,
     where,
+    whole,
     width,
 )  # fmt: skip
 from strandcli.simulate.kernels.tickets import take
@@ -75,6 +78,36 @@ def without_vector(given, out):
     """`kernel`, without the vector, which has no way out to Python."""
     a, b, c, _ = kernel(given, out)
     return a, b, c
+
+
+@njit
+def halves(given, numbers, out):
+    """Half a vector: its whole numbers, and one of these in all lanes; where it is positive."""
+    rows, to = strip(given), strip(numbers)
+    x = get(rows, 1)
+    put(strip(out), 0, whole(x))
+    put(to, 2, get(to, 0))
+    put(to, 0, np.int64(-7))
+    return pattern(x > 0.0), width(rows)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize // 2
+    given = 4 * np.random.default_rng(5).normal(size=2 * count).astype(dtype)
+    given[1] = -3.0  # a whole number stays what it is
+    out = np.full(2 * count, 99, dtype)
+    numbers = np.arange(2 * count, dtype=np.int32)
+    bits, wide = halves(given, numbers, out)
+    assert wide == count
+    np.testing.assert_array_equal(out, [*np.floor(given[1 : count + 1]), *[99] * count])
+    assert [bits >> lane & 1 for lane in range(count)] == (given[1 : count + 1] > 0).tolist()
+    assert bits < 1 << count
+    lanes = VECTOR // 4 // 2
+    expected = np.arange(2 * count)
+    expected[2 : 2 + lanes] = np.arange(lanes)[: 2 * count - 2]
+    expected[:lanes] = -7
+    np.testing.assert_array_equal(numbers, expected)
 
 
 def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:

@@ -25,14 +25,16 @@ Cells are gathered from many pieces, and what has no branches is one loop over t
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...constants import VECTOR
 from ...jit import inlined, inner
+from ...simd import get, pattern, put, strip
 from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-THIN = np.float32(1 / 16)
 FLAT = np.float32(1 / 16)
 FAINT = np.float32(1e-5)
 """Share of a cell that is not worth a fragment."""
@@ -40,19 +42,37 @@ FAR = np.float32(1e9)
 
 CELLS = 128
 # Rows of numbers, one a cell: depth number, height of the middle line above the first row of the picture, area, rise
-# within the cell, half the band's height; the lowest row that it touches, and what it covers of that and the next two.
-DEPTH, MIDDLE, AREA, RISE, H, ROW, COVERED = (i * CELLS for i in range(7))
-ROWS = 9
-# Column or row of the cell, −1 where the piece follows x and 0 where y, index of its first vertex, place as in `tiles`;
-# for each of the three rows the pixel within the tile; those chosen.
-CELL, FLAT_WAY, VERTEX, PLACE = (i * CELLS for i in range(4))
-PIXEL, CHOSEN = 4 * CELLS, 7 * CELLS
-INTEGERS = 10
+# within the cell, half the band's height, place along the piece, column or row of the cell; the lowest row that it
+# touches, and what it covers of that and the next two; the cells and rows chosen.
+DEPTH, MIDDLE, AREA, RISE, H, ALONG, CELL, ROW, COVERED = (i * CELLS for i in range(9))
+CHOSEN = 11 * CELLS
+ROWS = 15
+# −1 where the piece follows x and 0 where y, index of its first vertex, place as in `tiles`; for each of the three rows
+# the pixel within the tile.
+FLAT_WAY, VERTEX, PLACE, PIXEL = (i * CELLS for i in range(4))
+INTEGERS = 6
 IN_CELLS = np.uint64(CELLS - 1)
+
+LANES = VECTOR // 2 // 4
+"""Of the vectors that `strip` has."""
+
+
+def _listed() -> NDArray[np.float32]:
+    """(2^LANES, LANES) for each pattern of lanes their numbers, one after the other."""
+    table = np.zeros((1 << LANES, LANES), np.float32)
+    for bits, row in enumerate(table):
+        lanes = [lane for lane in range(LANES) if bits >> lane & 1]
+        row[: len(lanes)] = lanes
+    return table
+
+
+EACH = np.uint64(LANES)
+LISTED = _listed()
+HOW_MANY = np.array([bits.bit_count() for bits in range(1 << LANES)], np.uint8)
 
 
 @inner
-def fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m):
+def fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m):
     """Add what the first n cells cover of a tile, but for what a solid hides, to the m fragments found before; returns
     how many there are then. veil (PIXELS,) float32: depth number in front of which nothing is hidden; the rest as in
     `gather.gather`.
@@ -60,11 +80,11 @@ def fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m):
     Which pixels stay is hard to guess: each is written, and kept or not.
     """
     cover(work, n)
-    locate(work, cells, n, top, bottom, left, right)
+    locate(work, cells, n, bits, top, bottom, left, right)
     room = np.uint64(found.shape[0] // NUMBERS - 1)
     o = np.uint64(m)
-    for i in range(np.uint64(choose(work, cells, n))):
-        which = np.uint64(cells[np.uint64(CHOSEN) + i])
+    for i in range(np.uint64(choose(work, n))):
+        which = np.uint64(np.int64(work[np.uint64(CHOSEN) + i]))
         k = which & IN_CELLS
         pixel = cells[np.uint64(PIXEL) + which]
         depth = work[np.uint64(DEPTH) + k]
@@ -80,14 +100,18 @@ def fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m):
 
 
 @inner
-def locate(work, cells, n, top, bottom, left, right):
-    """Where in the tile the three pixels of each of the first n cells lie; those outside of it are not covered."""
+def locate(work, cells, n, bits, top, bottom, left, right):
+    """Where in the tile the three pixels of each of the first n cells lie; those outside of it are not covered. And
+    where on their strand, `PLACE` having been that of the piece."""
+    most = np.int32(np.int64(1) << bits) - np.int32(1)
+    fine = np.float32(most) + ONE
     wide = np.uint32(right - left)
     tall = np.uint32(bottom - top)
     left = np.int32(left)
     top = np.int32(top)
     for k in range(n):
-        along = cells[CELL + k]
+        cells[PLACE + k] += min(np.int32(work[ALONG + k] * fine), most)
+        along = np.int32(work[CELL + k])
         way = cells[FLAT_WAY + k]
         over = np.int32(work[ROW + k])
         cells[PIXEL + k], inside = lie(along, over, way, left, top, wide, tall)
@@ -143,18 +167,18 @@ def below(d, a, b, norm):
 
 
 @inner
-def choose(work, cells, n):
-    """List where anything is covered: which is as good as random, so that each is written and kept or not."""
-    chosen = np.int64(0)
+def choose(work, n):
+    """List where anything is covered, row by row: which is as good as random, so that nothing is asked of each, but of
+    some at once, whose pattern tells what to list."""
+    rows = strip(work)
+    lists = strip(LISTED)
+    chosen = np.uint64(0)
     for row in range(3):
-        for k in range(n):
-            cells[CHOSEN + chosen] = row * CELLS + k
-            chosen += np.int64(work[COVERED + row * CELLS + k] > ZERO)
+        begin = COVERED + row * CELLS
+        for k in range(n, min(n + LANES, CELLS)):
+            work[begin + k] = ZERO
+        for some in range(0, n, LANES):
+            bits = pattern(get(rows, begin + some) > ZERO)
+            put(rows, np.uint64(CHOSEN) + chosen, get(lists, bits * EACH) + np.float32(row * CELLS + some))
+            chosen += np.uint64(HOW_MANY[bits])
     return chosen
-
-
-@inlined
-def whole(x):
-    """The greatest whole number that is no greater than x: the library's is a call, for which registers are saved."""
-    i = np.int64(x)
-    return i - np.int64(np.float32(i) > x)

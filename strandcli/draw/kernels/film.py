@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function, parallel, prange
+from ...jit import function, inner, parallel, prange
+from ...simd import lay
 from .raster import EMPTY, LOW
 
 ZERO = np.float32(0.0)
@@ -12,6 +13,7 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 LAST = np.float32(65535.0)
 MOST = np.float32(1e30)
+THREE = np.uint64(3)
 
 
 @function
@@ -86,26 +88,40 @@ def develop(image, samples, exposure, curve, roll, out):
     """
     height, width, _ = out.shape
     share = exposure / np.float32(samples * samples) * LAST
-    roll = roll / LAST
+    flat = lay(image)
     for y in prange(height):
+        row = np.int64(y)
+        levels = np.empty(3 * width, np.float32)
         if samples == 1:
-            for x in range(width):
-                for c in range(3):
-                    out[y, x, c] = encode(image[y, x, c] * share, roll, curve)
-            continue
-        for x in range(width):
-            for c in range(3):
-                total = ZERO
-                for j in range(samples):
-                    for i in range(samples):
-                        total += image[y * samples + j, x * samples + i, c]
-                out[y, x, c] = encode(total * share, roll, curve)
+            begin = np.uint64(row * 3 * width)
+            for i in range(np.uint64(3 * width)):
+                levels[i] = flat[begin + i]
+        else:
+            add_up(image, samples, row, width, levels)
+        encode(levels, share, roll / LAST)
+        for x in range(np.uint64(width)):
+            for c in range(np.uint64(3)):
+                out[row, x, c] = curve[np.uint64(np.int64(levels[THREE * x + c]))]
 
 
-@function
-def encode(value, roll, curve):
-    """The curve at a value of 0 to 65535; beyond that range, at its end."""
-    value = value if value > ZERO else ZERO
-    value = min(value, MOST)
-    value /= ONE + roll * value
-    return curve[np.uint64(min(value, LAST) + HALF)]
+@inner
+def add_up(image, samples, y, width, levels):
+    """The sums of a row's samples."""
+    for x in range(width):
+        for c in range(3):
+            total = ZERO
+            for j in range(samples):
+                for i in range(samples):
+                    total += image[y * samples + j, x * samples + i, c]
+            levels[3 * x + c] = total
+
+
+@inner
+def encode(levels, share, roll):
+    """From light to places in a curve: that of 0 to 65535, rounded; beyond that range, at its ends."""
+    for i in range(np.uint64(levels.shape[0])):
+        value = levels[i] * share
+        value = value if value > ZERO else ZERO
+        value = min(value, MOST)
+        value /= ONE + roll * value
+        levels[i] = min(value, LAST) + HALF

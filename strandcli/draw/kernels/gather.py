@@ -2,29 +2,51 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...jit import inlined, inner
-from ...simd import lay
+from ...simd import get, lay, put, strip
 from .coverage import (
+    ALONG,
     AREA,
     CELL,
     CELLS,
     DEPTH,
     FLAT_WAY,
+    LANES,
     MIDDLE,
     PLACE,
     RISE,
-    THIN,
     VERTEX,
     ZERO,
     H,
     fragments,
-    whole,
 )
-from .parts import BEHIND, BLOCK, LOW, NO_WAY, RIBBON, SHIFT, WIDE, way_of
+from .parts import BLOCK, LOW, SHIFT
+from .pieces import (
+    ACROSS,
+    BEGIN,
+    BEHIND,
+    DEEPER,
+    END,
+    FIRST,
+    HEIGHT,
+    LAST,
+    NEAREST,
+    NO_WAY,
+    PER,
+    PIECES,
+    RIBBON,
+    SLOPE,
+    STRETCH,
+    WAY,
+    WIDER,
+    Q,
+    W,
+    hold,
+    look,
+    take,
+)
 from .prefetch import prefetch
 from .ribbon import ribbon
 from .tiles import NUMBERS, ROW_BITS
@@ -35,12 +57,15 @@ AHEAD = np.int64(2)
 """Parts that memory is asked for before they are looked at."""
 LINE = np.int64(16)
 """Numbers of a cache line."""
+STEPS = np.arange(LANES, dtype=np.float32)
+SURE = np.float32(1 - 1e-6)
+"""What is so much behind is behind, whatever the rounding."""
 
 
 @inner
 def gather(
     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
-    top, bottom, left, right, width, work, cells, veil, found, counts, marks,
+    top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
@@ -49,17 +74,16 @@ def gather(
     edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
     number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
     them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
-    work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work with; veil (PIXELS,) float32;
-    found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,) int64: of each pixel. Returns
-    how many there are. marks: not read, but soon to be written to, as all that is seen.
+    pieces (pieces.ROWS * pieces.ROW,) float32, work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work
+    with; veil (PIXELS,) float32; found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,)
+    int64: of each pixel. Returns how many there are. marks: not read, but soon to be written to, as all that is seen.
     """
     counts[:] = 0
+    hidden = ZERO
     if hides is None:
         veil[:] = ZERO
     else:
-        for y in range(top, bottom):
-            for x in range(left, right):
-                veil[(y - top) << ROW_BITS | (x - left)] = hides[y * width + x]
+        hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE
     points = lay(screen)
     n = np.int64(0)
     m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
@@ -71,46 +95,17 @@ def gather(
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
                 ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
                 s = pool[slot, 1] >> SHIFT
-                a = first[s]
-                end = first[s + 1]
                 low = pool[slot, 0] & LOW
                 high = pool[slot, 1] & LOW
                 start = np.uint32(pool[slot, 0] >> SHIFT).view(np.float32)
-                run = RIBBON
-                v = low - 1
-                for after in range(low, end + 1):
-                    # what the piece before `after` is: whether the run of the piece before `v` goes on with it
-                    way = BEHIND
-                    begun = ZERO
-                    if after < end:
-                        way, begun = way_of(
-                            points[3 * after - 3], points[3 * after - 2], points[3 * after - 1],
-                            points[3 * after], points[3 * after + 1], points[3 * after + 2],
-                            widths is None or max(widths[after - 1], widths[after]) > WIDE,
-                        )  # fmt: skip
-                        if way == NO_WAY:
-                            continue
-                    if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-                        if (run != RIBBON) & (run != BEHIND):
-                            n, m = thin(
-                                points, widths, opacity, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run,
-                                top, bottom, left, right, veil, work, cells, n, found, counts, m,
-                            )  # fmt: skip
-                    if after > high:
-                        break
-                    if way == RIBBON:
-                        m = ribbon(
-                            screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
-                            top, bottom, left, right, veil, found, counts, m,
-                        )  # fmt: skip
-                    if way != run:
-                        start = begun if v >= low else start
-                        run = way
-                    v = after
+                n, m = part(
+                    first[s], first[s + 1], low, high, start, hidden, points, screen, widths, opacity, stride, bits,
+                    top, bottom, left, right, veil, pieces, work, cells, n, found, counts, m,
+                )  # fmt: skip
             if final:
                 break
             block = links[block]
-    return fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
+    return fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
 
 
 @inlined
@@ -145,62 +140,120 @@ def solids(edges, depth, cover, base, top, bottom, left, right, width, found, co
 
 
 @inlined
-def thin(
-    points, widths, opacity, v, lit_past, bits, run, start, closing, top, bottom, left, right, veil, work, cells, n,
-    found, counts, m,
+def part(
+    a, end, low, high, start, hidden, points, screen, widths, opacity, stride, bits, top, bottom, left, right, veil,
+    pieces, work, cells, n, found, counts, m,
 ):  # fmt: skip
-    """List the cells that the piece from vertex v − 1 to v leaves behind, and, `closing`, the one that its run ends in;
-    covers those listed so far where there are too many.
+    """The pieces that end in the vertices low … high of the strand a … end − 1: cells of thin ones are listed, beside
+    the n before, and wide ones drawn.
+
+    start: where the run of the first piece began; hidden: depth number behind which nothing is seen; the rest as in
+    `gather`. Returns how many cells are listed then, and how many fragments were found.
+
+    A thin piece waits for the next one, which tells whether its run goes on: points do not.
+    """
+    run = RIBBON
+    v = low - 1
+    k = np.int64(0)
+    base = low
+    while base < end:
+        count = min(max(high + 1 - base, 0) + 1, min(end - base, PIECES))
+        take(points, widths, base - 1, count + 1, pieces)
+        look(pieces, count, opacity)
+        for i in range(1, count + 1):
+            way = pieces[WAY + i]
+            if way == NO_WAY:
+                continue
+            after = base + i - 1
+            if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+                if (run != RIBBON) & (run != BEHIND):
+                    n, m = thin(
+                        pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run, hidden,
+                        top, bottom, left, right, veil, work, cells, n, found, counts, m,
+                    )  # fmt: skip
+            if after > high:
+                return n, m
+            if way == RIBBON and pieces[NEAREST + i] >= hidden:
+                m = ribbon(
+                    screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
+                    top, bottom, left, right, veil, found, counts, m,
+                )  # fmt: skip
+            if way != run:
+                start = pieces[BEGIN + i] if v >= low else start
+                run = way
+            v = after
+            k = i
+        hold(pieces, k)
+        k = np.int64(0)
+        base += count
+    if widths is not None:  # noqa: SIM102
+        if (run != RIBBON) & (run != BEHIND):
+            n, m = thin(
+                pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, True, hidden,
+                top, bottom, left, right, veil, work, cells, n, found, counts, m,
+            )  # fmt: skip
+    return n, m
+
+
+@inlined
+def thin(
+    pieces, k, v, lit_past, bits, run, start, closing, hidden, top, bottom, left, right, veil, work, cells, n, found,
+    counts, m,
+):  # fmt: skip
+    """List the cells that piece number k, from vertex v − 1 to v, leaves behind, and, `closing`, the one that its run
+    ends in; covers those listed so far where there are too many.
 
     run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel; n:
     cells listed before; m: fragments found before. Returns how many there are then.
+
+    Most pieces leave few cells: a vector of them is written, and what is too many written over by the next.
     """
-    x0, y0, q0 = points[3 * v - 3], points[3 * v - 2], points[3 * v - 1]
-    x1, y1, q1 = points[3 * v], points[3 * v + 1], points[3 * v + 2]
+    p = lay(pieces)
+    if p[NEAREST + k] < hidden:
+        return n, m
     flat = abs(run) == 1
-    sign = ONE if run > 0 else -ONE
-    u0 = sign * (x0 if flat else y0)
-    u1 = sign * (x1 if flat else y1)
-    v0 = y0 if flat else x0
-    v1 = y1 if flat else x1
     low = left if flat else top
     high = right if flat else bottom
-    cell = max(whole(u0), low if run > 0 else -high)
-    stop = min(whole(u1) + np.int64(closing), high if run > 0 else -low)
-    per = ONE / (u1 - u0)
-    slope = (v1 - v0) * per
-    rise = q1 - q0
-    w0 = widths[v - 1]
-    wider = widths[v] - w0
-    stretch = math.sqrt(ONE + slope * slope)
-    h = max(HALF * stretch * max(w0, widths[v]), THIN)
-    stretch *= opacity
-    most = np.int32(np.int64(1) << bits) - np.int32(1)
-    fine = np.float32(most) + ONE
-    lit = np.int32(lit_past << bits)
-    way = np.int32(-1 if flat else 0)
-    turned = np.int32(0 if run > 0 else -1)
-    rises = abs(slope)
+    cell = max(np.int64(p[FIRST + k]), low if run > 0 else -high)
+    stop = min(np.int64(p[LAST + k]) + np.int64(closing), high if run > 0 else -low)
+    sign = ONE if run > 0 else -ONE
+    back = ZERO if run > 0 else ONE
+    floats = strip(work)
+    integers = strip(cells)
+    steps = get(strip(STEPS), 0)
     while cell < stop:
-        if n == CELLS:
-            m = fragments(work, cells, n, top, bottom, left, right, veil, found, counts, m)
+        if n > CELLS - LANES:
+            m = fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
             n = np.int64(0)
-        here = min(stop, cell + CELLS - n)
-        for c in range(cell, here):
-            k = np.uint64(n)
-            enter = max(np.float32(c), start)
-            length = min(np.float32(c + 1), u1) - enter
-            past = enter + HALF * length - u0
-            t = min(max(past * per, ZERO), ONE)
-            work[np.uint64(DEPTH) + k] = q0 + rise * t
-            work[np.uint64(MIDDLE) + k] = v0 + slope * past
-            work[np.uint64(AREA) + k] = stretch * length * (w0 + t * wider)
-            work[np.uint64(RISE) + k] = rises * length
-            work[np.uint64(H) + k] = h
-            cells[np.uint64(PLACE) + k] = lit + min(np.int32(t * fine), most)
-            cells[np.uint64(CELL) + k] = c ^ turned
-            cells[np.uint64(VERTEX) + k] = v - 1
-            cells[np.uint64(FLAT_WAY) + k] = way
-            n += 1
-        cell = here
+        here = steps + np.float32(cell)
+        enter = max(here, start)
+        length = min(here + ONE, p[END + k]) - enter
+        past = enter + HALF * length - p[BEGIN + k]
+        t = min(max(past * p[PER + k], ZERO), ONE)
+        put(floats, DEPTH + n, p[Q + k] + p[DEEPER + k] * t)
+        put(floats, MIDDLE + n, p[ACROSS + k] + p[SLOPE + k] * past)
+        put(floats, AREA + n, p[STRETCH + k] * length * (p[W + k] + t * p[WIDER + k]))
+        put(floats, RISE + n, abs(p[SLOPE + k]) * length)
+        put(floats, H + n, p[HEIGHT + k])
+        put(floats, ALONG + n, t)
+        put(floats, CELL + n, sign * here - back)
+        put(integers, PLACE + n, lit_past << bits)
+        put(integers, VERTEX + n, v - 1)
+        put(integers, FLAT_WAY + n, -np.int64(flat))
+        n += min(stop - cell, LANES)
+        cell += LANES
     return n, m
+
+
+@inner
+def draw_veil(hides, top, bottom, left, right, width, veil):
+    """The depth numbers in front of which nothing is hidden, of the tile's pixels; returns the least."""
+    least = np.int32(np.float32(np.inf).view(np.int32))
+    for y in range(top, bottom):
+        to = np.uint64((y - top) << ROW_BITS)
+        at = np.uint64(y * width + left)
+        for x in range(np.uint64(right - left)):
+            veil[to + x] = hides[at + x]
+        for x in range(np.uint64(right - left)):  # numbers that are not negative are in the order of their bits
+            least = min(least, np.int32(np.float32(veil[to + x]).view(np.int32)))
+    return np.int32(least).view(np.float32)

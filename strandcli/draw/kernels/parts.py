@@ -12,31 +12,55 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from ...simd import lay
+from ...simd import get, lay, put, strip, where, whole
+from ...simd import width as vector
+from .pieces import (
+    ACROSS,
+    ALONG_X,
+    ALONG_Y,
+    BEGIN,
+    BEHIND,
+    DEPTH,
+    END,
+    FIRST,
+    LAST,
+    NO_WAY,
+    PIECES,
+    POINT,
+    RIBBON,
+    ROW,
+    ROWS,
+    WAY,
+    WIDE,
+    WIDTH,
+    X,
+    Y,
+    along,
+    take,
+    way_of,
+)
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
+PER_X = np.float32(1 / TILE_WIDTH)
+PER_Y = np.float32(1 / TILE_HEIGHT)
 BLOCK = 16
 """Parts a block."""
 IN_BLOCK = np.int64(BLOCK - 1)
 BLOCK_BITS = np.int64(4)
 SHIFT = np.int64(32)
 LOW = np.int64(0xFFFFFFFF)
-WIDE = np.float32(0.7)
-"""Pixels. Narrower than that, a cell of a piece touches three rows at the most."""
-POINT = np.float32(1e-6)
-"""Pixels. What is shorter is a point, and draws nothing."""
 REACH = np.float32(1.1)
 """Pixels that a piece reaches beyond its ends, but for its width: what it rises within a cell."""
 MITRE = np.float32(0.7072)
 """Of its width, that a piece reaches beyond its ends: half, at the slant of a mitre."""
 
 
-RIBBON, BEHIND, NO_WAY = np.int64(0), np.int64(8), np.int64(9)
-"""Ways of pieces that follow no axis: wide, behind the eye, or points."""
+LEFT, RIGHT, UP, DOWN = END, FIRST, LAST, ACROSS
+"""Rows of what is needed of a piece here, in place of some of those in `pieces`."""
 
 
 @parallel
@@ -109,16 +133,18 @@ def share_out(first, screen, widths, rows, top, bottom, width, workers, pool, li
         worker(
             task * strands // workers, (task + 1) * strands // workers, first, screen, widths, rows, top, bottom, width,
             pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task, opened,
+            np.empty(ROWS * ROW, np.float32),
         )  # fmt: skip
 
 
 @inner
 def worker(
     low, high, first, screen, widths, rows, top, bottom, width, pool, links, heads, fills, used, begin, last, task,
-    opened,
+    opened, pieces,
 ):  # fmt: skip
     """What `share_out` does for one worker, with the strands from `low` to before `high`, in the blocks from `begin` to
-    `last`, of which the last is only a place for what finds no room; opened (tiles,) int64: to work with.
+    `last`, of which the last is only a place for what finds no room; opened (tiles,) int64 and pieces (ROWS * ROW,)
+    float32 to work with.
 
     A part goes on as long as its pieces' boxes touch the tile.
     """
@@ -127,95 +153,102 @@ def worker(
     wide = np.float32(width)
     tall = np.float32(bottom - top)
     above = np.float32(top)
-    per_x = np.float32(1 / TILE_WIDTH)
-    per_y = np.float32(1 / TILE_HEIGHT)
     for s in range(low, high):
         if not (rows[s, 0] < np.float32(bottom) and rows[s, 1] >= above):
             continue
-        a = first[s]
         end = first[s + 1]
-        run = np.int64(0)
+        run = RIBBON
         start = ZERO
-        v = a
+        v = first[s]
         # tiles from left to before right, from up to before down, whose parts are open
-        left = np.int64(0)
-        right = np.int64(0)
-        up = np.int64(0)
-        down = np.int64(0)
-        for after in range(a + 1, end + 1):
-            new_left = np.int64(0)
-            new_right = np.int64(0)
-            new_up = np.int64(0)
-            new_down = np.int64(0)
-            if after < end:
-                x0, y0, q0 = points[3 * after - 3], points[3 * after - 2], points[3 * after - 1]
-                x1, y1, q1 = points[3 * after], points[3 * after + 1], points[3 * after + 2]
-                w = ONE if widths is None else max(widths[after - 1], widths[after])
-                way, begun = way_of(x0, y0, q0, x1, y1, q1, w > WIDE)
+        left = right = up = down = ZERO
+        for base in range(v + 1, end, PIECES):
+            count = min(end - base, PIECES)
+            take(points, widths, base - 1, count + 1, pieces)
+            touch(pieces, count, above, wide, tall)
+            for i in range(1, count + 1):
+                way = pieces[WAY + i]
                 if way == NO_WAY:
                     continue
                 if way != run:
-                    start = begun
+                    start = pieces[BEGIN + i]
                     run = way
-                if way != BEHIND:
-                    y0 -= above
-                    y1 -= above
-                    # a thin piece's cells are those of its ends, whatever it reaches across
-                    reach = REACH + MITRE * w
-                    reach_x = ZERO if abs(way) == 1 else reach
-                    reach_y = ZERO if abs(way) == 2 else reach
-                    new_left = np.int64(within(min(x0, x1) - reach_x, ZERO, wide) * per_x)
-                    new_up = np.int64(within(min(y0, y1) - reach_y, ZERO, tall) * per_y)
-                    new_right = np.int64(within(max(x0, x1) + reach_x, OUTSIDE, wide - HALF) * per_x + ONE)
-                    new_down = np.int64(within(max(y0, y1) + reach_y, OUTSIDE, tall - HALF) * per_y + ONE)
-            if (new_left != left) | (new_right != right) | (new_up != up) | (new_down != down):
-                for ty in range(up, down):
-                    for tx in range(left, right):
-                        if (tx >= new_left) & (tx < new_right) & (ty >= new_up) & (ty < new_down):
-                            continue
-                        tile = ty * across + tx
-                        slot = fills[task, tile]
-                        if slot & IN_BLOCK == 0:
-                            slot = link(slot, tile, links, heads, used, begin, last, task)
-                        fills[task, tile] = slot + 1
-                        pool[slot, 0] = opened[tile]
-                        pool[slot, 1] = s << SHIFT | v
-                for ty in range(new_up, new_down):
-                    for tx in range(new_left, new_right):
-                        if (tx >= left) & (tx < right) & (ty >= up) & (ty < down):
-                            continue
-                        bits = np.int64(np.float32(start).view(np.uint32))
-                        opened[ty * across + tx] = bits << SHIFT | after
-                left = new_left
-                right = new_right
-                up = new_up
-                down = new_down
-            v = after
+                new_left, new_right = pieces[LEFT + i], pieces[RIGHT + i]
+                new_up, new_down = pieces[UP + i], pieces[DOWN + i]
+                if (new_left != left) | (new_right != right) | (new_up != up) | (new_down != down):
+                    close(
+                        left, right, up, down, new_left, new_right, new_up, new_down, s << SHIFT | v, across, opened,
+                        pool, links, heads, fills, used, begin, last, task,
+                    )  # fmt: skip
+                    here = np.int64(np.float32(start).view(np.uint32)) << SHIFT | (base + i - 1)
+                    begin_in(new_left, new_right, new_up, new_down, left, right, up, down, here, across, opened)
+                    left, right, up, down = new_left, new_right, new_up, new_down
+                v = base + i - 1
+        close(
+            left, right, up, down, ZERO, ZERO, ZERO, ZERO, s << SHIFT | v, across, opened,
+            pool, links, heads, fills, used, begin, last, task,
+        )  # fmt: skip
+
+
+@inner
+def touch(pieces, count, above, wide, tall):
+    """How the pieces between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
+    wide and tall whose first row is `above`: from `LEFT` to before `RIGHT`, from `UP` to before `DOWN`."""
+    rows = strip(pieces)
+    for k in range(0, count, vector(rows)):
+        x0, y0, q0, w0 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        k += 1
+        x1, y1, q1, w1 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        w = max(w0, w1)
+        way = way_of(x1 - x0, y1 - y0, min(q0, q1), w)
+        put(rows, WAY + k, way)
+        put(rows, BEGIN + k, along(way, x0, y0))
+        y0 -= above
+        y1 -= above
+        # a thin piece's cells are those of its ends, whatever it reaches across
+        reach = REACH + MITRE * w
+        reach_x = where(abs(abs(way) - ALONG_X) <= ZERO, ZERO, reach)
+        reach_y = where(abs(abs(way) - ALONG_Y) <= ZERO, ZERO, reach)
+        there = way < BEHIND
+        put(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
+        put(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))
+        put(rows, RIGHT + k, tile_of(there, max(x0, x1) + reach_x, OUTSIDE, wide - HALF, PER_X, ONE))
+        put(rows, DOWN + k, tile_of(there, max(y0, y1) + reach_y, OUTSIDE, tall - HALF, PER_Y, ONE))
 
 
 @inlined
-def within(x, low, high):
-    """x between bounds; the lower one for what is not a number."""
-    x = x if x > low else low
-    return x if x < high else high
+def tile_of(there, x, low, high, per, more):
+    """The tile at x between bounds, the lower one for what is not a number, or so many more; 0 where none is there."""
+    return where(there, whole(min(high, max(low, x)) * per + more), ZERO)
 
 
 @inlined
-def way_of(x0, y0, q0, x1, y1, q1, wide):
-    """How a piece goes from (x0, y0) to (x1, y1), of depth numbers q0 and q1, and where it begins: 1 along x, 2 along
-    y, negative against the axis, with its first coordinate in this direction; or `RIBBON` if `wide`, `BEHIND`,
-    `NO_WAY`."""
-    dx = x1 - x0
-    dy = y1 - y0
-    flat = abs(dx) >= abs(dy)
-    du = dx if flat else dy
-    at = x0 if flat else y0
-    way = np.int64(1 if flat else 2)
-    way = way if du > ZERO else -way
-    at = at if du > ZERO else -at
-    way = RIBBON if wide else way
-    way = NO_WAY if abs(du) < POINT else way
-    return way if (q0 > ZERO) & (q1 > ZERO) else BEHIND, at
+def close(
+    left, right, up, down, new_left, new_right, new_up, new_down, end, across, opened,
+    pool, links, heads, fills, used, begin, last, task,
+):  # fmt: skip
+    """Append the parts that are open in tiles from left to before right, from up to before down, but for those that go
+    on; end: the strand above the vertex that they end in."""
+    for y in range(np.int64(up), np.int64(down)):
+        for x in range(np.int64(left), np.int64(right)):
+            if (x >= new_left) & (x < new_right) & (y >= new_up) & (y < new_down):
+                continue
+            tile = y * across + x
+            slot = fills[task, tile]
+            if slot & IN_BLOCK == 0:
+                slot = link(slot, tile, links, heads, used, begin, last, task)
+            fills[task, tile] = slot + 1
+            pool[slot, 0] = opened[tile]
+            pool[slot, 1] = end
+
+
+@inlined
+def begin_in(left, right, up, down, old_left, old_right, old_up, old_down, here, across, opened):
+    """Open parts in tiles where none is open; here: where their run began, above the vertex."""
+    for y in range(np.int64(up), np.int64(down)):
+        for x in range(np.int64(left), np.int64(right)):
+            if not ((x >= old_left) & (x < old_right) & (y >= old_up) & (y < old_down)):
+                opened[y * across + x] = here
 
 
 @inner

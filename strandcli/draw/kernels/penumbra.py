@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ...jit import function, inner
+from ...jit import function, inlined, inner
 from . import solids
 from .approximations import asin
 
@@ -29,6 +29,7 @@ SHARP = np.float32(1e-6)
 """Sine of the radius of a light without a size among others."""
 CLEAR = np.float32(2.0)
 """More than any sine: not in the way at all."""
+SURELY = np.float32(1.0001)
 INV_PI = np.float32(1 / math.pi)
 CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
 STEPS = np.int64(32)
@@ -91,9 +92,21 @@ def ball(r, cx, cy, cz, lx, ly, lz, reach):
 
 
 @inner
-def aside(r, cx, cy, cz, lx, ly, lz, reach, radius):
-    """Whether a light is seen past a whole ball, from outside of it."""
-    return cx * cx + cy * cy + cz * cz > r * r and ball(r, cx, cy, cz, lx, ly, lz, reach) > radius
+def aside(r, cx, cy, cz, lx, ly, lz, radius):
+    """Whether a light is seen past a whole ball for sure: its centre is further off the light's middle line, t along
+    it, than what the cone about the light, of sine ``radius``, and the ball itself reach."""
+    t = cx * lx + cy * ly + cz * lz
+    ex = cx - t * lx
+    ey = cy - t * ly
+    ez = cz - t * lz
+    return beside(r, ex * ex + ey * ey + ez * ez, t, radius)
+
+
+@inlined
+def beside(r, off, t, radius):
+    """`aside`, for the square of the distance off the line; without a root."""
+    reach = r + t * radius
+    return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
 
 
 @inner
@@ -109,13 +122,21 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     wz = p[m, 2] - z
     bb = bx * bx + by * by + bz * bz
     around = r + HALF * math.sqrt(bb)
-    if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, reach, radius):
+    if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, radius):
         return CLEAR
     # where the way to the light passes nearest, the whole light may be hidden already
     bw = -(bx * wx + by * wy + bz * wz)
     bl = bx * lx + by * ly + bz * lz
     lw = lx * wx + ly * wy + lz * wz
     askew = bb - bl * bl
+    # nor is a light hidden whose middle line passes the whole axis so far off
+    s = min(max((bw + bl * lw) / askew, ZERO), ONE) if askew > SHARP * bb else ZERO
+    t = lw + s * bl
+    ex = wx + s * bx - t * lx
+    ey = wy + s * by - t * ly
+    ez = wz + s * bz - t * lz
+    if beside(r, ex * ex + ey * ey + ez * ez, lw + max(bl, ZERO), radius):
+        return CLEAR
     t = max((bl * bw + bb * lw) / askew, ZERO) if askew > SHARP * bb else ZERO
     s = min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
     least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
@@ -141,7 +162,7 @@ def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     hy = p[m, 13] - skin
     hz = p[m, 14] - skin
     around = math.sqrt(hx * hx + hy * hy + hz * hz)
-    if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, reach, radius):
+    if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, radius):
         return CLEAR
     high = min(around - (ox * dx + oy * dy + oz * dz), reach)
     if high <= ZERO:

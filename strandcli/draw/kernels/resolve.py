@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import inner, parallel, prange
-from ...simd import get, lay, put, spread, where, width
+from ...jit import inlined, inner, parallel, prange
+from ...simd import get, lay, put, spread, strip, where, width
+from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch
@@ -15,8 +16,10 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """What lies behind where less light than this gets through is left out."""
-RUN = 64
+RUN = 128
 """Lists no longer than this are sorted by counting."""
+FEW_LANES = 8
+"""Fragments that are a vector of `strip`, which most lists are."""
 FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
@@ -59,6 +62,7 @@ def resolve(
         spare = np.empty(room, np.uint32)
         counts = np.empty(PIXELS, np.int64)
         starts = np.empty(PIXELS, np.int64)
+        strand = np.empty(pieces.ROWS * pieces.ROW, np.float32)
         work = np.empty(ROWS * CELLS, np.float32)
         cells = np.empty(INTEGERS * CELLS, np.int32)
         veil = np.zeros(PIXELS, np.float32)
@@ -73,7 +77,7 @@ def resolve(
             right = min(x + TILE_WIDTH, width)
             n = gather(
                 first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
+                tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
             )  # fmt: skip
             if n > room and n <= end - o:
                 room = min(n + n // 4, share)
@@ -84,7 +88,7 @@ def resolve(
                 spare = np.empty(room, np.uint32)
                 gather(
                     first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                    tile, y, below, x, right, width, work, cells, veil, fragments, counts, marks,
+                    tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
                 )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
@@ -126,19 +130,15 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
     be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
-    rows = lay(depths)
-    ranks = lay(behind)
     for p in range(counts.shape[0]):
         n = counts[p]
         first = ends[p] - n
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            for some in range(0, size, width(rows)):
-                own = get(rows, low + some)
-                nearer = spread(rows, ZERO)
-                for j in range(low, low + size):
-                    nearer = where(own < rows[j], nearer + ONE, nearer)
-                put(ranks, some, nearer)
+            if size <= FEW_LANES:
+                count_nearer(strip(depths), strip(behind), low, size)
+            else:
+                count_nearer(lay(depths), lay(behind), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
@@ -148,6 +148,17 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
                 insert(fragments, listed, low, size, order)
         if n > RUN:
             merge(fragments, first, n, order, spare)
+
+
+@inlined
+def count_nearer(rows, ranks, low, size):
+    """How many of so many depths from place `low` on are nearer than each."""
+    for some in range(0, size, width(rows)):
+        own = get(rows, low + some)
+        nearer = spread(rows, ZERO)
+        for j in range(low, low + size):
+            nearer = where(own < rows[j], nearer + ONE, nearer)
+        put(ranks, some, nearer)
 
 
 @inner
@@ -264,6 +275,7 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     colours = lay(vertex)
     at = np.uint64(o)
     last = np.uint64(place.shape[0] - 1)
+    reach = THREE * np.uint64(stride) + TWO
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
@@ -276,7 +288,9 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
             for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
-                prefetch(vertex, THREE * np.uint64(place[min(i + AHEAD, last)]))
+                later = THREE * np.uint64(place[min(i + AHEAD, last)])
+                prefetch(vertex, later)
+                prefetch(vertex, later + reach)
                 if v < vertices:
                     # of the light at both lit vertices
                     far = w * along[i]

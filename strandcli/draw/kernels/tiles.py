@@ -29,6 +29,8 @@ PIXEL_BITS = 32 - PLACES
 ROW_BITS = 5
 """A pixel's row lies above so many bits of its column."""
 UNIT = np.float32(2.0**-PLACES)
+THIN = np.float32(1 / 16)
+"""Half the least height of a band that is drawn, pixels (see `coverage`)."""
 
 
 @function
