@@ -39,7 +39,7 @@ LINE = np.int64(16)
 
 @inner
 def gather(
-    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
+    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
     top, bottom, left, right, width, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
@@ -99,7 +99,7 @@ def gather(
                         break
                     if way == RIBBON:
                         m = ribbon(
-                            screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
+                            screen, widths, opacity, nearer, after, a, end, (after - 1 - a) & (stride - 1), bits,
                             top, bottom, left, right, veil, found, counts, m,
                         )  # fmt: skip
                     if way != run:
