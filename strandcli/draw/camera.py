@@ -13,6 +13,8 @@ from ..scene.motion import camera_at
 SIZE = 26
 STRETCH = 23
 """Where `View.pack` says how much longer a short way can be in a corner of the screen."""
+FLAT = np.float32(0), np.float32(0)
+"""Takes the place of `View.nearer` where strands are flat bands."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,13 @@ class View:
     def middle(self) -> tuple[float, float]:
         """Pixel that the view's axis goes through."""
         return self.centre or (self.width / 2, self.height / 2)
+
+    @property
+    def nearer(self) -> tuple[np.float32, np.float32]:
+        """a and b: at the depth number q it grows by a q + b over the length of a pixel toward the eye."""
+        if self.perspective:
+            return np.float32(1 / self.focal), np.float32(0)
+        return np.float32(0), np.float32(1 / (self.focal * (self.far - self.near)))
 
     def pack(self) -> NDArray[np.float32]:
         """(26,) float32 as kernels read it: three rows (right, up, depth) with their translations; [12] 1 for

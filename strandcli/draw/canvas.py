@@ -79,7 +79,9 @@ class Canvas:
             None if light.solids is None else find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
         )
         exact = bool(self.grids)
-        for layer in coverage.layers(lines, screen, portion.widths, edges, self.workers, self.scratch, exact):
+        for layer in coverage.layers(
+            lines, screen, portion.widths, edges, self.workers, self.scratch, exact, light.view.nearer
+        ):
             self.drawing.lap("raster")
             self.before("light")
             if edges is not None and layer.top == 0:
@@ -101,7 +103,10 @@ class Canvas:
     def hide(self, portion: Portion) -> None:
         """Draw strands in the z-buffer, and light what is seen of them so far."""
         lines, screen = portion.lines, portion.screen
-        raster.draw(lines, screen, portion.widths, self._base, self.size, self.workers, self.scratch, self.keys)
+        raster.draw(
+            lines, screen, portion.widths, self._base, self.size, self.workers, self.scratch, self.keys,
+            self.lighting.view.nearer,
+        )  # fmt: skip
         if self.recorder is not None:
             self.recorder.strands(lines, screen, self.keys, self._base, portion.begin, self.lighting.view)
         self.drawing.lap("raster")

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
 from ..errors import RefusedError
 from .body import Body
+from .camera import FLAT
 from .curves import Polylines
 from .edges import Edges
 from .kernels import parts, resolve
@@ -103,11 +104,13 @@ class Coverage:
         workers: int,
         scratch: Scratch,
         again: bool = False,
+        nearer: tuple[np.float32, np.float32] = FLAT,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
         screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any;
-        again: whether light is wanted in each layer at all that it shows.
+        again: whether light is wanted in each layer at all that it shows; nearer: of the view, for the depth of wide
+        strands, which are round.
         Raises `RefusedError` where one row of pixels holds more fragments than there is room for, or strands are so
         wide that to see which pixels they cover would take minutes.
         """
@@ -124,7 +127,7 @@ class Coverage:
         while ahead:
             top, bottom = ahead.pop()
             marks.fill(0)
-            layer, found = self._layer(lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks)
+            layer, found = self._layer(lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer)
             if layer is None:
                 ahead += self._finer(top, bottom, found)[::-1]
                 continue
@@ -189,6 +192,7 @@ class Coverage:
         workers: int,
         scratch: Scratch,
         marks: NDArray[np.uint8],
+        nearer: tuple[np.float32, np.float32],
     ) -> tuple[Layer | None, int]:
         """The rows top <= y < bottom, or None where they hold too much, and about how many fragments they hold."""
         blocks = self.room // parts.BLOCK + 1
@@ -219,8 +223,8 @@ class Coverage:
         if edges is not None:
             hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
         resolve.resolve(
-            lines.first, screen, widths, self.opacity, lines.stride, _bits(lines), hides, pixels, depth, cover,
-            pool, links, heads, fills, self.nearest or LAST, top, bottom, self.size[0], tasks,
+            lines.first, screen, widths, self.opacity, nearer, lines.stride, _bits(lines), hides, pixels, depth,
+            cover, pool, links, heads, fills, self.nearest or LAST, top, bottom, self.size[0], tasks,
             begin, kept, found, place, weight, along, marks,
         )  # fmt: skip
         held = int(np.abs(found).sum())

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RefusedError
-from .camera import View
+from .camera import FLAT, View
 from .curves import Polylines
 from .kernels import project
 from .kernels import raster as kernel
@@ -65,8 +65,10 @@ def draw(
     workers: int,
     scratch: Scratch,
     keys: NDArray[np.uint64],
+    nearer: tuple[np.float32, np.float32] = FLAT,
 ) -> None:
-    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``.
+    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; nearer: of the
+    view, for the depth of wide strands, which are round.
 
     Raises `RefusedError` where the numbers run into those of the solids.
     """
@@ -78,5 +80,6 @@ def draw(
     margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
     bands = into_bands(lines.first, screen, height, margin, workers, scratch)
     kernel.visible(
-        lines.first, screen, widths, bands.members, bands.begin, width, height, bands.rows, bands.workers, base, keys
-    )
+        lines.first, screen, widths, nearer, bands.members, bands.begin, width, height, bands.rows, bands.workers, base,
+        keys,
+    )  # fmt: skip

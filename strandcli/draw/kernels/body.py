@@ -303,12 +303,8 @@ def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slo
             v = np.int64(number)
             dx = screen[v + 1, 0] - screen[v, 0]
             dy = screen[v + 1, 1] - screen[v, 1]
-            flat = abs(dx) >= abs(dy)
-            way = dx if flat else dy
-            t = (np.float32(x) + HALF - screen[v, 0] if flat else np.float32(y) + HALF - screen[v, 1]) / (
-                way if way != ZERO else ONE
-            )
-            t = clamp(t, ZERO, ONE)
+            t = (np.float32(x) + HALF - screen[v, 0]) * dx + (np.float32(y) + HALF - screen[v, 1]) * dy
+            t = clamp(t / max(dx * dx + dy * dy, TINY), ZERO, ONE)
             if stride > 1:
                 past = (v % per) % stride
                 v -= past

@@ -64,8 +64,8 @@ SURE = np.float32(1 - 1e-6)
 
 @inner
 def gather(
-    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, tile,
-    top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
+    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
+    tile, top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
 ):  # fmt: skip
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
@@ -99,8 +99,8 @@ def gather(
                 high = pool[slot, 1] & LOW
                 start = np.uint32(pool[slot, 0] >> SHIFT).view(np.float32)
                 n, m = part(
-                    first[s], first[s + 1], low, high, start, hidden, points, screen, widths, opacity, stride, bits,
-                    top, bottom, left, right, veil, pieces, work, cells, n, found, counts, m,
+                    first[s], first[s + 1], low, high, start, hidden, points, screen, widths, opacity, nearer, stride,
+                    bits, top, bottom, left, right, veil, pieces, work, cells, n, found, counts, m,
                 )  # fmt: skip
             if final:
                 break
@@ -141,8 +141,8 @@ def solids(edges, depth, cover, base, top, bottom, left, right, width, found, co
 
 @inlined
 def part(
-    a, end, low, high, start, hidden, points, screen, widths, opacity, stride, bits, top, bottom, left, right, veil,
-    pieces, work, cells, n, found, counts, m,
+    a, end, low, high, start, hidden, points, screen, widths, opacity, nearer, stride, bits, top, bottom, left, right,
+    veil, pieces, work, cells, n, found, counts, m,
 ):  # fmt: skip
     """The pieces that end in the vertices low … high of the strand a … end − 1: cells of thin ones are listed, beside
     the n before, and wide ones drawn.
@@ -173,9 +173,9 @@ def part(
                     )  # fmt: skip
             if after > high:
                 return n, m
-            if way == RIBBON and pieces[NEAREST + i] >= hidden:
+            if way == RIBBON:
                 m = ribbon(
-                    screen, widths, opacity, after, a, end, (after - 1 - a) & (stride - 1), bits,
+                    screen, widths, opacity, nearer, after, a, end, (after - 1 - a) & (stride - 1), bits,
                     top, bottom, left, right, veil, found, counts, m,
                 )  # fmt: skip
             if way != run:

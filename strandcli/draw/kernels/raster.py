@@ -74,20 +74,21 @@ def scatter(ranges, cursor, members):
 
 
 @parallel
-def visible(first, screen, widths, members, begin, width, height, rows, workers, base, keys):
+def visible(first, screen, widths, nearer, members, begin, width, height, rows, workers, base, keys):
     """Draw lines.
 
-    widths (V,) float32 pixels, or None for lines one pixel wide; members (M,) int32 strands listed band by band, begin
-    (bands + 1,) int64; base: number added to a vertex index in the key; keys (height * width,) uint64, drawn into. Each
-    band of `rows` rows has one owner; the `workers` take them in turn, so that busy bands are shared out.
+    widths (V,) float32 pixels, or None for lines one pixel wide; nearer: of `camera.View.nearer`; members (M,) int32
+    strands listed band by band, begin (bands + 1,) int64; base: number added to a vertex index in the key; keys
+    (height * width,) uint64, drawn into. Each band of `rows` rows has one owner; the `workers` take them in turn, so
+    that busy bands are shared out.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
-            band(first, screen, widths, members, begin, b, width, height, rows, base, keys)
+            band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys)
 
 
 @inner
-def band(first, screen, widths, members, begin, b, width, height, rows, base, keys):
+def band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys):
     """All that `visible` does in band number `b`."""
     top = b * rows
     bottom = min(top + rows, height)
@@ -118,7 +119,9 @@ def band(first, screen, widths, members, begin, b, width, height, rows, base, ke
                 w = max(w0, w1)
                 if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
-                ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, np.uint64(base + v - 1), keys)
+                ribbon(
+                    x0, y0, q0, x1, y1, q1, w0, w1, nearer, top, bottom, width, np.uint64(base + v - 1), keys
+                )  # fmt: skip
 
 
 @inner
@@ -166,60 +169,60 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
 
 
 @inner
-def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, top, bottom, width, identity, keys):
+def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, nearer, top, bottom, width, identity, keys):
     """As `line`, from w0 to w1 >= 1 pixels wide: across the longer axis a sample for each centre that the band of that
-    width covers."""
-    dx = x1 - x0
-    dy = y1 - y0
-    half = HALF * np.sqrt(dx * dx + dy * dy)
-    if abs(dx) >= abs(dy):
-        if x1 < x0:
-            x0, y0, q0, w0, x1, y1, q1, w1 = x1, y1, q1, w1, x0, y0, q0, w0
-        first = max(np.ceil(x0 - HALF), ZERO)
-        low = np.int64(first)
-        high = np.int64(min(np.ceil(x1 - HALF), np.float32(width)))
-        if low >= high:
-            return
-        per = ONE / (x1 - x0)
-        slope = (y1 - y0) * per
-        rise = (q1 - q0) * per
-        grows = half * per * per * (w1 - w0)
-        half *= per * w0
-        at = first + HALF - x0
-        half += grows * at
-        y = y0 + slope * at
-        q = q0 + rise * at
-        for x in range(low, high):
-            begin = np.int64(max(np.ceil(y - half - HALF), np.float32(top)))
-            end = np.int64(min(np.ceil(y + half - HALF), np.float32(bottom)))
-            for row in range(begin, end):
-                deposit(q, identity, np.uint64(row * width + x), keys)
-            y += slope
-            q += rise
-            half += grows
-    else:
-        if y1 < y0:
-            x0, y0, q0, w0, x1, y1, q1, w1 = x1, y1, q1, w1, x0, y0, q0, w0
-        first = max(np.ceil(y0 - HALF), ZERO)
-        high = np.int64(min(np.ceil(y1 - HALF), np.float32(bottom)))
-        low = max(np.int64(first), top)
-        if low >= high:
-            return
-        per = ONE / (y1 - y0)
-        slope = (x1 - x0) * per
-        rise = (q1 - q0) * per
-        grows = half * per * per * (w1 - w0)
-        half *= per * w0
-        at = first + HALF - y0
-        x = x0 + slope * at
-        q = q0 + rise * at
-        for y in range(low, high):
-            past = np.float32(y) - first
-            h = half + grows * (at + past)
-            begin = np.int64(max(np.ceil(x + slope * past - h - HALF), ZERO))
-            end = np.int64(min(np.ceil(x + slope * past + h - HALF), np.float32(width)))
-            for column in range(begin, end):
-                deposit(q + rise * past, identity, np.uint64(y * width + column), keys)
+    width covers. Its depth is that of a strand's round side toward the eye, as in `ribbon.ribbon`; one that is no wider
+    than a pixel is flat."""
+    flat = abs(x1 - x0) >= abs(y1 - y0)
+    a0, b0 = (x0, y0) if flat else (y0, x0)
+    a1, b1 = (x1, y1) if flat else (y1, x1)
+    if a1 < a0:
+        a0, b0, q0, w0, a1, b1, q1, w1 = a1, b1, q1, w1, a0, b0, q0, w0
+    # whole numbers along the longer axis and across it, and what a step of each is in `keys`
+    begin = np.int64(max(np.ceil(a0 - HALF), ZERO if flat else np.float32(top)))
+    end = np.int64(min(np.ceil(a1 - HALF), np.float32(width if flat else bottom)))
+    if begin >= end:
+        return
+    least = np.float32(top if flat else 0)
+    most = np.float32(bottom if flat else width)
+    one = 1 if flat else width
+    aside = width if flat else 1
+    per = ONE / (a1 - a0)
+    slope = (b1 - b0) * per
+    rise = (q1 - q0) * per
+    square = ONE + slope * slope
+    tall = HALF * np.sqrt(square)
+    grows = tall * per * (w1 - w0)
+    # of the nearest point of the strand's middle, for each pixel aside
+    lean = rise * slope / square
+    w = max(w0, w1)
+    # no further than its piece reaches
+    steep = rise * min(ONE / np.sqrt(square), (a1 - a0) / (HALF * w))
+    for c in range(begin, end):
+        past = np.float32(c) + HALF - a0
+        middle = b0 + slope * past
+        half = tall * w0 + grows * past
+        q = q0 + rise * past
+        forward = front(q, half / np.sqrt(square), steep, nearer) if w > ONE else ZERO
+        low = np.int64(max(np.ceil(middle - half - HALF), least))
+        high = np.int64(min(np.ceil(middle + half - HALF), most))
+        for row in range(low, high):
+            if forward > ZERO:
+                off = np.float32(row) + HALF - middle
+                h = off / half
+                near = q + lean * off + forward * np.sqrt(max(ONE - h * h, ZERO))
+            else:
+                near = q
+            deposit(near, identity, np.uint64(c * one + row * aside), keys)
+
+
+@inner
+def front(q, half, steep, nearer):
+    """How much greater the depth number is on the side toward the eye than in the middle of a strand, `half` a width in
+    pixels, along the ray, which a slanted strand meets further in front of its middle; 0 where strands are flat. q: in
+    the middle, where it grows by `steep` a pixel along the strand; nearer: of `camera.View.nearer`."""
+    per = nearer[0] * q + nearer[1]
+    return half * np.sqrt(per * per + steep * steep) if per > ZERO else ZERO
 
 
 @inner

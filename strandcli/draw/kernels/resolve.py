@@ -31,8 +31,8 @@ NONE, ONE_ON, TWO, THREE, FOUR = np.uint64(0), np.uint64(1), np.uint64(2), np.ui
 
 @parallel
 def resolve(
-    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills, nearest,
-    top, bottom, width, tasks, begin, kept, found, place, weight, along, marks,
+    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
+    nearest, top, bottom, width, tasks, begin, kept, found, place, weight, along, marks,
 ):  # fmt: skip
     """Find each pixel's fragments, sort them by depth, ties by index, and turn opacities into weights.
 
@@ -76,8 +76,8 @@ def resolve(
             below = min(y + TILE_HEIGHT, bottom)
             right = min(x + TILE_WIDTH, width)
             n = gather(
-                first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
+                first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads,
+                fills, tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
             )  # fmt: skip
             if n > room and n <= end - o:
                 room = min(n + n // 4, share)
@@ -87,8 +87,8 @@ def resolve(
                 sorted_ = np.empty(room, np.uint32)
                 spare = np.empty(room, np.uint32)
                 gather(
-                    first, screen, widths, opacity, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-                    tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
+                    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links,
+                    heads, fills, tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
                 )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n

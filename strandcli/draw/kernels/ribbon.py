@@ -1,7 +1,8 @@
 """Pieces of strands that are wide: bands cut at mitred joints, so that a bend shows no notch.
 
 Within a pixel the band is exact; what lies beyond an end is taken off by how far the pixel's middle is past the joint's
-line, and the next piece takes just that.
+line, and the next piece takes just that. The band's depth is that of a strand's round side toward the eye, or strands
+that touch would be seen in the wrong order.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import math
 import numpy as np
 
 from ...jit import inner
+from .raster import front
 from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS, fixed
 
 ZERO = np.float32(0.0)
@@ -27,12 +29,15 @@ TINY = np.float32(1e-30)
 
 
 @inner
-def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m):
+def ribbon(
+    screen, widths, opacity, nearer, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m,
+):  # fmt: skip
     """Add what the piece from vertex v − 1 to v of the strand a … end − 1 covers to the m fragments found before;
     returns how many there are then.
 
-    lit_past: how many vertices v − 1 is past a lit one; the rest as in `coverage.fragments`. The veil comes forward
-    to a piece that hides all behind it: of a thousand wide strands in a pixel, few are in front of all before them.
+    nearer: of `camera.View.nearer`; lit_past: how many vertices v − 1 is past a lit one; the rest as in
+    `coverage.fragments`. The veil comes forward to a piece that hides all behind it: of a thousand wide strands in a
+    pixel, few are in front of all before them.
     """
     x0 = screen[v - 1, 0]
     y0 = screen[v - 1, 1]
@@ -65,9 +70,13 @@ def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left
     slope = (y1 - y0 if flat else x1 - x0) * per
     spread = max(abs(slope), FLAT)
     narrow = ONE / spread
-    tall = HALF * math.sqrt(ONE + slope * slope)
+    square = ONE + slope * slope
+    tall = HALF * math.sqrt(square)
+    # how much further along the piece the nearest point of its middle lies, for each pixel aside
+    lean = slope / square * per
     q0 = screen[v - 1, 2]
     rise = screen[v, 2] - q0
+    steep = rise * min(size, TWO / max(w0, w1))  # no further than its piece reaches
     cell_low = x_low if flat else y_low
     cell_high = (x_high if flat else y_high) if x_low < x_high and y_low < y_high else cell_low
     row_low = y_low if flat else x_low
@@ -78,8 +87,9 @@ def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left
     for c in range(cell_low, cell_high):
         past = np.float32(c) + HALF - u0
         t = min(max(past * per, ZERO), ONE)
-        q = q0 + rise * t
         h = tall * (w0 + t * (w1 - w0))
+        over = ONE / max(h, TINY)
+        forward = front(q0 + rise * t, HALF * (w0 + t * (w1 - w0)), steep, nearer)
         middle = v0 + slope * past
         first = max(np.int64(math.floor(max(middle - h - spread, np.float32(row_low)))), row_low)
         stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(row_high)))), row_high)
@@ -87,9 +97,14 @@ def ribbon(screen, widths, opacity, v, a, end, lit_past, bits, top, bottom, left
             x = c if flat else row
             y = row if flat else c
             pixel = (y - top) << ROW_BITS | (x - left)
+            rest = middle - np.float32(row)
+            # of what the pixel shows of the width
+            off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
+            t = min(max(past * per + lean * off, ZERO), ONE)
+            off *= over
+            q = q0 + rise * t + forward * math.sqrt(max(ONE - off * off, ZERO))
             if not q >= veil[pixel]:
                 continue
-            rest = middle - np.float32(row)
             cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
             px = np.float32(x) + HALF
             py = np.float32(y) + HALF
