@@ -75,21 +75,19 @@ def resolve(
             x = tile % across * TILE_WIDTH
             below = min(y + TILE_HEIGHT, bottom)
             right = min(x + TILE_WIDTH, width)
-            n = gather(
-                first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads,
-                fills, tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
-            )  # fmt: skip
-            if n > room and n <= end - o:
+            while True:  # in one place, for it is the greater part of what is compiled
+                n = gather(
+                    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links,
+                    heads, fills, tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
+                )  # fmt: skip
+                if n <= room or n > end - o:
+                    break
                 room = min(n + n // 4, share)
                 fragments = np.empty(room * NUMBERS, np.int32)
                 depths = np.empty(room + RUN, np.float32)
                 order = np.empty(room, np.uint32)
                 sorted_ = np.empty(room, np.uint32)
                 spare = np.empty(room, np.uint32)
-                gather(
-                    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links,
-                    heads, fills, tile, y, below, x, right, width, strand, work, cells, veil, fragments, counts, marks,
-                )  # fmt: skip
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
             if n == 0 or n > end - o:
