@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..study.axes import Axis, Request
     from ..study.sweep import Study
 
+ROOM = 1_000_000
+"""Bytes that there has to be room for."""
 
 max_error = click.option(
     "--max-error", type=ErrorType(), metavar="ERROR", help="Error that settings have to keep under: 1% or 0.01."
@@ -89,11 +91,10 @@ def command(
         options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
 
     from .. import runtime
-    from ..output.files import prepare_folder
+    from ..output.files import require_folder
     from ..study import summary, sweep
 
-    prepare_folder(folder, 1_000_000)
-
+    require_folder(folder, ROOM)
     chosen = axes.find("reference" if preset is None else axis or "motion")
     studies = []
     hidden = no_progress or quiet
@@ -215,10 +216,11 @@ def _finite(data: Any) -> Any:
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from .. import runtime
     from ..output.compare import write_image
-    from ..output.files import write_json, write_pieces
+    from ..output.files import prepare_folder, write_json, write_pieces
     from ..study.chart import chart
     from ..study.tables import to_csv
 
+    prepare_folder(folder, ROOM)
     name = file_name(study.name, study.axis)
     drawing = chart(study, max_error)
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])

@@ -120,21 +120,33 @@ def _alive(pid: int) -> bool:
 
 
 def prepare_folder(directory: Path, needed_bytes: int) -> None:
-    """Make sure that ``directory`` exists, takes files, and has room for ``needed_bytes``; else ``RefusedError``.
-
-    The only sure test of permission is to write, so a file is made and removed.
-    """
-    if directory.exists() and not directory.is_dir():
-        raise RefusedError(f"{directory}: is a file, not a folder; choose another folder with -o")
+    """Make sure that ``directory`` exists, takes files, and has room for ``needed_bytes``; else ``RefusedError``."""
+    require_folder(directory, needed_bytes)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        trial = temporary_name(directory / "trial")
-        trial.write_bytes(b"")
-        trial.unlink()
-        free = shutil.disk_usage(directory).free
     except OSError as error:
         raise refusal(error, directory) from error
     remove_strays(directory)
+
+
+def require_folder(directory: Path, needed_bytes: int) -> None:
+    """``RefusedError`` where ``directory``, or that which it would be made in, is no folder, takes no files or has no
+    room for ``needed_bytes``. Makes nothing that stays.
+
+    The only sure test of permission is to write, so a file is made and removed.
+    """
+    place = directory
+    try:
+        while not place.exists() and place != place.parent:
+            place = place.parent
+        if not place.is_dir():
+            raise RefusedError(f"{place}: is a file, not a folder; choose another folder with -o")
+        trial = temporary_name(place / "trial")
+        trial.write_bytes(b"")
+        trial.unlink()
+        free = shutil.disk_usage(place).free
+    except OSError as error:
+        raise refusal(error, directory) from error
     if free < needed_bytes:
         raise RefusedError(
             f"{directory}: about {megabytes(needed_bytes)} are needed and {megabytes(free)} are free; "
