@@ -185,27 +185,31 @@ def test_motion_blur_and_a_lens_have_exact_shadows_too() -> None:
     assert frames_of(scene)[0].image.mean() == pytest.approx(sharp.mean(), rel=0.05)
 
 
-def test_a_shadow_has_its_edge_where_it_falls_across_the_width() -> None:
-    """Light from 60° aside, of which a second strand keeps what passes more than half a radius to the left of the
-    first one's middle: there the side is dark that the eye sees to the left of h = ½."""
+@pytest.mark.parametrize(("pixels", "alike"), [(400, 1), (64, 2), (16, 4)])
+@pytest.mark.parametrize("edge", [0.5, 0.4, 0.2])
+def test_a_shadow_has_its_edge_where_it_falls_across_the_width(edge: float, pixels: int, alike: int) -> None:
+    """Light from 60° aside, of which a second strand keeps what passes to the left of the first one's middle, by half a
+    radius and more: there the side is dark that the eye sees to the left of h = ½, .4 or .2. The fewer samples show the
+    width, the fewer lines across it are traced."""
     turn, radius = np.radians(60.0), 0.01
     way = np.array([np.sin(turn), 0.0, np.cos(turn)])
     aside = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    left = -np.sin(np.arcsin(edge) - turn)
     post = np.linspace(-1.0, 1.0, 9)[:, None] * [0.0, 1.0, 0.0]
-    world = np.concatenate([post, post + 0.3 * way - 1.5 * radius * aside]).astype(np.float32)
+    world = np.concatenate([post, post + 0.3 * way - (1 + left) * radius * aside]).astype(np.float32)
     lines = Polylines(np.array([0, 9, 18]), world)
     slots = np.arange(18, dtype=np.int32)
     shades = np.zeros((18, LINES), np.uint64)
     out = np.full(18, np.nan, np.float32)
-    eye = parallel_view((0.0, 0.0, -1.0), 64, np.array([[-1.0] * 3, [1.0] * 3]))
+    eye = parallel_view((0.0, 0.0, -1.0), pixels, np.array([[-1.0] * 3, [1.0] * 3]))
     light = DirectionalLight(direction=tuple(-way), shadow=EXACT)
     grid(light, lines, Thickness(2 * radius, 0.0)).visibility(
         lines, np.ones(18, np.uint8), np.zeros((18, 3), np.float32), out, eye, slots, shades
     )
-    offsets = (2 * np.arange(LINES) + 1) / LINES - 1
-    dark = (np.uint64(0xFFFFFFFFFFFFFFFF) * (offsets < 0.5)).astype(np.uint64)
+    offsets = np.repeat((2 * np.arange(LINES / alike) + 1) / (LINES / alike) - 1, alike)
+    dark = (np.uint64(0xFFFFFFFFFFFFFFFF) * (offsets < edge)).astype(np.uint64)
     np.testing.assert_array_equal(shades[1:7], np.broadcast_to(dark, (6, LINES)))
-    np.testing.assert_allclose(out[2:7], (offsets > 0.5).mean(), atol=1e-6)
+    np.testing.assert_allclose(out[2:7], (offsets > edge).mean(), atol=1e-6)
     assert not shades[9:17].any()  # nothing stands before the other one
 
 

@@ -145,7 +145,8 @@ def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     """A hemisphere of 10,000 bent strands, at 800×600 .7 to 1.2 pixels wide: a pixel sees a part of one strand's width,
     where R is a streak and the shadows of others have their edges. With light and shadow averaged over the width the
     error is .87 and the picture 9 % too dark. What is left is due to strands that share a sample: which of them hides
-    which part of the other is not known. It falls with the samples (.41, .26, .22, .20 of 1 to 4 along a side)."""
+    which part of the other is not known. It falls with the samples, .175, .147, .134 of 3 to 5 along a side, to about
+    .1, of which strands that are polylines here and splines there make some .07."""
     subject = hemisphere(tmp_path)
     traced = trace(subject, tmp_path, 12)
     picture = subject.draw(subject.scene)
@@ -154,8 +155,8 @@ def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     slow = seconds_to(found.rmse, found, traced)
     flat = figures(subject.draw(changed(subject.scene, {"material.rounded": False}), draws=1).image, traced)
     print(f"\n{found}; {seconds:.3f} s, the path tracer {slow:.0f} s: {slow / seconds:.0f} times; averaged {flat}")
-    assert abs(found.brightness - 1) < 0.025
-    assert found.rmse < 0.24
+    assert abs(found.brightness - 1) < 0.02
+    assert found.rmse < 0.2
     assert flat.rmse > 0.7
 
 

@@ -27,7 +27,7 @@ THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
 COLUMNS = 16
 """Columns of h."""
-ACROSS = 2
+ACROSS = 1
 """Columns a line along which exact shadows are traced;"""
 LINES = COLUMNS // ACROSS
 """lines,"""

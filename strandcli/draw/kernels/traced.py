@@ -40,7 +40,11 @@ from .grid import (
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
 TINY = np.float32(1e-12)
+RESOLVED, NARROW = np.float32(1.5), np.float32(0.5)
+"""Samples. Strands as wide as that have shadows along every line across them, or along every second; others along every
+fourth."""
 MOST = np.int64(32)
 """Pieces to each side of a vertex that its light is averaged over, at most."""
 STRANDS = 32
@@ -93,8 +97,9 @@ def visibility(
                         sums[2 * p + 1] = ZERO
                         half = HALF * width * (ONE if scale is None else scale[s])
                         thin = half * taper / np.float32(n)
-                        for j in range(LINES):
-                            h = np.float32(2 * j + 1) / np.float32(LINES) - ONE
+                        together = shared(half, screen[a + p, 2], eye)
+                        for j in range(0, LINES, together):
+                            h = np.float32(2 * j + together) / np.float32(LINES) - ONE
                             for end in range(2):
                                 surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
                             single[0] = NONE
@@ -103,10 +108,10 @@ def visibility(
                                     pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys, lines,
                                     low, high, veil, bias, cuts, single,
                                 )  # fmt: skip
-                            shades[slots[a + p], j] = single[0]
+                            shades[slots[a + p], j : j + together] = single[0]
                             add_up(single, parts, np.int64(0))
-                            sums[2 * p] += parts[0] / np.float32(LINES)
-                            sums[2 * p + 1] += parts[1] / np.float32(LINES)
+                            sums[2 * p] += parts[0] * np.float32(together) / np.float32(LINES)
+                            sums[2 * p + 1] += parts[1] * np.float32(together) / np.float32(LINES)
                         continue
                 dark[:] = NONE
                 for one in range(views.shape[0]):
@@ -118,6 +123,16 @@ def visibility(
             for v in range(0, n + 1, stride):
                 if marks[a + v] != 0:
                     out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
+
+
+@inner
+def shared(half, q, eye):
+    """How many lines across a strand have the shadow of one: it is this half of a width, at a depth number q, and
+    narrow where few samples show it."""
+    wide = TWO * half * eye[13] * (q if eye[12] > ZERO else ONE)
+    if wide >= RESOLVED:
+        return np.int64(1)
+    return np.int64(2) if wide >= NARROW else np.int64(4)
 
 
 @inner
