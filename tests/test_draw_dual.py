@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -29,6 +30,12 @@ def single(numbers: Iterable[float]) -> list[np.float32]:
 
 def rows(**settings: object) -> np.ndarray:
     return dual.build_tables(Material(model="chiang", **settings), 0.3).rows  # type: ignore[arg-type]
+
+
+@cache
+def rows_of(settings: tuple[tuple[str, object], ...]) -> np.ndarray:
+    """The same, kept."""
+    return rows(**dict(settings))
 
 
 def streams(row: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -120,7 +127,7 @@ def test_a_strand_alone_gets_no_light_from_others_and_one_behind_very_many_none_
 def test_whatever_is_asked_light_is_a_number(
     ways: list[float], passed: float, left: float, settings: dict[str, object]
 ) -> None:
-    table = TABLES.setdefault(str(settings), rows(**settings))
+    table = rows_of(tuple(settings.items()))
     assert np.isfinite(table).all()
     *sines, cos_phi, place = single(kernel.angles(*np.array(ways, np.float32), len(table)))
     row = table[int(place)]
@@ -131,9 +138,6 @@ def test_whatever_is_asked_light_is_a_number(
     )
     assert np.isfinite(light)
     assert light >= 0
-
-
-TABLES: dict[str, np.ndarray] = {}
 
 
 def test_it_is_left_out_where_nothing_counts_strands() -> None:
