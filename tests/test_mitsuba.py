@@ -144,7 +144,7 @@ def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any) -> None
 def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     """A hemisphere of 10,000 bent strands, at 800×600 .7 to 1.2 pixels wide: a pixel sees a part of one strand's width,
     where R is a streak and the shadows of others have their edges. With light and shadow averaged over the width the
-    error is .87 and the picture 9 % too dark. What is left is due to strands that share a sample: which of them hides
+    error is .86 and the picture 8 % too dark. What is left is due to strands that share a sample: which of them hides
     which part of the other is not known. It falls with the samples, .175, .147, .134 of 3 to 5 along a side, to about
     .1, of which strands that are polylines here and splines there make some .07."""
     subject = hemisphere(tmp_path)
