@@ -27,10 +27,8 @@ THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
 COLUMNS = 16
 """Columns of h."""
-ACROSS = 1
-"""Columns a line along which exact shadows are traced;"""
-LINES = COLUMNS // ACROSS
-"""lines,"""
+LINES = COLUMNS
+"""Lines along which exact shadows are traced, one in the middle of each column,"""
 PLACES = 64
 """and places along each that are lit or dark: bits of a word."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
@@ -250,16 +248,16 @@ def lit(profile, shades, slot, after, low, high, t, half):
     r = even(profile, 0, slot, after, 0, high, t) - even(profile, 0, slot, after, 0, low, t)
     g = even(profile, 0, slot, after, 1, high, t) - even(profile, 0, slot, after, 1, low, t)
     b = even(profile, 0, slot, after, 2, high, t) - even(profile, 0, slot, after, 2, low, t)
-    begin = np.int64(low) // ACROSS
-    end = min(np.int64(high) // ACROSS + 1, LINES)
+    begin = np.int64(low)
+    end = min(np.int64(high) + 1, LINES)
     for row in range(1, profile.shape[0]):
         for line in range(begin, end):
             count = ones(~shades[row - 1, slot, line] & mask)
             if count == 0:
                 continue
             share = np.float32(count) * per
-            one = max(low, np.float32(ACROSS * line))
-            two = min(high, np.float32(ACROSS * (line + 1)))
+            one = max(low, np.float32(line))
+            two = min(high, np.float32(line + 1))
             r += share * (even(profile, row, slot, after, 0, two, t) - even(profile, row, slot, after, 0, one, t))
             g += share * (even(profile, row, slot, after, 1, two, t) - even(profile, row, slot, after, 1, one, t))
             b += share * (even(profile, row, slot, after, 2, two, t) - even(profile, row, slot, after, 2, one, t))

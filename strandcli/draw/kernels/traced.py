@@ -127,8 +127,8 @@ def visibility(
 
 @inner
 def shared(half, q, eye):
-    """How many lines across a strand have the shadow of one: it is this half of a width, at a depth number q, and
-    narrow where few samples show it."""
+    """How many lines across a strand have the shadow of one: the fewer samples of the camera `eye` (26,) show it, the
+    more. half: of its width, metres; q: its depth number there."""
     wide = TWO * half * eye[13] * (q if eye[12] > ZERO else ONE)
     if wide >= RESOLVED:
         return np.int64(1)
