@@ -94,6 +94,17 @@ def surfaces(
 
 
 @inner
+def surroundings(ambient, sky, x, y, z):
+    """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
+    r, g, b = ambient[0], ambient[1], ambient[2]
+    if sky is not None:
+        r += around(sky, 1, 0, x, y, z)
+        g += around(sky, 1, 1, x, y, z)
+        b += around(sky, 1, 2, x, y, z)
+    return r, g, b
+
+
+@inner
 def folded(keys, at, column, width, view, spheres, capsules, which):
     """Whether solid number `which`, if it is one that blends, ends in front of itself at pixel number `at`."""
     if not seams.blends(spheres, capsules, which) or at < width or at >= keys.shape[0] - width:
@@ -129,13 +140,7 @@ def radiance(
 ):  # fmt: skip
     """What a point of solid number `which` shows along the unit vector w, where a pixel is ``pixel`` metres wide."""
     nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, x, y, z)
-    r = ambient[0]
-    g = ambient[1]
-    b = ambient[2]
-    if sky is not None:
-        r += around(sky, 1, 0, nx, ny, nz)
-        g += around(sky, 1, 1, nx, ny, nz)
-        b += around(sky, 1, 2, nx, ny, nz)
+    r, g, b = surroundings(ambient, sky, nx, ny, nz)
     if volume is not None:
         share = occlusion.seen(volume, box, x, y, z, nx, ny, nz)
         r *= share / max(ONE - bounce[0] * (ONE - share), TINY)
@@ -154,13 +159,7 @@ def radiance(
             mx = (facing + facing) * nx - wx
             my = (facing + facing) * ny - wy
             mz = (facing + facing) * nz - wz
-            coat_r = ambient[0]
-            coat_g = ambient[1]
-            coat_b = ambient[2]
-            if sky is not None:
-                coat_r += around(sky, 1, 0, mx, my, mz)
-                coat_g += around(sky, 1, 1, mx, my, mz)
-                coat_b += around(sky, 1, 2, mx, my, mz)
+            coat_r, coat_g, coat_b = surroundings(ambient, sky, mx, my, mz)
             if volume is not None:
                 share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
             coat_r *= share
