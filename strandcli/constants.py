@@ -14,6 +14,9 @@ FRAGMENTS = 4_194_304
 SORTED_BYTES = 12
 """A fragment once it is sorted: vertex, weight and place."""
 
+POINTS_BYTES = 8
+"""The points of its sample that a sorted fragment shows, where shadows are exact."""
+
 PART_BYTES = 16
 """A part of a strand in a tile: strand, first and last vertex, and where its run began."""
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, PORTION, W
+from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, PORTION, W
 from .draw.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
@@ -205,7 +205,7 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         blind = scene.detail.near is None and scene.material.width == 0
         skip(Stage("level of detail", "lines have no width, and no near is given" if blind else "every frame is near"))
     resolver = scene.image.resolver
-    held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
+    held = f"at most {FRAGMENTS:,} fragments at once, {_fragment_bytes(scene) / 1e6:,.0f} MB"
     if resolver == "zbuffer":
         skip(Stage("coverage", "each sample shows the nearest strand"))
     elif resolver == "sorted":
@@ -294,7 +294,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     # piece is usual, and one the least
     total += traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
     if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
-        total += vertices * (4 + 204 * (1 + traced) + 64 * traced)
+        total += vertices * (4 + 204 * (1 + traced) + 128 * traced)
     if scene.occluded and scene.ambient_occlusion is not None:
         total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
     for one in scene.lights:
@@ -304,7 +304,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
             deep = 0 if one.shadow.model == "minmax" else 4 * (one.shadow.layers + 3)
             total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
-        total += FRAGMENTS * FRAGMENT_BYTES + plan.samples * 12 * 9 // 8 + vertices
+        total += _fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
     if scene.camera.shutter > 0:  # the frame before, and the moment between
         total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
     if scene.camera.aperture > 0 or scene.camera.shutter > 0:
@@ -312,3 +312,9 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     if scene.image.aovs:
         total += plan.pixels * 60 * 3  # three more pictures may wait to be written
     return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8
+
+
+def _fragment_bytes(scene: Scene) -> int:
+    """Of sorted fragments, at most."""
+    exact = any(light.shadow.model == "traced" for light in scene.lights) and scene.image.resolver == "sorted"
+    return FRAGMENTS * (FRAGMENT_BYTES + (2 * POINTS_BYTES if exact else 0))

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from strandcli.study.chiang_reference import Hair
     from strandcli.study.pictures.subject import Subject
 
+SCALE = 100
+"""How many times larger the scene is for the path tracer. Its shadow rays begin 9e-5 · (1 + the greatest coordinate) off
+the surface, so that in metres they miss what is within three radii of a hair; so they miss what is within a twentieth of
+a radius to a half."""
 PASS = 128
 """Samples a pixel between one save and the next."""
 DEATHS = 40
@@ -77,8 +81,14 @@ def trace(subject: Subject, folder: Path, samples: int, depth: int = 2) -> Trace
 
 
 def spline(points: Any) -> Any:
-    """Control points (n + 2, …) of a uniform cubic B-spline that begins and ends where a polyline (n, …) does."""
-    return np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+    """Control points (n + 2, …) of the uniform cubic B-spline through points (n, …) that is straight at its ends:
+    (c₋ + 4 c + c₊) / 6 at each point in between."""
+    n = len(points)
+    sums = np.eye(n)
+    for i in range(1, n - 1):
+        sums[i, i - 1 : i + 2] = np.array([1, 4, 1]) / 6
+    knots = np.linalg.solve(sums, points)
+    return np.concatenate([[2 * knots[0] - knots[1]], knots, [2 * knots[-1] - knots[-2]]])
 
 
 def one_strand(hair: Hair, eye: float, light: float, phi: float, folder: Path, samples: int = 512**2) -> float:
@@ -118,13 +128,13 @@ def _write(subject: Subject, folder: Path, depth: int) -> None:
     with open(folder / "strands.txt", "w") as file:
         for a, b in zip(lines.first[:-1], lines.first[1:], strict=True):
             radii = material.width / 2 * (1 - material.taper * np.linspace(0, 1, b - a))
-            knots = spline(np.column_stack([lines.world[a:b], radii]))[::-1]
+            knots = SCALE * spline(np.column_stack([lines.world[a:b], radii]))[::-1]
             file.write("\n".join(" ".join(f"{number:.8g}" for number in knot) for knot in knots) + "\n\n")
     tables = chiang.build_tables(material)
     assert tables is not None
     (folder / "scene.json").write_text(json.dumps({
-        "depth": depth, "size": scene.image.size, "fov": camera.fov, "position": camera.position,
-        "target": camera.target, "up": camera.up, "sigma": tables.absorption.tolist(), "beta_m": material.beta_m,
+        "depth": depth, "size": scene.image.size, "fov": camera.fov, "position": [SCALE * x for x in camera.position],
+        "target": [SCALE * x for x in camera.target], "up": camera.up, "sigma": tables.absorption.tolist(), "beta_m": material.beta_m,
         "beta_n": material.beta_n, "tilt": material.tilt, "eta": material.eta,
         "lights": [{"direction": light.direction, "power": [light.intensity * c for c in light.colour]}
                    for light in scene.lights],

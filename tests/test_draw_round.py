@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strandcli.draw import raster
-from strandcli.draw.camera import FLAT, View, axes
+from strandcli.draw.camera import FLAT, Nearer, View, axes
 from strandcli.draw.coverage import Coverage
 from strandcli.draw.curves import Polylines
 from strandcli.draw.kernels.raster import EMPTY
@@ -64,7 +64,7 @@ def contest(view: View, strands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first, sure
 
 
-def draw(view: View, strands: np.ndarray, resolver: str, nearer: tuple[np.float32, np.float32]) -> np.ndarray:
+def draw(view: View, strands: np.ndarray, resolver: str, nearer: Nearer) -> np.ndarray:
     """(height, width) of the foremost strand, −1 where there is none."""
     count, points, _ = strands.shape
     lines = Polylines(np.arange(count + 1) * points, strands.reshape(-1, 3).astype(np.float32))
@@ -97,3 +97,25 @@ def test_strands_that_touch_hide_each_other_as_cylinders_do(resolver: str, persp
     )
     assert wrong < 0.02
     assert flat > 0.1  # bands without a round side
+
+
+@pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])
+def test_far_aside_of_the_views_axis_the_edges_of_a_strand_are_not_equally_far(resolver: str) -> None:
+    """Nearly parallel strands that lie in each other, in the corner of a wide lens's picture."""
+    eye = np.array([0.3, 0.2, 4.0])
+    view = View(eye, *axes(-eye, (0.0, 1.0, 0.0)), True, 240.0, 0.1, 9.0, WIDTH, HEIGHT, centre=(-160.0, 300.0))
+    rng = np.random.default_rng(2)
+    way = rng.normal([1, 0.5, 1], 0.06, (40, 1, 3))
+    way /= np.linalg.norm(way, axis=2, keepdims=True)
+    middle = eye + 4 * (view.forward + view.right + view.up) + rng.normal(0, 0.12, (40, 1, 3))
+    strands = middle + way * np.linspace(-2, 2, 13)[:, None]
+    right, sure = contest(view, strands)
+    assert sure.sum() > 500
+    a, b, _, _ = view.nearer
+    middle_of_picture = (a, b, np.float32(WIDTH / 2), np.float32(HEIGHT / 2))  # as if the view's axis went through it
+    wrong, even = (
+        (abs(draw(view, strands, resolver, nearer) - right) > 0.01)[sure].mean()
+        for nearer in (view.nearer, middle_of_picture)
+    )
+    assert wrong < 0.02
+    assert even > 3 * wrong

@@ -17,15 +17,17 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
+from ..constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES
 from ..errors import RefusedError
 from .body import Body
-from .camera import FLAT
+from .camera import FLAT, Nearer
 from .curves import Polylines
 from .edges import Edges
 from .kernels import parts, resolve
 from .kernels.body import over_fragments
 from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
+from .kernels.weigh import MASKED
+from .masks import sides
 from .scratch import Scratch
 
 TASKS_A_WORKER = 16
@@ -49,6 +51,8 @@ class Layer:
     place: NDArray[np.uint32]
     weight: NDArray[np.float32]
     along: NDArray[np.float32]
+    seen: NDArray[np.uint64] | None
+    """(F,) points of its sample that each fragment shows, where that is asked for."""
     light: NDArray[np.float32]
     """(E, 3) radiance of solids at their edges."""
     top: int
@@ -68,8 +72,9 @@ class Layer:
     def round_off(self, body: Body, image: NDArray[np.float32]) -> None:
         """Add how the light of wide strands departs from its average over their width."""
         over_fragments(
-            self.begin, self.kept, self.place, self.weight, self.along, self.stride, body.screen, body.widths,
-            body.samples, body.start, body.full, body.slots, body.profile, body.shades, self.top, self.bottom, image,
+            self.begin, self.kept, self.place, self.weight, self.along, self.seen,
+            None if self.seen is None else sides(), self.stride, body.screen, body.widths, body.samples, body.start,
+            body.full, body.slots, body.profile, body.shades, self.top, self.bottom, image,
         )  # fmt: skip
 
 
@@ -93,7 +98,7 @@ class Coverage:
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
         return Layer(np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
-                     NONE, 0, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
+                     None, NONE, 0, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
 
     def layers(
         self,
@@ -103,13 +108,14 @@ class Coverage:
         edges: Edges | None,
         workers: int,
         scratch: Scratch,
-        again: bool = False,
-        nearer: tuple[np.float32, np.float32] = FLAT,
+        exact: bool = False,
+        nearer: Nearer = FLAT,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
         screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any;
-        again: whether light is wanted in each layer at all that it shows; nearer: of the view, for the depth of wide
+        exact: whether light is wanted in each layer at all that it shows, and of wide opaque strands the points of a
+        sample that each shows (see `kernels.masks`); nearer: of the view, for the depth of wide
         strands, which are round.
         Raises `RefusedError` where one row of pixels holds more fragments than there is room for, or strands are so
         wide that to see which pixels they cover would take minutes.
@@ -120,6 +126,9 @@ class Coverage:
         widest = 1.0 if widths is None or not len(widths) else float(widths.max())
         if widths is not None and widest > BROAD:
             self._require_time(lines, screen, widths, widest)
+        # what lets light through hides no point, and a k-buffer's last fragment stands for several
+        wide = exact and widths is not None and widest > float(MASKED)
+        masked = wide and self.nearest is None and float(self.opacity) == 1.0
         margin = 2.0 + widest  # a mitre reaches out by the square root of two
         rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
         parts.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
@@ -127,11 +136,13 @@ class Coverage:
         while ahead:
             top, bottom = ahead.pop()
             marks.fill(0)
-            layer, found = self._layer(lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer)
+            layer, found = self._layer(
+                lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer, masked
+            )
             if layer is None:
                 ahead += self._finer(top, bottom, found)[::-1]
                 continue
-            if again:
+            if exact:
                 pass
             elif lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
@@ -192,7 +203,8 @@ class Coverage:
         workers: int,
         scratch: Scratch,
         marks: NDArray[np.uint8],
-        nearer: tuple[np.float32, np.float32],
+        nearer: Nearer,
+        masked: bool,
     ) -> tuple[Layer | None, int]:
         """The rows top <= y < bottom, or None where they hold too much, and about how many fragments they hold."""
         blocks = self.room // parts.BLOCK + 1
@@ -219,23 +231,26 @@ class Coverage:
         place = scratch.take("fragment_places", room, np.uint32)
         weight = scratch.take("fragment_weights", room, np.float32)
         along = scratch.take("fragment_along", room, np.float32)
+        table = sides() if masked else None
+        seen = scratch.take("fragment_points", room, np.uint64) if masked else None
         hides, pixels, depth, cover = None, NOWHERE, NOTHING, NOTHING
         if edges is not None:
             hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
         resolve.resolve(
             lines.first, screen, widths, self.opacity, nearer, lines.stride, _bits(lines), hides, pixels, depth,
-            cover, pool, links, heads, fills, self.nearest or LAST, top, bottom, self.size[0], tasks,
-            begin, kept, found, place, weight, along, marks,
+            cover, pool, links, heads, fills, self.nearest or LAST, table, top, bottom, self.size[0], tasks,
+            begin, kept, found, place, weight, along, seen, marks,
         )  # fmt: skip
         held = int(np.abs(found).sum())
         if found.min() < 0:
             return None, held
         marks[lines.stride :] |= marks[: -lines.stride]  # light comes from the lit vertex after a fragment as well
         self._note(found, top, bottom)
-        self.most = max(self.most, held * SORTED_BYTES + int(used.sum()) * parts.BLOCK * PART_BYTES)
+        each = SORTED_BYTES + (POINTS_BYTES if masked else 0)
+        self.most = max(self.most, held * each + int(used.sum()) * parts.BLOCK * PART_BYTES)
         light = NONE if edges is None else edges.light
         return Layer(
-            begin, kept, place, weight, along, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
+            begin, kept, place, weight, along, seen, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
         ), held
 
 

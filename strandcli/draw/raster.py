@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RefusedError
-from .camera import FLAT, View
+from .camera import FLAT, Nearer, View
 from .curves import Polylines
 from .kernels import project
 from .kernels import raster as kernel
@@ -65,7 +65,7 @@ def draw(
     workers: int,
     scratch: Scratch,
     keys: NDArray[np.uint64],
-    nearer: tuple[np.float32, np.float32] = FLAT,
+    nearer: Nearer = FLAT,
 ) -> None:
     """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; nearer: of the
     view, for the depth of wide strands, which are round.

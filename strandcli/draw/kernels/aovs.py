@@ -10,9 +10,9 @@ from ...jit import inner, parallel, prange
 from . import opacity, penumbra, solids
 from .light import toward
 from .raster import EMPTY, LOW, SHIFT
-from .resolve import OPAQUE
 from .shadow import transmittance
 from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
+from .weigh import OPAQUE
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)

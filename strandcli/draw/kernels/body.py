@@ -16,6 +16,7 @@ from ...jit import function, inlined, inner, parallel, prange
 from .approximations import clamp
 from .batch import ARRIVES, BEFORE, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, TEXELS, TRT, TT, TX, TY, TZ, R, U, V
 from .lobes import grown
+from .masks import REACH, WHOLE, behind, ones, turned
 from .raster import LOW
 from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
 
@@ -199,10 +200,10 @@ def gathered(profile, slot, c, place):
 
 
 @inner
-def add(x, y, v, t, stride, weight, screen, widths, samples, start, full, slots, profile, shades, image):
+def add(x, y, v, t, stride, weight, bits, table, screen, widths, samples, start, full, slots, profile, shades, image):
     """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
-    vertex v to the next, v + stride. Departures begin where a strand is `start` pixels wide, and count fully where it
-    is `full`."""
+    vertex v to the next, v + stride; bits: the points of the sample where it is seen, if table is not None. Departures
+    begin where a strand is `start` pixels wide, and count fully where it is `full`."""
     if slots[v] < 0 and slots[v + stride] < 0:
         return
     past = t * np.float32(stride)
@@ -231,20 +232,32 @@ def add(x, y, v, t, stride, weight, screen, widths, samples, start, full, slots,
             two = departure(profile, slots, v + stride, c, low, high)
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
-        r, g, b = lit(profile, shades, slots[v], after, low, high, t, HALF / size)
+        r, g, b = lit(
+            profile, shades, slots[v], after, low, high, t, HALF / size, bits, table, dx / size, dy / size, off,
+            HALF * wide,
+        )  # fmt: skip
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
 
 
 @inner
-def lit(profile, shades, slot, after, low, high, t, half):
+def lit(profile, shades, slot, after, low, high, t, half, bits, table, dx, dy, off, radius):
     """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light: between the
-    offsets `low` and `high`, in columns, and within `half` the piece's length of its place t."""
+    offsets `low` and `high`, in columns, or at those points of the sample alone that have a bit, and within `half` the
+    piece's length of its place t. The piece goes by (dx, dy), and passes the sample's middle `off` aside."""
     since = min(max(np.int64((t - half) * np.float32(PLACES)), 0), PLACES - 1)
     until = max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
     mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
     per = ONE / np.float32(until - since)
+    if table is not None:  # noqa: SIM102  a branch of its own is left out where there are none
+        if bits != WHOLE:
+            points, r, g, b = at_points(
+                profile, shades, slot, after, t, mask, per, bits, table, dx, dy, off, radius
+            )  # fmt: skip
+            if points > ZERO:
+                per = ONE / points
+                return r * per, g * per, b * per
     r = even(profile, 0, slot, after, 0, high, t) - even(profile, 0, slot, after, 0, low, t)
     g = even(profile, 0, slot, after, 1, high, t) - even(profile, 0, slot, after, 1, low, t)
     b = even(profile, 0, slot, after, 2, high, t) - even(profile, 0, slot, after, 2, low, t)
@@ -265,6 +278,43 @@ def lit(profile, shades, slot, after, low, high, t, half):
     return r * per, g * per, b * per
 
 
+@inner
+def at_points(profile, shades, slot, after, t, mask, per, bits, table, dx, dy, off, radius):
+    """What `lit` is the mean of, summed over the points of a sample with a bit, and how many they are."""
+    turn = ONE if dx >= ZERO else -ONE
+    way = turned(-dy * turn, dx * turn)
+    middle = HALF * np.float32(COLUMNS)
+    to_column = middle / radius
+    column = radius / middle
+    begin = np.int64(clamp(middle + (off - REACH) * to_column, ZERO, np.float32(COLUMNS - 1)))
+    end = np.int64(clamp(middle + (off + REACH) * to_column, ZERO, np.float32(COLUMNS - 1))) + 1
+    lower = behind(table, way, turn, np.float32(begin) * column - radius - off)
+    points = r = g = b = ZERO
+    for i in range(begin, end):
+        upper = behind(table, way, turn, np.float32(i + 1) * column - radius - off)
+        here = ones(bits & upper & ~lower)
+        lower = upper
+        if here == 0:
+            continue
+        share = np.float32(here)
+        points += share
+        for row in range(profile.shape[0]):
+            if row > 0:
+                share = np.float32(here * ones(~shades[row - 1, slot, i] & mask)) * per
+            r += share * column_of(profile, row, slot, after, i, 0, t)
+            g += share * column_of(profile, row, slot, after, i, 1, t)
+            b += share * column_of(profile, row, slot, after, i, 2, t)
+    return points, r, g, b
+
+
+@inlined
+def column_of(profile, row, slot, after, i, c, t):
+    """The light of a column, between two vertices, of what `add_up` made."""
+    one = profile[row, slot, i + 1, c] - profile[row, slot, i, c]
+    two = profile[row, after, i + 1, c] - profile[row, after, i, c]
+    return one + t * (two - one)
+
+
 @inlined
 def even(profile, row, slot, after, c, place, t):
     """What `add_up` made at a place in [0, COLUMNS], between two vertices: light is even within a column."""
@@ -273,15 +323,6 @@ def even(profile, row, slot, after, c, place, t):
     one = profile[row, slot, i, c] + part * (profile[row, slot, i + 1, c] - profile[row, slot, i, c])
     two = profile[row, after, i, c] + part * (profile[row, after, i + 1, c] - profile[row, after, i, c])
     return one + t * (two - one)
-
-
-@inlined
-def ones(x):
-    """Bits that are set: in each two, each four, each byte; then all bytes."""
-    x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
-    x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
-    x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-    return (x * np.uint64(0x0101010101010101)) >> np.uint64(56)
 
 
 @parallel
@@ -308,16 +349,18 @@ def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slo
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
             add(
-                x, y, v, t, stride, ONE, screen, widths, samples, start, full, slots, profile, shades, image
+                x, y, v, t, stride, ONE, WHOLE, None, screen, widths, samples, start, full, slots, profile, shades,
+                image,
             )  # fmt: skip
 
 
 @parallel
 def over_fragments(
-    begin, kept, place, weight, along, stride, screen, widths, samples, start, full, slots, profile, shades, top,
-    bottom, image,
+    begin, kept, place, weight, along, bits, table, stride, screen, widths, samples, start, full, slots, profile,
+    shades, top, bottom, image,
 ):  # fmt: skip
-    """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; the rest as above."""
+    """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; bits (F,) uint64: the
+    points of its sample that each shows, by the table of `masks.sides`; both may be None; the rest as above."""
     width = image.shape[1]
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(begin.shape[0]):
@@ -334,7 +377,7 @@ def over_fragments(
                     v = np.int64(place[f])
                     if v < slots.shape[0]:  # beyond are the edges of solids
                         add(
-                            column, row, v, along[f], stride, weight[f], screen, widths, samples, start, full, slots,
-                            profile, shades, image,
+                            column, row, v, along[f], stride, weight[f], WHOLE if bits is None else bits[f], table,
+                            screen, widths, samples, start, full, slots, profile, shades, image,
                         )  # fmt: skip
                 i += n

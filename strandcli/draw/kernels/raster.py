@@ -197,32 +197,60 @@ def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, nearer, top, bottom, width, identity,
     lean = rise * slope / square
     w = max(w0, w1)
     # no further than its piece reaches
-    steep = rise * min(ONE / np.sqrt(square), (a1 - a0) / (HALF * w))
+    size = ONE / np.sqrt(square)
+    steep = rise * min(size, (a1 - a0) / (HALF * w))
+    dx = size if flat else slope * size
+    dy = slope * size if flat else size
     for c in range(begin, end):
         past = np.float32(c) + HALF - a0
         middle = b0 + slope * past
         half = tall * w0 + grows * past
         q = q0 + rise * past
-        forward = front(q, half / np.sqrt(square), steep, nearer) if w > ONE else ZERO
+        forward = tilt = ZERO
+        if w > ONE:
+            centre = np.float32(c) + HALF
+            x = centre if flat else middle
+            y = middle if flat else centre
+            forward, tilt = front(q, half * size, steep, x, y, dx, dy, nearer)
+            tilt = tilt if flat else -tilt
         low = np.int64(max(np.ceil(middle - half - HALF), least))
         high = np.int64(min(np.ceil(middle + half - HALF), most))
         for row in range(low, high):
             if forward > ZERO:
                 off = np.float32(row) + HALF - middle
                 h = off / half
-                near = q + lean * off + forward * np.sqrt(max(ONE - h * h, ZERO))
+                near = q + lean * off + tilt * h + forward * np.sqrt(max(ONE - h * h, ZERO))
             else:
                 near = q
             deposit(near, identity, np.uint64(c * one + row * aside), keys)
 
 
 @inner
-def front(q, half, steep, nearer):
-    """How much greater the depth number is on the side toward the eye than in the middle of a strand, `half` a width in
-    pixels, along the ray, which a slanted strand meets further in front of its middle; 0 where strands are flat. q: in
-    the middle, where it grows by `steep` a pixel along the strand; nearer: of `camera.View.nearer`."""
+def front(q, half, steep, x, y, dx, dy, nearer):
+    """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
+    its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
+    0 where strands are flat.
+
+    q: in the middle, which the pixel (x, y) shows, where it grows by `steep` a pixel along the strand's direction (dx,
+    dy), of length 1; nearer: of `camera.View.nearer`. A ray (u, v, 1) that passes a slanted cylinder aside of the
+    view's axis meets it further in front of its middle, and not at the same depth on both sides. With p and w, what of
+    (u, v) lies along the strand and across it, and the strand's way E − g (u, v, 1), E = (dx, dy, 0), that is
+
+        q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²)   and   q half w (1 − g p) / (1 + w²),
+
+    the first terms in powers of half of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
+    """
     per = nearer[0] * q + nearer[1]
-    return half * np.sqrt(per * per + steep * steep) if per > ZERO else ZERO
+    if per <= ZERO:
+        return ZERO, ZERO
+    u = (x - nearer[2]) * nearer[0]
+    v = (y - nearer[3]) * nearer[0]
+    p = u * dx + v * dy
+    w = v * dx - u * dy
+    g = steep / per
+    slant = ONE - g * p
+    scale = half * per / (ONE + w * w)
+    return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
 
 
 @inner

@@ -10,17 +10,15 @@ from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch
-from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_HEIGHT, TILE_WIDTH, UNIT
+from .tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH
+from .weigh import OPAQUE, weigh, weigh_points
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-OPAQUE = np.float32(1 / 512)
-"""What lies behind where less light than this gets through is left out."""
 RUN = 128
 """Lists no longer than this are sorted by counting."""
 FEW_LANES = 8
 """Fragments that are a vector of `strip`, which most lists are."""
-FAR_OFF = np.int64(-9)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
 AHEAD = np.uint64(24)
@@ -32,7 +30,7 @@ NONE, ONE_ON, TWO, THREE, FOUR = np.uint64(0), np.uint64(1), np.uint64(2), np.ui
 @parallel
 def resolve(
     first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-    nearest, top, bottom, width, tasks, begin, kept, found, place, weight, along, marks,
+    nearest, table, top, bottom, width, tasks, begin, kept, found, place, weight, along, seen, marks,
 ):  # fmt: skip
     """Find each pixel's fragments, sort them by depth, ties by index, and turn opacities into weights.
 
@@ -96,9 +94,16 @@ def resolve(
             begin[tile] = o
             share_out(fragments, n, counts, starts, depths, order)
             rank(fragments, counts, starts, depths, order, behind, spare, sorted_)
-            o = weigh(
-                fragments, counts, sorted_, nearest, screen.shape[0], bits, o, base, kept, place, weight, along, marks,
-            )  # fmt: skip
+            if table is None:
+                o = weigh(
+                    fragments, counts, sorted_, nearest, screen.shape[0], bits, o, base, kept, place, weight, along,
+                    marks,
+                )  # fmt: skip
+            else:
+                o = weigh_points(
+                    fragments, counts, sorted_, screen, widths, table, bits, x, y, o, base, kept, place, weight, along,
+                    seen, marks,
+                )  # fmt: skip
 
 
 @inner
@@ -198,50 +203,6 @@ def merge(fragments, first, n, order, spare):
         for o in range(n):
             order[first + o] = spare[o]
         size *= 2
-
-
-@inner
-def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, place, weight, along, marks):
-    """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
-    end = np.int64(0)
-    for p in range(np.uint64(PIXELS)):
-        m = end
-        end += counts[p]
-        last = end
-        begin = o
-        most = m + nearest
-        through = ONE
-        front = ONE
-        room = ONE
-        previous = FAR_OFF
-        while (m < last) & (through >= OPAQUE):
-            which = np.uint64(order[np.uint64(m)]) * FOUR
-            alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
-            identity = np.int64(np.uint32(fragments[which + TWO]))
-            t = np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
-            m += 1
-            if m == most:  # the last one takes in what would be behind it
-                for rest in range(m, last):
-                    next_ = np.uint64(order[rest]) * FOUR
-                    alpha += (ONE - alpha) * np.int32(fragments[next_ + np.uint64(1)]).view(np.float32)
-                last = m
-            if abs(identity - previous) > 1:
-                front = through
-                room = ONE
-            previous = identity
-            alpha = min(alpha, room)
-            room -= alpha
-            through = front * room
-            if identity < vertices:
-                identity -= t >> bits
-                marks[np.uint64(identity)] = 1
-            to = np.uint64(o)
-            place[to] = np.uint32(identity)
-            weight[to] = front * alpha
-            along[to] = np.float32(t) * UNIT
-            o += 1
-        kept[np.uint64(base) + p] = o - begin
-    return o
 
 
 @parallel

@@ -77,6 +77,7 @@ def ribbon(
     q0 = screen[v - 1, 2]
     rise = screen[v, 2] - q0
     steep = rise * min(size, TWO / max(w0, w1))  # no further than its piece reaches
+    turn = ONE if (dx if flat else -dy) > ZERO else -ONE  # whether rows go the way of (−dy, dx)
     cell_low = x_low if flat else y_low
     cell_high = (x_high if flat else y_high) if x_low < x_high and y_low < y_high else cell_low
     row_low = y_low if flat else x_low
@@ -89,8 +90,11 @@ def ribbon(
         t = min(max(past * per, ZERO), ONE)
         h = tall * (w0 + t * (w1 - w0))
         over = ONE / max(h, TINY)
-        forward = front(q0 + rise * t, HALF * (w0 + t * (w1 - w0)), steep, nearer)
         middle = v0 + slope * past
+        at_x = u0 + past if flat else middle
+        at_y = middle if flat else u0 + past
+        forward, tilt = front(q0 + rise * t, HALF * (w0 + t * (w1 - w0)), steep, at_x, at_y, dx, dy, nearer)
+        tilt *= turn
         first = max(np.int64(math.floor(max(middle - h - spread, np.float32(row_low)))), row_low)
         stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(row_high)))), row_high)
         for row in range(first, stop):
@@ -102,7 +106,7 @@ def ribbon(
             off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
             t = min(max(past * per + lean * off, ZERO), ONE)
             off *= over
-            q = q0 + rise * t + forward * math.sqrt(max(ONE - off * off, ZERO))
+            q = q0 + rise * t + tilt * off + forward * math.sqrt(max(ONE - off * off, ZERO))
             if not q >= veil[pixel]:
                 continue
             cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
