@@ -146,7 +146,7 @@ def _emit_whole_kernels() -> None:
             self._final_module.link_in(loop._get_module_for_linking(), preserve=True)
 
     def simplify_whole(self: Any, module: Any) -> None:
-        if kernel.is_part(self) and not self.name.startswith(_LOOP) and not ConfigStack.top().nrt:
+        if kernel.is_part(self) and not self.name.startswith(_LOOP) and not ConfigStack.top_or_none().nrt:
             module.data_layout = self._codegen._data_layout  # as that does, for `optimise` does the rest
         else:
             simplify(self, module)
