@@ -114,15 +114,14 @@ def spare() -> None:
 def _emit_whole_kernels() -> None:
     """No machine code for parts, which is dear. A parallel loop, which Numba optimises by itself, in what calls it, in
     what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and linked to the
-    kernel when that has been. A part is optimised as a whole, not function by function before, which finds references
-    that cancel out: parts count none."""
+    kernel when that has been. (To leave out the passes over each function of a part, before those over the whole, saves
+    a twentieth too, and some kernels come out slower.)"""
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
-    from numba.core.targetconfig import ConfigStack
 
-    finish, optimise, note = (
-        CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module, JITCPUCodegen.set_env,
+    link, finish, optimise, note = (
+        CPUCodeLibrary.finalize, CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module,
+        JITCPUCodegen.set_env,
     )  # fmt: skip
-    link, simplify = CPUCodeLibrary.finalize, CPUCodeLibrary._optimize_functions
 
     def link_loops_last(self: Any) -> None:
         mine = kernel.depth > 0 and not self.name.startswith(_LOOP)
@@ -145,12 +144,6 @@ def _emit_whole_kernels() -> None:
             self._reload_init.update(loop._reload_init)
             self._final_module.link_in(loop._get_module_for_linking(), preserve=True)
 
-    def simplify_whole(self: Any, module: Any) -> None:
-        if kernel.is_part(self) and not self.name.startswith(_LOOP) and not ConfigStack.top_or_none().nrt:
-            module.data_layout = self._codegen._data_layout  # as that does, for `optimise` does the rest
-        else:
-            simplify(self, module)
-
     def note_or_wait(self: Any, name: str, environment: Any) -> None:
         if kernel.depth == 0 or self._engine.get_global_value_address(name):
             note(self, name, environment)
@@ -158,7 +151,6 @@ def _emit_whole_kernels() -> None:
             kernel.environments.append((name, environment))
 
     CPUCodeLibrary.finalize = link_loops_last  # type: ignore[method-assign]
-    CPUCodeLibrary._optimize_functions = simplify_whole  # type: ignore[method-assign]
     CPUCodeLibrary._finalize_final_module = finish_whole  # type: ignore[method-assign]
     CPUCodeLibrary._optimize_final_module = optimise_once  # type: ignore[method-assign]
     JITCPUCodegen.set_env = note_or_wait  # type: ignore[method-assign]
@@ -257,12 +249,12 @@ def _run_passes() -> None:
             run(self, index, one, state)
             return
         one.analysis = self._analysis
-        with errors.new_error_context("Pass {name}", name=one.name()):
+        with errors.new_error_context("Pass {name}", name=one.name()):  # type: ignore[attr-defined]
             one.run_initialization(state)
             one.run_pass(state)
             one.run_finalizer(state)
 
-    PassManager._runPass = run_alone
+    PassManager._runPass = run_alone  # type: ignore[method-assign]
 
 
 def _ask_late_for_lives() -> None:
@@ -311,4 +303,4 @@ def _copy_sets() -> None:
             return {key: set(one) for key, one in value.items()}
         return copy.deepcopy(value)
 
-    ir_utils.copy = SimpleNamespace(copy=copy.copy, deepcopy=copied)  # type: ignore[attr-defined]
+    ir_utils.copy = SimpleNamespace(copy=copy.copy, deepcopy=copied)  # type: ignore[assignment]
