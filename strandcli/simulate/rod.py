@@ -166,8 +166,8 @@ class RodSolver(Solver):
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
         self._numbers = np.zeros(14 + 24, self.dtype)
         self._burden = self.mass.copy()
-        size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = aligned((workers, size * VECTOR // self._numbers.itemsize), self.dtype)
+        size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
+        self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
             self.own_lengths, self.stiffness, self._burden, self.joint, self.roots, self.directions, self.bends,

@@ -48,8 +48,8 @@ MOST = 1e18
 AXES = 3 * W
 """Numbers of a row of three coordinates, of all strands of a block."""
 
-# vectors of a segment: edge, what is left to go of u* − u, c̄, its change g by loads alone (3 each); τ; the inverse pivot
-# i, i κ and i B; r and then δ
+# vectors of a segment: edge, what is left of u* − u, c̄, its change g by loads alone (3 each); τ; the inverse pivot i,
+# i κ and i B; r and then δ
 SEGMENT = 17
 """An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
 E, D, C, G, T, DI, N1, N2, R = 0, 3, 6, 9, 12, 13, 14, 15, 16

@@ -1,8 +1,9 @@
 """What goes from the tip of a strand to its root: the change of tension, the pivots of H, and loads.
 
 Each of the three is a chain in which a segment waits for the one after it, for a division, too. The first two go
-together, and in long strands all three, so that what they need comes through the caches once. In short ones, which the
-nearest cache holds, loads go by themselves, a coordinate at a time: all that is carried along is then in registers.
+together, and in the O(N) kernel all three, so that what they need comes through the caches once. In short strands,
+which the nearest cache holds, loads go by themselves, a coordinate at a time: all that is carried along is then in
+registers.
 """
 
 from __future__ import annotations

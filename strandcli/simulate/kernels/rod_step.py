@@ -67,29 +67,44 @@ def double_long(book, worker):
 def work(kind, book, worker, long):
     """Move strands by one step, in place, `SHARE` to each ticket while there are any. ``book`` is what `book_of` makes,
     all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
-    flags where a None would have everything compiled once more."""
-    at = book[SCRATCH] + worker * book[SCRATCH_BYTES]
-    if long is None:
-        scratch = heap_at(kind, at)
-    else:
-        scratch = stack_at(kind, at)
-    solids = a_kind(kind, book, 20, long), a_kind(kind, book, 21, long), a_kind(kind, book, 22, long), a_kind(kind, book, 23, long)
+    flags where a None would have everything compiled once more.
+
+    Long strands move by vectors of half the length: then a thousand segments of scratch about fit into the second
+    cache, fewer strands wait for the slowest, and what `rod_long` carries along is more than the registers hold of
+    either."""
+    scratch = vectors(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES], long)
+    solids = (
+        a_kind(kind, book, 20, long), a_kind(kind, book, 21, long), a_kind(kind, book, 22, long),
+        a_kind(kind, book, 23, long),
+    )  # fmt: skip
     ticket = take(book)
     while ticket < book[ALL]:
         run(
-            rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long), rows(kind, book, 3, long), rows(kind, book, 4, long),
-            rows(kind, book, 5, long), rows(kind, book, 6, long), rows(kind, book, 7, long), rows(kind, book, 8, long), rows(kind, book, 9, long),
-            rows(kind, book, 10, long), rows(kind, book, 11, long), rows(kind, book, 12, long), rows(kind, book, 13, long),
-            rows(kind, book, 14, long), rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
-            rows(kind, book, 18, long), rows(kind, book, 19, long), book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0,
-            book[SOLID] != 0, solids, book[WHOLE] != 0, scratch, ticket * SHARE, long, book[SEGMENTS],
+            rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long),
+            rows(kind, book, 3, long), rows(kind, book, 4, long), rows(kind, book, 5, long),
+            rows(kind, book, 6, long), rows(kind, book, 7, long), rows(kind, book, 8, long),
+            rows(kind, book, 9, long), rows(kind, book, 10, long), rows(kind, book, 11, long),
+            rows(kind, book, 12, long), rows(kind, book, 13, long), rows(kind, book, 14, long),
+            rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
+            rows(kind, book, 18, long), rows(kind, book, 19, long),
+            book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
+            ticket * SHARE, long, book[SEGMENTS],
         )  # fmt: skip
         ticket = take(book)
 
 
 @inner
+def vectors(kind, address, long):
+    """The scratch at an address, in the vectors that a kernel takes."""
+    if long is None:
+        return heap_at(kind, address)
+    else:
+        return stack_at(kind, address)
+
+
+@inner
 def rows(kind, book, number, long):
-    """An array of a book."""
+    """An array of a book, of vectors as long."""
     if long is None:
         return lay_at(kind, book[ARRAYS + 2 * number])
     else:
@@ -115,17 +130,17 @@ def run(
     W): force densities of the last step over h²; push (blocks, N, 3 W): acceleration of particles by contact, m/s²,
     touching (blocks, W): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N + 2, 3 W)
     world, row 0 one segment before the root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B
-    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint before an edge,
-    relative (root joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
-    unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
-    strand; twist (blocks, N, W): angles by which frames are turned besides; where not `curled`, both (1, …) and not
-    read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest | |e| − 1 | before lengths are
-    made exact; pose (24,): the emitter's rotation by rows and its translation, and what each of them changed by in this
-    step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s,
-    [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations
-    stop, [12] that which is no more than rounding, [13] torsional over bending rigidity; solids: spheres, capsules,
-    planes and boxes as in `contact_shapes`, `solid` whether there are any; whole: segments are caught too; scratch as
-    `rod_dense.size_for` or `rod_long.size_for` says.
+    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint
+    before an edge, relative (root joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends
+    (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the emitter's frame, then the rest value of c_j
+    in the frame carried along the strand; twist (blocks, N, W): angles by which frames are turned besides; where not
+    `curled`, both (1, …) and not read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest
+    | |e| − 1 | before lengths are made exact; pose (24,): the emitter's rotation by rows and its translation, and what
+    each of them changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7]
+    drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
+    error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over bending
+    rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
+    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says.
     """
     b = first // W
     for strand in range(first, first + SHARE, width(scratch)):
