@@ -21,7 +21,9 @@ from strandcli.simd import (
     root,
     some,
     spread,
+    stack_at,
     strip,
+    strip_at,
     where,
     whole,
     width,
@@ -107,6 +109,24 @@ def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
     expected = np.arange(2 * count)
     expected[2 : 2 + lanes] = np.arange(lanes)[: 2 * count - 2]
     expected[:lanes] = -7
+    np.testing.assert_array_equal(numbers, expected)
+
+
+@njit(error_model="numpy")
+def at_an_address(kind, address):
+    """The second half vector becomes twice what lies one number after the first begins; lanes of both."""
+    rows, pile = strip_at(kind, address), stack_at(kind, address)
+    put(pile, 1, 2.0 * get(rows, 1))
+    return width(rows), width(pile)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_half_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize // 2
+    numbers = np.arange(3 * count, dtype=dtype)
+    assert at_an_address(dtype, numbers.ctypes.data) == (count, count)
+    expected = np.arange(3 * count)
+    expected[count : 2 * count] = 2 * (1 + np.arange(count))
     np.testing.assert_array_equal(numbers, expected)
 
 

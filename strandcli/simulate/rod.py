@@ -165,11 +165,12 @@ class RodSolver(Solver):
         )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
         self._numbers = np.zeros(14 + 24, self.dtype)
-        size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = aligned((workers, size * VECTOR // self._numbers.itemsize), self.dtype)
+        self._burden = self.mass.copy()
+        size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
+        self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
-            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.own_lengths, self.stiffness, self._burden, self.joint, self.roots, self.directions, self.bends,
             self.twist, self._gust, self.residuals, self._numbers[14:], self._numbers[:14],
         )  # fmt: skip
         *solids, whole = around.solids(0.0, 0.0)
@@ -216,6 +217,7 @@ class RodSolver(Solver):
         """Run the step with the first of its numbers, on all threads that there is work for."""
         now, past = (*chain(*pose.rotation), *pose.translation), (*chain(*self.pose.rotation), *self.pose.translation)
         self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
+        np.multiply(self.mass, 1 + self._numbers[0] * self._numbers[7], out=self._burden)  # with what drag resists
         self._book[tickets.NEXT] = 0
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
         tickets.share_out(self._code, self._book, min(len(self.scratch), numba.get_num_threads()))
