@@ -85,7 +85,7 @@ def gather(
         veil[:] = ZERO
     else:
         hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE
-    points = lay(screen)
+    points = strip(screen)
     n = np.int64(0)
     m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
     for one in range(heads.shape[0]):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...constants import VECTOR
 from ...jit import inner, parallel, prange
-from ...simd import get, lay, put, root, some, strip, where, width
+from ...simd import deal_out, get, put, root, some, strip, where, width
 from .curves import into
 
 ZERO = np.float32(0.0)
@@ -53,15 +53,8 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
 @inner
 def beside(screen, begin, end, v, count, work):
     """Vertices from number v on, with one before and one after them, whose depth number is 0 where the strand ends."""
-    points = lay(screen)
     low = max(v - 1, begin)
-    at = np.uint64(low + 1 - v)
-    for k in range(np.uint64(min(v + count, end - 1) + 1 - low)):
-        place = np.uint64(3) * (np.uint64(low) + k)
-        to = at + k
-        work[np.uint64(X) + to] = points[place]
-        work[np.uint64(Y) + to] = points[place + np.uint64(1)]
-        work[np.uint64(NUMBER) + to] = points[place + np.uint64(2)]
+    deal_out(strip(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
     if v == begin:
         work[NUMBER] = ZERO
     if v + count == end:
@@ -142,7 +135,10 @@ def points(first, world, stride, view, screen):
 @inner
 def fetch(world, low, stride, count, work):
     """So many vertices, from number `low` on."""
-    points = lay(world)
+    points = strip(world)
+    if stride == 1:
+        deal_out(points, 3 * low, count, work, X, ROW)
+        return
     for k in range(np.uint64(count)):
         v = np.uint64(3) * (np.uint64(low) + k * np.uint64(stride))
         work[np.uint64(X) + k] = points[v]

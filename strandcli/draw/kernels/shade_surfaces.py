@@ -75,42 +75,57 @@ def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, w
     itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
     n = np.int64(0)
     solid = np.int64(-1)
-    focal = view[13]
+    blends = False
     row = p // width
-    column = p - row * width
-    while p < end and n < W:
-        key = keys[p]
-        if key != EMPTY and (key & LOW) >= solids.FIRST:
-            own = np.int64((key & LOW) - solids.FIRST)
-            fine = spots.shape[0] == 0 and folded(keys, p, column, width, view, spheres, capsules, own)
-            if n > 0 and (own != solid or fine):
-                break
+    for at in range(p, end):
+        key = keys[at]
+        if key == EMPTY or (key & LOW) < solids.FIRST:
+            continue
+        own = np.int64((key & LOW) - solids.FIRST)
+        if n > 0 and (own != solid or n == W):
+            return at, n, solid, False
+        if own != solid:
             solid = own
-            which[n] = p
-            side = np.int64(FINE if fine else 1)
-            for sample in range(side * side):
-                sx = np.float32(column) + (np.float32(sample % side) + HALF) / np.float32(side)
-                sy = np.float32(row) + (np.float32(sample // side) + HALF) / np.float32(side)
-                if spots.shape[0] > 0:
-                    sx = spots[p, 0]
-                    sy = spots[p, 1]
-                if view[12] > ZERO and not fine:  # the key tells: one over the depth
-                    t = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
-                else:
-                    ox, oy, oz, dx, dy, dz = solids.ray(view, (sx - view[15]) / focal, (view[16] - sy) / focal)
-                    t = solids.meet(spheres, capsules, planes, boxes, own, ox, oy, oz, dx, dy, dz)
-                work[SX + n] = sx
-                work[SY + n] = sy
-                work[DISTANCE + n] = t
-                n += np.int64(not fine or t != solids.INF)
-            if fine:
-                return p + 1, n, solid, True
-        p += 1
-        column += 1
-        if column == width:
-            column = np.int64(0)
+            blends = spots.shape[0] == 0 and seams.blends(spheres, capsules, own)
+        while at >= (row + 1) * width:
             row += 1
-    return p, n, solid, False
+        column = at - row * width
+        if blends and folded(keys, at, column, width, view):
+            if n > 0:
+                return at, n, solid, False
+            which[0] = at
+            return at + 1, rays(work, column, row, view, spheres, capsules, planes, boxes, own), solid, True
+        which[n] = at
+        work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
+        work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
+        if view[12] > ZERO:  # the key tells: one over the depth
+            work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+        else:
+            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, spheres, capsules, planes, boxes, own)
+        n += 1
+    return end, n, solid, False
+
+
+@inner
+def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
+    """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
+    n = np.int64(0)
+    for sample in range(FINE * FINE):
+        x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
+        y = np.float32(row) + (np.float32(sample // FINE) + HALF) / np.float32(FINE)
+        t = distance(x, y, view, spheres, capsules, planes, boxes, which)
+        work[SX + n] = x
+        work[SY + n] = y
+        work[DISTANCE + n] = t
+        n += np.int64(t != solids.INF)
+    return n
+
+
+@inner
+def distance(x, y, view, spheres, capsules, planes, boxes, which):
+    """How far off solid number `which` is at a place on the screen."""
+    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[15]) / view[13], (view[16] - y) / view[13])
+    return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
 
 
 @inner
@@ -145,9 +160,9 @@ def surroundings(ambient, sky, x, y, z):
 
 
 @inner
-def folded(keys, at, column, width, view, spheres, capsules, which):
-    """Whether solid number `which`, if it is one that blends, ends in front of itself at pixel number `at`."""
-    if not seams.blends(spheres, capsules, which) or at < width or at >= keys.shape[0] - width:
+def folded(keys, at, column, width, view):
+    """Whether a solid that blends ends in front of itself at pixel number `at`."""
+    if at < width or at >= keys.shape[0] - width:
         return False
     if column < 1 or column > width - 2:
         return False
