@@ -14,6 +14,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
+    x, y, z = deal(rows, o)     vectors of every third number from places o, o + 1 and o + 2 on
+    deal_out(rows, o, count, work, to, stride)      the same of so many triples, into an array
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), whole(x), sine(x), cosine(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
@@ -281,6 +283,27 @@ def put3(rows, o, stride, x, y, z):
 
 
 @intrinsic
+def deal(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Three vectors, of numbers that take turns from place o on."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0]
+        place = _here(context, builder, kind, *args)
+        count = place.type.pointee.count
+        every = builder.bitcast(place, ir.VectorType(place.type.pointee.element, 3 * count).as_pointer())
+        numbers = builder.load(every, align=kind.dtype.bitwidth // 8)
+        turns = ir.VectorType(ir.IntType(32), count)
+        out = [
+            builder.shuffle_vector(numbers, numbers, ir.Constant(turns, list(range(i, 3 * count, 3)))) for i in range(3)
+        ]
+        return context.make_tuple(builder, sig.return_type, out)
+
+    return types.UniTuple(_lanes(rows), 3)(rows, o), emit
+
+
+@intrinsic
 def width(typingctx: Any, rows: Any) -> Any:
     """How many lanes a vector of these rows has."""
     if not isinstance(rows, Rows):
@@ -376,3 +399,18 @@ def spread(typingctx: Any, like: Any, x: Any) -> Any:
         return _wide(context, builder, args[1], sig.args[1], sig.return_type)
 
     return _lanes(like)(like, x), emit
+
+
+@inner
+def deal_out(rows, o, count, work, to, stride):
+    """So many triples of numbers from place o on into a flat array, from places to, to + stride and to + 2 stride on:
+    vectors as far as they go."""
+    out = strip(work)
+    whole = count - count % width(rows)
+    for k in range(0, whole, width(rows)):
+        x, y, z = deal(rows, o + 3 * k)
+        put3(out, to + k, stride, x, y, z)
+    for k in range(whole, count):
+        work[to + k] = rows[o + 3 * k]
+        work[to + k + stride] = rows[o + 3 * k + 1]
+        work[to + k + 2 * stride] = rows[o + 3 * k + 2]

@@ -34,6 +34,7 @@ ONE = np.float32(1)
 ROW = np.ones(24, np.float32)
 TABLE = np.ones((4, 24), np.float32)
 KEYS = np.zeros(64, np.uint64)
+WORK = np.ones(project.ROWS * project.ROW, np.float32)
 BLOCK = np.ones((5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
 SOLIDS = (TABLE, TABLE, TABLE, TABLE)
@@ -46,7 +47,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "cubic": (curves.cubic, (ONE, ONE, ONE)),
     "slack": (curves.slack, (ONE, ONE, ONE)),
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
-    "place": (project.place, (TABLE, 1, ONE, ONE, ONE)),
+    "throw": (project.throw, (WORK, 8, ROW)),
+    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
     "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
     "ribbon": (raster.ribbon, (*[ONE] * 8, (ONE, ONE), 0, 8, 8, np.uint64(1), KEYS)),
     "front": (raster.front, (ONE, ONE, ONE, (ONE, ONE))),

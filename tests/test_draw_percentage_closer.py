@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from test_draw_opacity import straight
 
+from strandcli.constants import W
 from strandcli.draw import dual
 from strandcli.draw.camera import axes
+from strandcli.draw.kernels import batch, opacity, percentage_closer, surface_batch
 from strandcli.draw.kernels import dual as kernel
-from strandcli.draw.kernels import opacity, percentage_closer
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import Thickness, plan_maps
@@ -46,9 +48,17 @@ def left(
     numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     if by is opacity:
         return np.exp([-opacity.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
-    asked = np.float32(points)
-    found = np.array([percentage_closer.left(x, y, z, *numbers[:2], veil, *numbers[2:]) for x, y, z in asked])
+    found = np.concatenate([leave(some, veil, *numbers) for some in np.split(points, range(W, len(points), W))])
     return found[:, 0] if veil is None else found
+
+
+def leave(points: NDArray[np.float64], veil: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
+    """(n, 3) What strands leave each of a batch of points that light arrives at."""
+    work = np.zeros((surface_batch.ROWS, W), np.float32)
+    work[:3, : len(points)] = points.T
+    work[batch.ARRIVES // W] = 1
+    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], veil, *numbers[2:])
+    return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 
 def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], rays: int = 256) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from numba import njit
 
 from strandcli.constants import VECTOR
 from strandcli.simd import (
+    deal_out,
     get,
     get3,
     greatest,
@@ -128,6 +129,24 @@ def test_half_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
     expected = np.arange(3 * count)
     expected[count : 2 * count] = 2 * (1 + np.arange(count))
     np.testing.assert_array_equal(numbers, expected)
+
+
+@njit
+def deal_all(given, o, count, work, to, stride):
+    """From one array to the other."""
+    deal_out(strip(given), o, count, work, to, stride)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 21])
+def test_triples_are_dealt_out_and_nothing_beyond_them(dtype: Any, count: int) -> None:
+    given = np.arange(3 * count + 2, dtype=dtype)
+    work = np.full(100, -1, dtype)
+    deal_all(given, 2, count, work, 3, 30)
+    expected = np.full(100, -1, dtype)
+    for row in range(3):
+        expected[3 + 30 * row :][:count] = given[2 + row :: 3][:count]
+    np.testing.assert_array_equal(work, expected)
 
 
 def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:

@@ -18,11 +18,14 @@ import math
 
 import numpy as np
 
-from ...jit import function
+from ...constants import W
+from ...jit import function, inner
 from . import opacity
 from .approximations import exp
+from .batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from .dual import HALF_WAY
 from .shadow import texel_of
+from .surface_batch import FIRST_U, FIRST_V, LAST_U, LAST_V, LEFT, LOST, PASSED, PER, PLACE, TOTAL, WEIGHT
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -37,64 +40,134 @@ DARK = np.float32(1e-6)
 
 
 @function
-def left(x, y, z, lights, i, veil, stacks, starts, sizes, views):
-    """Share of light number i, in red, green and blue, that strands leave a point of a solid.
+def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
+    """Share of light number i, in red, green and blue, that strands leave the first n points of a batch on a solid.
 
-    As `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`; veil (n, 3): of
-    `strandcli.draw.dual.veil_of`, None where strands shade in grey and by e^-τ alone.
+    Rows of `surface_batch`: from the points and what `ARRIVES`, to `LEFT`, which is 1 where nothing arrives. lights …
+    views: as `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`; veil
+    (n, 3): of `strandcli.draw.dual.veil_of`, None where strands shade in grey and by e^-τ alone.
+
+    Texel by texel, each of which is the same place about all points: those that a point has none at weigh nothing.
     """
-    layers = np.int64(lights[i, 10])
-    stride = layers + opacity.HEAD + 1
+    for k in range(n):
+        work[INSIDE + k] = ZERO
+    for k in range(3 * W):
+        work[LEFT + k] = ONE
     for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
-        u, v, d = texel_of(x, y, z, views, one)
         size = sizes[one]
-        edge = np.float32(size - 1)
-        flat = views[one, 12] == ZERO
-        # beside a perspective map begins the next one of the same light
-        room = MOST if flat else ZERO
-        if d < views[one, 14] or u < -room or v < -room or u >= edge + room or v >= edge + room:
-            continue
-        away = max(d - views[one, 14] - HALF * views[one, 19], ZERO)
-        blur = lights[i, 12] * away * views[one, 13] if flat else ZERO
-        if not flat:
-            angle = lights[i, 12] if lights[i, 0] == ZERO else lights[i, 12] / max(d, DARK)
-            blur = angle * away * views[one, 13] / max(d, DARK)
+        about(work, n, lights, i, views, one, size)
+        wide = most(work, n, FIRST_U, LAST_U)
+        tall = most(work, n, FIRST_V, LAST_V)
+        for k in range(n):
+            work[TOTAL + k] = ZERO
+        for k in range(3 * W):
+            work[LOST + k] = ZERO
+        for row in range(tall):
+            for column in range(wide):
+                weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
+                sink(work, n, np.uint64(starts[one]), np.int64(lights[i, 10]), stacks)
+                if veil is None:
+                    for k in range(n):
+                        passed = work[PASSED + k]
+                        lost = work[WEIGHT + k] * (ONE - exp(-passed))
+                        work[LOST + k] += lost if passed > ZERO else ZERO
+                else:
+                    dim(work, n, veil)
+        for c in range(3):
+            row = LOST if veil is None else LOST + c * W
+            for k in range(n):
+                left = ONE - work[row + k] * (ONE / max(work[TOTAL + k], DARK))
+                work[LEFT + c * W + k] = left if work[INSIDE + k] > ZERO else work[LEFT + c * W + k]
+        for k in range(n):
+            work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+
+
+@inner
+def about(work, n, lights, i, views, one, size):
+    """Which texels of a map are about each point that light arrives at and that no map before held; 1 in the row
+    `INSIDE` where there are any."""
+    edge = np.float32(size - 1)
+    flat = views[one, 12] == ZERO
+    near = views[one, 14]
+    # beside a perspective map begins the next one of the same light
+    room = MOST if flat else ZERO
+    for k in range(n):
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
+        held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
+        u = u if held else ZERO
+        v = v if held else ZERO
+        away = max(d - near - HALF * views[one, 19], ZERO)
+        far = max(d, DARK)
+        angle = lights[i, 12] if flat or lights[i, 0] == ZERO else lights[i, 12] / far
+        blur = angle * away * views[one, 13]
+        blur = blur if flat else blur / far
         reach = min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), MOST)
-        per = ONE / reach
-        left = np.int64(np.ceil(u - reach))
-        right = np.int64(np.floor(u + reach))
-        top = np.int64(np.ceil(v - reach))
-        bottom = np.int64(np.floor(v + reach))
-        d -= lights[i, 9]
-        total = ZERO
-        red = ZERO
-        green = ZERO
-        blue = ZERO
-        for row in range(top, bottom + 1):
-            down = (np.float32(row) - v) * per
-            down = ONE - down * down
-            for column in range(left, right + 1):
-                across = (np.float32(column) - u) * per
-                across = ONE - across * across
-                weight = down * down * across * across
-                total += weight
-                if row >= 0 and column >= 0 and row < size and column < size:
-                    base = np.uint64(starts[one] + (row * size + column) * stride)
-                    passed = opacity.depth_at(d, base, layers, stacks)
-                    if passed <= ZERO:
-                        continue
-                    if veil is None:
-                        red += weight * (ONE - exp(-passed))
-                    else:
-                        at = passed / (passed + HALF_WAY) * np.float32(veil.shape[0] - 1)
-                        k = min(np.int64(at), veil.shape[0] - 2)
-                        at -= np.float32(k)
-                        red += weight * (veil[k, 0] + at * (veil[k + 1, 0] - veil[k, 0]))
-                        green += weight * (veil[k, 1] + at * (veil[k + 1, 1] - veil[k, 1]))
-                        blue += weight * (veil[k, 2] + at * (veil[k + 1, 2] - veil[k, 2]))
-        if veil is None:
-            green = red
-            blue = red
-        per = ONE / max(total, DARK)
-        return ONE - red * per, ONE - green * per, ONE - blue * per
-    return ONE, ONE, ONE
+        work[U + k] = u
+        work[V + k] = v
+        work[DEPTH + k] = d - lights[i, 9]
+        work[PER + k] = ONE / reach
+        work[FIRST_U + k] = -below(reach - u)
+        work[FIRST_V + k] = -below(reach - v)
+        work[LAST_U + k] = below(u + reach) if held else -MOST - MOST
+        work[LAST_V + k] = below(v + reach) if held else -MOST - MOST
+        work[INSIDE + k] = ONE if held else work[INSIDE + k]
+
+
+@inner
+def below(x):
+    """The greatest whole number that is no greater, as a loop's compiler knows it."""
+    whole = np.float32(np.int32(x))
+    return whole - ONE if whole > x else whole
+
+
+@inner
+def most(work, n, first, last):
+    """The greatest number of columns or rows that a point has about it."""
+    out = ZERO
+    for k in range(n):
+        out = max(out, work[last + k] - work[first + k] + ONE)
+    return np.int64(out)
+
+
+@inner
+def weigh(work, n, row, column, size):
+    """Number and weight of the texel in this row and column of those about each point."""
+    for k in range(n):
+        across = work[FIRST_U + k] + column
+        down = work[FIRST_V + k] + row
+        there = (across <= work[LAST_U + k]) & (down <= work[LAST_V + k])
+        held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
+        work[PLACE + k] = down * size + across if held else -ONE
+        across = (across - work[U + k]) * work[PER + k]
+        across = ONE - across * across
+        down = (down - work[V + k]) * work[PER + k]
+        down = ONE - down * down
+        weight = down * down * across * across if there else ZERO
+        work[WEIGHT + k] = weight
+        work[TOTAL + k] += weight
+
+
+@inner
+def sink(work, n, start, layers, stacks):
+    """Strands in front of each point in that texel, 0 where there is none."""
+    stride = np.uint64(layers + opacity.HEAD + 1)
+    for k in range(n):
+        place = work[PLACE + k]
+        passed = ZERO
+        if place >= ZERO:
+            passed = opacity.depth_at(work[DEPTH + k], start + np.uint64(np.int64(place)) * stride, layers, stacks)
+        work[PASSED + k] = passed
+
+
+@inner
+def dim(work, n, veil):
+    """Add the light that strands in that texel take from each point, in red, green and blue."""
+    for k in range(n):
+        passed = work[PASSED + k]
+        if passed > ZERO:
+            at = passed / (passed + HALF_WAY) * np.float32(veil.shape[0] - 1)
+            j = min(np.int64(at), veil.shape[0] - 2)
+            at -= np.float32(j)
+            for c in range(3):
+                work[LOST + c * W + k] += work[WEIGHT + k] * (veil[j, c] + at * (veil[j + 1, c] - veil[j, c]))

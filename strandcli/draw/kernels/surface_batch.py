@@ -1,0 +1,23 @@
+"""Rows of a batch of points of one solid that are lit together: those of `batch`, and what surfaces have beside them.
+
+A surface's normal is in the rows of a strand's tangent, and the light of its coat in those of a strand's colour.
+"""
+
+from __future__ import annotations
+
+from ...constants import W
+from .batch import COLOUR, EXTRA, TEXELS, TX, TY, TZ
+
+NX, NY, NZ = TX, TY, TZ
+COAT = COLOUR
+# Place of the point itself while `X` is above the surface; on the screen, with the depth along its ray; how wide a
+# pixel is there; how much of the picture it becomes; share of light that the coat leaves; of one light its cosine, what
+# strands leave of it, and what arrives, in red, green and blue.
+PX = EXTRA
+SX, SY, DISTANCE, PIXEL, THERE, UNDER, COSINE = (TEXELS + i * W for i in range(7))
+LEFT, ARRIVED = TEXELS + 7 * W, TEXELS + 10 * W
+# Texels about a point: one over how far they reach, the first and the last column and row, sums of weights and of light
+# that is lost; of one texel its number, −1 for none, its weight, and the strands in front of the point.
+PER, FIRST_U, LAST_U, FIRST_V, LAST_V, TOTAL = (TEXELS + i * W for i in range(13, 19))
+LOST, PLACE, WEIGHT, PASSED = TEXELS + 19 * W, TEXELS + 22 * W, TEXELS + 23 * W, TEXELS + 24 * W
+ROWS = 27 + 25
