@@ -69,40 +69,24 @@ def points(first, world, stride, view, screen):
     """
     focal = view[13]
     near = view[14]
-    cx = view[15]
-    cy = view[16]
-    if view[12] > ZERO:
-        for s in prange(first.shape[0] - 1):
-            begin = first[s]
-            end = first[s + 1]
-            at = (begin - s) // stride + s - 1
-            for v in range(begin, end, stride):
-                at += 1
-                x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
-                if z < near:
-                    front, x, y = forward(world, view, v, stride, begin, end, x, y, z)
-                    if not front:
-                        place(screen, at, ZERO, ZERO, ZERO)
-                        continue
-                    z = near
-                q = ONE / z
-                place(screen, at, cx + focal * x * q, cy - focal * y * q, q)
-    else:
-        far = ONE / view[19]
-        for s in prange(first.shape[0] - 1):
-            begin = first[s]
-            end = first[s + 1]
-            at = (begin - s) // stride + s - 1
-            for v in range(begin, end, stride):
-                at += 1
-                x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
-                if z < near:
-                    front, x, y = forward(world, view, v, stride, begin, end, x, y, z)
-                    if not front:
-                        place(screen, at, ZERO, ZERO, ZERO)
-                        continue
-                    z = near
-                place(screen, at, cx + focal * x, cy - focal * y, max(ONE - (z - near) * far, ZERO))
+    perspective = view[12] > ZERO
+    far = ONE / view[19]
+    for s in prange(first.shape[0] - 1):
+        begin = first[s]
+        end = first[s + 1]
+        at = (begin - s) // stride + s - 1
+        for v in range(begin, end, stride):
+            at += 1
+            x, y, z = into(world[v, 0], world[v, 1], world[v, 2], view)
+            if z < near:
+                front, x, y = forward(world, view, v, stride, begin, end, x, y, z)
+                if not front:
+                    place(screen, at, ZERO, ZERO, ZERO)
+                    continue
+                z = near
+            q = ONE / z if perspective else max(ONE - (z - near) * far, ZERO)
+            scale = q if perspective else ONE
+            place(screen, at, view[15] + focal * x * scale, view[16] - focal * y * scale, q)
 
 
 @inner
