@@ -163,6 +163,10 @@ def test_light_that_strands_scatter_on_comes_down_beside_a_shadow_that_is_far_aw
 
 def test_nothing_in_front_of_all_strands_is_shaded_but_what_a_lamp_shades_is() -> None:
     assert (left(percentage_closer, SUN, -3 * np.array([SUN.direction])) == 1).all()
+    down = DirectionalLight(direction=(0.0, -1.0, 0.0), shadow=DEEP)
+    beside, under = left(percentage_closer, down, np.array([[-0.3, 1.0, 0.2], [-0.3, -0.1, 0.2]]), lines=thatch(250, 2))
+    assert beside > 0.8  # a strand is above it, and all others below
+    assert under < 0.1
     inside = PointLight(position=(0.1, 0.05, -0.1), size=0.02, shadow=DEEP)
     assert left(percentage_closer, inside, np.array([[0.9, -1.4, 0.8]]))[0] < 0.9
 
