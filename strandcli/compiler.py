@@ -102,7 +102,8 @@ def spare() -> None:
     if numba.__version__.rpartition(".")[0] not in TESTED:
         return
     for part in (
-        _emit_whole_kernels, _wrap_nothing_of_numba, _remember_calls, _compare_flags, _list_variables,
+        _emit_whole_kernels, _wrap_nothing_of_numba, _remember_calls, _compare_flags, _list_variables, _run_passes,
+        _ask_late_for_lives, _copy_sets,
     ):  # fmt: skip
         try:
             part()
@@ -111,14 +112,22 @@ def spare() -> None:
 
 
 def _emit_whole_kernels() -> None:
-    """No machine code for parts, which is dear; and a parallel loop, which Numba optimises by itself, in what calls it,
-    in what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and in the
-    kernel."""
+    """No machine code for parts, which is dear. A parallel loop, which Numba optimises by itself, in what calls it, in
+    what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and linked to the
+    kernel when that has been. (To leave out the passes over each function of a part, before those over the whole, saves
+    a twentieth too, and some kernels come out slower.)"""
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 
-    finish, optimise, note = (
-        CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module, JITCPUCodegen.set_env,
+    link, finish, optimise, note = (
+        CPUCodeLibrary.finalize, CPUCodeLibrary._finalize_final_module, CPUCodeLibrary._optimize_final_module,
+        JITCPUCodegen.set_env,
     )  # fmt: skip
+
+    def link_loops_last(self: Any) -> None:
+        mine = kernel.depth > 0 and not self.name.startswith(_LOOP)
+        self._loops = [one for one in self._linking_libraries if mine and one.name.startswith(_LOOP[1:])]
+        self._linking_libraries = [one for one in self._linking_libraries if one not in self._loops]
+        link(self)
 
     def finish_whole(self: Any) -> None:
         # what comes from the cache may be called by Python whoever asked for it, and its machine code is there
@@ -131,6 +140,9 @@ def _emit_whole_kernels() -> None:
     def optimise_once(self: Any) -> None:
         if kernel.depth == 0 or not self.name.startswith(_LOOP[1:]):
             optimise(self)
+        for loop in getattr(self, "_loops", ()):
+            self._reload_init.update(loop._reload_init)
+            self._final_module.link_in(loop._get_module_for_linking(), preserve=True)
 
     def note_or_wait(self: Any, name: str, environment: Any) -> None:
         if kernel.depth == 0 or self._engine.get_global_value_address(name):
@@ -138,6 +150,7 @@ def _emit_whole_kernels() -> None:
         else:
             kernel.environments.append((name, environment))
 
+    CPUCodeLibrary.finalize = link_loops_last  # type: ignore[method-assign]
     CPUCodeLibrary._finalize_final_module = finish_whole  # type: ignore[method-assign]
     CPUCodeLibrary._optimize_final_module = optimise_once  # type: ignore[method-assign]
     JITCPUCodegen.set_env = note_or_wait  # type: ignore[method-assign]
@@ -221,3 +234,73 @@ def _list_variables() -> None:
         return found
 
     Inst._rec_list_vars = variables  # type: ignore[method-assign]
+
+
+def _run_passes() -> None:
+    """Each of the thirty passes over a function, without timers, a description of it and of its settings for listeners
+    that nobody is, and a look at whether Numba keeps its own rules."""
+    from numba.core import errors
+    from numba.core.compiler_machinery import PassManager
+
+    run = PassManager._runPass
+
+    def run_alone(self: Any, index: int, one: Any, state: Any) -> None:
+        if kernel.depth == 0 or self._ENFORCING:
+            run(self, index, one, state)
+            return
+        one.analysis = self._analysis
+        with errors.new_error_context("Pass {name}", name=one.name()):  # type: ignore[attr-defined]
+            one.run_initialization(state)
+            one.run_pass(state)
+            one.run_finalizer(state)
+
+    PassManager._runPass = run_alone  # type: ignore[method-assign]
+
+
+def _ask_late_for_lives() -> None:
+    """Where variables begin and end to live is found out when somebody asks, not after each pass; and which are there
+    where a block begins, which only generators and Python's own objects need."""
+    from numba.core import analysis, transforms
+    from numba.core.ir import FunctionIR
+    from numba.core.postproc import PostProcessor, VariableLifetime
+
+    run, ask = PostProcessor.run, FunctionIR.get_block_entry_vars
+
+    def run_lazily(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+        function = self.func_ir
+        if kernel.depth == 0 or function.is_generator:
+            run(self, emit_dels, extend_lifetimes)
+            return
+        function.blocks = transforms.canonicalize_cfg(function.blocks)
+        function.variable_lifetime = VariableLifetime(function.blocks)
+        function.generator_info = None
+        function.block_entry_vars.clear()
+        if emit_dels:
+            self._insert_var_dels(extend_lifetimes=extend_lifetimes)
+
+    def ask_late(self: Any, block: Any) -> Any:
+        if block not in self.block_entry_vars:
+            lives = VariableLifetime(self.blocks)
+            alive = analysis.compute_live_variables(
+                lives.cfg, self.blocks, lives.usedefs.defmap, lives.deadmaps.combined
+            )
+            self.block_entry_vars.update((one, alive[place]) for place, one in self.blocks.items())
+        return ask(self, block)
+
+    PostProcessor.run = run_lazily  # type: ignore[method-assign]
+    FunctionIR.get_block_entry_vars = ask_late  # type: ignore[method-assign]
+
+
+def _copy_sets() -> None:
+    """What is compared with what it was is sets of names, which need no deep copies."""
+    import copy
+    from types import SimpleNamespace
+
+    from numba.core import ir_utils
+
+    def copied(value: Any) -> Any:
+        if type(value) is dict and all(type(one) is set for one in value.values()):
+            return {key: set(one) for key, one in value.items()}
+        return copy.deepcopy(value)
+
+    ir_utils.copy = SimpleNamespace(copy=copy.copy, deepcopy=copied)  # type: ignore[assignment]

@@ -7,12 +7,15 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
     rows = strip(array)         the same, and vectors of half as many: where most loops are short
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
-    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address
+    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address, and
+    rows = strip_at(np.float32, a); pile = stack_at(np.float32, a)   with vectors of half as many
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
+    x, y, z = deal(rows, o)     vectors of every third number from places o, o + 1 and o + 2 on
+    deal_out(rows, o, count, work, to, stride)      the same of so many triples, into an array
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), whole(x), sine(x), cosine(x)
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
@@ -185,7 +188,7 @@ heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
 
-def _addressed(whole: bool) -> Callable[..., Any]:
+def _addressed(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
     def typed(typingctx: Any, kind: Any, address: Any) -> Any:
         if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
             return None
@@ -193,15 +196,19 @@ def _addressed(whole: bool) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
 
-        return Rows(kind.instance_type, whole, VECTOR)(kind, address), emit
+        return Rows(kind.instance_type, whole, size)(kind, address), emit
 
     return typed
 
 
 lay_at: Any = intrinsic(_addressed(False))
 """The numbers of a type, such as np.float32, that begin at an address."""
+strip_at: Any = intrinsic(_addressed(False, VECTOR // 2))
+"""The same, for vectors of half the length."""
 heap_at: Any = intrinsic(_addressed(True))
 """The vectors of such numbers."""
+stack_at: Any = intrinsic(_addressed(True, VECTOR // 2))
+"""Their vectors of half the length."""
 
 
 @infer_global(operator.getitem)
@@ -273,6 +280,27 @@ def put3(rows, o, stride, x, y, z):
     put(rows, o, x)
     put(rows, o + stride, y)
     put(rows, o + 2 * stride, z)
+
+
+@intrinsic
+def deal(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Three vectors, of numbers that take turns from place o on."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0]
+        place = _here(context, builder, kind, *args)
+        count = place.type.pointee.count
+        every = builder.bitcast(place, ir.VectorType(place.type.pointee.element, 3 * count).as_pointer())
+        numbers = builder.load(every, align=kind.dtype.bitwidth // 8)
+        turns = ir.VectorType(ir.IntType(32), count)
+        out = [
+            builder.shuffle_vector(numbers, numbers, ir.Constant(turns, list(range(i, 3 * count, 3)))) for i in range(3)
+        ]
+        return context.make_tuple(builder, sig.return_type, out)
+
+    return types.UniTuple(_lanes(rows), 3)(rows, o), emit
 
 
 @intrinsic
@@ -371,3 +399,18 @@ def spread(typingctx: Any, like: Any, x: Any) -> Any:
         return _wide(context, builder, args[1], sig.args[1], sig.return_type)
 
     return _lanes(like)(like, x), emit
+
+
+@inner
+def deal_out(rows, o, count, work, to, stride):
+    """So many triples of numbers from place o on into a flat array, from places to, to + stride and to + 2 stride on:
+    vectors as far as they go."""
+    out = strip(work)
+    whole = count - count % width(rows)
+    for k in range(0, whole, width(rows)):
+        x, y, z = deal(rows, o + 3 * k)
+        put3(out, to + k, stride, x, y, z)
+    for k in range(whole, count):
+        work[to + k] = rows[o + 3 * k]
+        work[to + k + stride] = rows[o + 3 * k + 1]
+        work[to + k + 2 * stride] = rows[o + 3 * k + 2]

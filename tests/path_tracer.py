@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from strandcli.study.pictures.subject import Subject
 
 SCALE = 100
-"""How many times larger the scene is for the path tracer. Its shadow rays begin 9e-5 · (1 + the greatest coordinate) off
-the surface, so that in metres they miss what is within three radii of a hair; so they miss what is within a twentieth of
-a radius to a half."""
+"""How many times larger the scene is for the path tracer. Its shadow rays begin 9e-5 · (1 + the greatest coordinate)
+off the surface: in metres they miss what is within three radii of a hair, so within a half, and within a twentieth of a
+strand as wide as a pixel.
+"""
 PASS = 128
 """Samples a pixel between one save and the next."""
 DEATHS = 40
@@ -133,9 +134,10 @@ def _write(subject: Subject, folder: Path, depth: int) -> None:
     tables = chiang.build_tables(material)
     assert tables is not None
     (folder / "scene.json").write_text(json.dumps({
-        "depth": depth, "size": scene.image.size, "fov": camera.fov, "position": [SCALE * x for x in camera.position],
-        "target": [SCALE * x for x in camera.target], "up": camera.up, "sigma": tables.absorption.tolist(), "beta_m": material.beta_m,
-        "beta_n": material.beta_n, "tilt": material.tilt, "eta": material.eta,
+        "depth": depth, "size": scene.image.size, "fov": camera.fov, "up": camera.up,
+        "position": [SCALE * x for x in camera.position], "target": [SCALE * x for x in camera.target],
+        "sigma": tables.absorption.tolist(), "beta_m": material.beta_m, "beta_n": material.beta_n,
+        "tilt": material.tilt, "eta": material.eta,
         "lights": [{"direction": light.direction, "power": [light.intensity * c for c in light.colour]}
                    for light in scene.lights],
     }))  # fmt: skip

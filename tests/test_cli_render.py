@@ -119,6 +119,36 @@ def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
     assert hashes("a")[1] != first["frames"][0]["pixels_sha256"]
 
 
+def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> None:
+    run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
+    first = report("a")["frames"]
+    Path("a/frame_0003.png").unlink()
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "5", "--json")
+    assert "kept" not in result.err  # of what was asked for
+    assert json.loads(result.out) == report("a")
+    entries = report("a")["frames"]
+    assert [entry["frame"] for entry in entries] == [1, 2, 5]
+    assert entries[:2] == [{**entry, "kept": True} for entry in first[:2]]
+    assert "kept" not in entries[2]
+    run("render", "tiny.yaml", "-o", "a", "-f", "2", "--overwrite")
+    assert [entry.get("kept", False) for entry in report("a")["frames"]] == [True, False, True]
+    run("render", "tiny.yaml", "-o", "a", "-f", "2,6", "--overwrite", "--seed", "9")
+    assert [entry["frame"] for entry in report("a")["frames"]] == [2, 6]
+    run("render", "tiny.yaml", "-o", "b", "-f", "2", "--seed", "9")
+    Path("a/frame_0006.png").write_bytes(Path("a/frame_0001.png").read_bytes())  # another scene's
+    run("render", "tiny.yaml", "-o", "a", "-f", "7", "--seed", "9")
+    assert [entry["frame"] for entry in report("a")["frames"]] == [2, 7]
+
+
+def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
+    several = [child(run.folder, "render", "tiny.yaml", "-o", "a", "-f", f"{n}-12x3", "-q") for n in (1, 2, 3)]
+    for process in several:
+        out, err = process.communicate(timeout=240)
+        assert (process.returncode, out, err) == (0, "", "")
+    assert [entry["frame"] for entry in report("a")["frames"]] == list(range(1, 13))
+    assert names("a") == [*(frames.frame_file(n) for n in range(1, 13)), "report.json"]
+
+
 def test_nothing_is_computed_when_all_is_there(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     run("render", "tiny.yaml", "-o", "a", "-f", "1-2")
     monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
@@ -161,6 +191,31 @@ def test_animations_are_made_from_the_frames(run: Runner) -> None:
             assert (film.size, getattr(film, "n_frames", 1)) == ((64, 48), 3)
     again = run("render", "tiny.yaml", "-o", "b", "-f", "1-3", "--animate", "gif", "--set", "time.fps=100", "--verbose")
     assert "plays 50 frames a second, all that gif can; 100 were asked" in again.err
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_while_an_animation_is_written_is_told(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, number: int, code: int
+) -> None:
+    read = png.read
+
+    def late(path: Path, mode: str = "RGB") -> png.Pixels:
+        if Path("a", ".here").exists() and any(name.endswith(".tmp") for name in names("a")):
+            os.kill(os.getpid(), number)
+        return read(path, mode)
+
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5").code == 0
+    Path("a/.here").touch()
+    monkeypatch.setattr(png, "read", late)
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif,webp")
+    assert result.code == code
+    words = "animation.gif is not written; 5 finished frames stay, --resume goes on"
+    assert result.err.strip() == f"a: interrupted; {words}"
+    assert names("a") == [".here", *(frames.frame_file(n) for n in range(1, 6)), "report.json"]
+    Path("a/.here").unlink()
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif").code == 0
+    with Image.open("a/animation.gif") as film:
+        assert getattr(film, "n_frames", 1) == 5
 
 
 def test_panels_are_drawn_resumed_and_not_simulated(run: Runner) -> None:

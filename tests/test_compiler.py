@@ -96,6 +96,66 @@ def test_errors_raised_in_a_part_arrive_in_python() -> None:
         strict(-1)
 
 
+def test_a_loop_is_optimised_by_itself_and_not_again_in_its_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    from numba.core.codegen import CPUCodeLibrary
+
+    @parallel
+    def doubled(values, out):
+        for i in prange(values.shape[0]):
+            out[i] = values[i] + values[i]
+
+    bodies: dict[str, list[int]] = {}  # by the name of what is optimised how many loops are in it
+    optimise = CPUCodeLibrary._optimize_final_module
+
+    def watched(self: Any) -> None:
+        bodies.setdefault(self.name.split("(")[0], []).append(loops(self))
+        optimise(self)
+
+    def loops(library: Any) -> int:
+        return sum("parfor_gufunc" in one.name and not one.is_declaration for one in library._final_module.functions)
+
+    monkeypatch.setattr(CPUCodeLibrary, "_optimize_final_module", watched)
+    values = np.arange(5, dtype=np.float64)
+    out = np.zeros(5)
+    doubled(values, out)
+    np.testing.assert_array_equal(out, 2 * values)
+    of_kernel = [found for name, found in bodies.items() if "doubled" in name]
+    assert of_kernel == [[0]]
+    of_loop = [found for name, found in bodies.items() if name.startswith("__numba_parfor_gufunc")]
+    assert len(of_loop) == 1
+    assert of_loop[0][0] > 0
+
+
+def test_generators_and_python_objects_know_which_variables_live() -> None:
+    @numba.njit
+    def counted(n):
+        total = 0
+        for i in range(n):
+            total += i
+            yield total
+
+    @numba.jit(forceobj=True, looplift=False)
+    def joined(words):
+        text = ""
+        for word in words:
+            if word:
+                text = text + word
+        return text
+
+    assert list(counted(5)) == [0, 1, 3, 6, 10]
+    assert joined(["a", "", "b"]) == "ab"
+
+
+def test_copies_are_apart_from_what_they_were_made_of() -> None:
+    from numba.core import ir_utils
+
+    for original in ({1: {"a"}, 2: set()}, {1: ["a"]}, [{"a"}]):
+        copied = ir_utils.copy.deepcopy(original)
+        assert copied == original
+        inside, inside_copy = (list(one.values()) if isinstance(one, dict) else one for one in (original, copied))
+        assert all(a is not b for a, b in zip(inside, inside_copy, strict=True))
+
+
 def test_settings_are_equal_where_all_of_them_are() -> None:
     flags, other = Flags(), Flags()
     assert flags == other

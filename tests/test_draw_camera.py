@@ -93,6 +93,18 @@ def test_vertices_are_projected_as_in_double_precision(camera: Camera) -> None:
 
 
 @CAMERAS
+def test_of_long_strands_every_so_manieth_vertex_is_projected(camera: Camera) -> None:
+    view = camera_view(camera, 0.0, 400, 300, BOX)
+    strands = np.split(np.random.default_rng(2).uniform(-2, 2, (463, 3)), [1, 130, 131, 262])
+    every = np.split(screen_of(view, *strands), [1, 130, 131, 262])
+    for stride in (1, 2, 4):
+        kept = [strand[: (len(strand) - 1) // stride * stride + 1] for strand in strands]
+        lines = Polylines(np.cumsum([0, *map(len, kept)]), np.concatenate(kept).astype(np.float32))
+        wanted = [of[: len(strand) : stride] for of, strand in zip(every, kept, strict=True)]
+        np.testing.assert_array_equal(to_screen(lines, view, Scratch(), stride=stride), np.concatenate(wanted))
+
+
+@CAMERAS
 def test_a_piece_that_crosses_the_near_plane_is_clipped_there(camera: Camera) -> None:
     view = camera_view(camera, 0.0, 400, 300, BOX)
     ahead = view.eye + 0.5 * view.forward + 0.02 * view.right

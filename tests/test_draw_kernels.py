@@ -17,15 +17,18 @@ from strandcli.draw.kernels import (
     curves,
     dual,
     film,
+    joints,
     light,
     marschner,
     opacity,
     penumbra,
+    percentage_closer,
     project,
     raster,
     shade_strands,
     shadow,
     solids,
+    surface_batch,
 )
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
@@ -34,6 +37,8 @@ ONE = np.float32(1)
 ROW = np.ones(24, np.float32)
 TABLE = np.ones((4, 24), np.float32)
 KEYS = np.zeros(64, np.uint64)
+WORK = np.ones(project.ROWS * project.ROW, np.float32)
+LIT = np.ones(surface_batch.ROWS * W, np.float32)
 BLOCK = np.ones((5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
 SOLIDS = (TABLE, TABLE, TABLE, TABLE)
@@ -46,9 +51,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "cubic": (curves.cubic, (ONE, ONE, ONE)),
     "slack": (curves.slack, (ONE, ONE, ONE)),
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
-    "place": (project.place, (TABLE, 1, ONE, ONE, ONE)),
+    "throw": (project.throw, (WORK, 8, ROW)),
+    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
     "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
-    "ribbon": (raster.ribbon, (*[ONE] * 8, (ONE, ONE), 0, 8, 8, np.uint64(1), KEYS)),
+    "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
+    "ribbon": (raster.ribbon, (TABLE, 1, 0, 4, ONE, ONE, (ONE, ONE), 0, 8, 8, np.uint64(1), KEYS)),
     "front": (raster.front, (ONE, ONE, ONE, (ONE, ONE))),
     "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow line": (shadow.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
@@ -59,6 +66,12 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "optical depth": (
         opacity.optical_depth, (ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
     ),
+    "hold": (percentage_closer.hold, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
+    "search": (percentage_closer.search, (LIT, 1, ONE, np.uint64(0), 5, np.ones(1024, np.float32))),
+    "about": (percentage_closer.about, (LIT, 1, ONE, ONE)),
+    "weigh": (percentage_closer.weigh, (LIT, 1, ONE, ONE, ONE)),
+    "sink": (percentage_closer.sink, (LIT, 1, np.uint64(0), 5, np.ones(1024, np.float32))),
+    "dim": (percentage_closer.dim, (LIT, 1, TABLE)),
     "piece": (
         opacity.piece, (*[ONE] * 8, 0, 8, 8, np.ones((64, 2), np.float32), 5, np.ones(64 * 8, np.float32)),
     ),

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from test_draw_opacity import straight
 
+from strandcli.constants import W
 from strandcli.draw import dual
 from strandcli.draw.camera import axes
+from strandcli.draw.curves import Polylines
+from strandcli.draw.kernels import batch, opacity, percentage_closer, surface_batch
 from strandcli.draw.kernels import dual as kernel
-from strandcli.draw.kernels import opacity, percentage_closer
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import Thickness, plan_maps
@@ -26,29 +29,42 @@ SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), size=6.0, shadow=DEEP)
 LAMP = PointLight(position=(2.0, 4.0, 1.0), size=0.5, shadow=DEEP)
 WIDE, SPACING = Thickness(0.014, 0.3), 0.06
 LINES = straight(1000, 7)
-BOUNDS = np.stack([LINES.world.min(0), LINES.world.max(0)]).astype(np.float64)
 
 
-def on_ground(count: int, seed: int = 0) -> NDArray[np.float64]:
+def on_ground(count: int, seed: int = 0, height: float = -1.4) -> NDArray[np.float64]:
     """Points of a ground under the strands, in their shadow and beside it."""
     across = np.random.default_rng(seed).uniform(-1.6, 0.6, (2, count))
-    return np.stack([across[0], np.full(count, -1.4), across[1] + 0.2], 1)
+    return np.stack([across[0], np.full(count, height), across[1] + 0.2], 1)
 
 
 def left(
-    by: ModuleType, light: Light, points: NDArray[np.float64], veil: NDArray[np.float32] | None = None
+    by: ModuleType,
+    light: Light,
+    points: NDArray[np.float64],
+    veil: NDArray[np.float32] | None = None,
+    lines: Polylines = LINES,
+    spacing: float = SPACING,
 ) -> NDArray[np.float64]:
     """What a light's map leaves of it; in colour with a ``veil``."""
-    maps = plan_maps((light,), BOUNDS, Scratch(), WIDE, SPACING)
+    bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
+    maps = plan_maps((light,), bounds, Scratch(), WIDE, spacing)
     assert maps is not None
-    maps.build(LINES, 1, Scratch())
-    packed = pack_lights((light,), maps, BOUNDS)
+    maps.build(lines, 1, Scratch())
+    packed = pack_lights((light,), maps, bounds)
     numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     if by is opacity:
         return np.exp([-opacity.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
-    asked = np.float32(points)
-    found = np.array([percentage_closer.left(x, y, z, *numbers[:2], veil, *numbers[2:]) for x, y, z in asked])
+    found = np.concatenate([leave(some, veil, *numbers) for some in np.split(points, range(W, len(points), W))])
     return found[:, 0] if veil is None else found
+
+
+def leave(points: NDArray[np.float64], veil: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
+    """(n, 3) What strands leave each of a batch of points that light arrives at."""
+    work = np.zeros((surface_batch.ROWS, W), np.float32)
+    work[:3, : len(points)] = points.T
+    work[batch.ARRIVES // W] = 1
+    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], veil, *numbers[2:])
+    return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 
 def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], rays: int = 256) -> NDArray[np.float64]:
@@ -116,8 +132,51 @@ def test_the_shadow_ends_beyond_the_maps_border() -> None:
     assert np.abs(np.diff(found)).max() < 0.01
 
 
+def thatch(count: int, high: float) -> Polylines:
+    """A layer of strands that lie up to 5 cm above y = 0 and end at x = 0, and one strand high above their middle."""
+    rng = np.random.default_rng(2)
+    begin = rng.uniform([-0.6, 0.0, -0.3], [0.0, 0.05, -0.3], (count, 3))
+    begin[-1] = -0.3, high, -0.3
+    world = begin[:, None] + np.linspace(0, 1, 9)[:, None] * [0, 0, 0.6]
+    return Polylines(np.arange(count + 1) * 9, world.astype(np.float32).reshape(-1, 3))
+
+
+def test_what_touches_the_ground_has_a_sharp_shadow_whatever_is_above() -> None:
+    """From a quarter of the light to three."""
+    light = DirectionalLight(direction=(0.0, -1.0, 0.0), size=20.0, shadow=DEEP)
+    widths = []
+    for high, ground in ((0.05, -0.02), (2.0, -0.02), (2.0, -0.7)):
+        line = np.linspace([-0.4, ground, 0.0], [0.4, ground, 0.0], 801)
+        found = left(percentage_closer, light, line, lines=thatch(250, high), spacing=0.01)
+        assert found[0] < 0.06
+        assert found[-1] == 1
+        widths.append(1e-3 * ((found > 0.25) & (found < 0.75)).sum())
+    assert widths[0] == pytest.approx(0.02, abs=0.01)
+    assert widths[1] == pytest.approx(widths[0], abs=0.005)
+    assert widths[2] > 2.5 * widths[0]
+
+
+def test_light_that_strands_scatter_on_comes_down_beside_a_shadow_that_is_far_away() -> None:
+    material = Material(model="chiang", pigment="blond")
+    veil = dual.veil_of(dual.build_tables(material, material.beta_n))
+    light = DirectionalLight(direction=(0.0, -1.0, 0.0), shadow=DEEP)
+    warm = []
+    for ground in (0.0, -0.05, -0.6):
+        points = np.stack([np.linspace(-0.5, -0.1, 40), np.full(40, ground - 0.01), np.zeros(40)], 1)
+        grey, colours = (left(percentage_closer, light, points, one, thatch(70, 0.05), 0.02) for one in (None, veil))
+        assert (colours.min(1) > grey - 1e-6).all()
+        warm.append(float((colours[:, 0] - grey).mean()))
+    assert warm[0] > 0.1
+    assert 0.2 * warm[0] < warm[1] < 0.9 * warm[0]
+    assert warm[2] < 0.15 * warm[0]
+
+
 def test_nothing_in_front_of_all_strands_is_shaded_but_what_a_lamp_shades_is() -> None:
     assert (left(percentage_closer, SUN, -3 * np.array([SUN.direction])) == 1).all()
+    down = DirectionalLight(direction=(0.0, -1.0, 0.0), shadow=DEEP)
+    beside, under = left(percentage_closer, down, np.array([[-0.3, 1.0, 0.2], [-0.3, -0.1, 0.2]]), lines=thatch(250, 2))
+    assert beside > 0.8  # a strand is above it, and all others below
+    assert under < 0.1
     inside = PointLight(position=(0.1, 0.05, -0.1), size=0.02, shadow=DEEP)
     assert left(percentage_closer, inside, np.array([[0.9, -1.4, 0.8]]))[0] < 0.9
 
@@ -133,7 +192,7 @@ def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
         got = 1 - (veil[k] + (at - k) * (veil[k + 1] - veil[k]))
         true = [kernel.through(np.float32(passed), streams, c) for c in range(3)]
         np.testing.assert_allclose(got, true, atol=2e-3)
-    points = on_ground(60)
+    points = on_ground(60, height=-0.8)
     red, green, blue = left(percentage_closer, SUN, points, veil).T
     grey = left(percentage_closer, SUN, points)
     assert (red >= green).all()

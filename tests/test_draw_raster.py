@@ -183,12 +183,12 @@ def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(
     best, who, sure = np.zeros((130, 60)), np.full((130, 60), -1), np.ones((130, 60), bool)
     y, x = np.mgrid[:130, :60] + 0.5
     for number, ((x0, y0, q0), (x1, y1, q1)) in enumerate(lines):
-        flat = abs(x1 - x0) >= abs(y1 - y0)
-        at, across, a0, b0, a1, b1 = (x, y, x0, y0, x1, y1) if flat else (y, x, y0, x0, y1, x1)
-        t = (at - a0) / (a1 - a0)
-        off = np.abs(across - b0 - t * (b1 - b0)) - wide / 2 * np.hypot(a1 - a0, b1 - b0) / abs(a1 - a0)
+        dx, dy = x1 - x0, y1 - y0
+        size = np.hypot(dx, dy)
+        t = ((x - x0) * dx + (y - y0) * dy) / size**2
+        off = np.abs((x - x0) * dy - (y - y0) * dx) / size - wide / 2
         q = np.where((t >= 0) & (t <= 1) & (off < 0), q0 + t * (q1 - q0), 0)
-        edge = (np.abs(off) < 1e-3) | (np.abs(t * (a1 - a0)) < 1e-3) | (np.abs((t - 1) * (a1 - a0)) < 1e-3)
+        edge = (np.abs(off) < 1e-3) | (np.abs(t * size) < 1e-3) | (np.abs((t - 1) * size) < 1e-3)
         sure &= ~edge & ((np.abs(q - best) > 1e-3) | (q == 0))
         who, best = np.where(q > best, 2 * number, who), np.maximum(q, best)
     assert sure.mean() > 0.9
@@ -216,7 +216,40 @@ def test_a_ribbon_holds_the_line_of_one_pixel() -> None:
         line = rng.uniform([5, 5, 0.1], [55, 55, 1], (2, 3))
         thin = drawn([line], 60, 60) != EMPTY
         thick = drawn([line], 60, 60, [np.array([4.0, 4.0])]) != EMPTY
-        assert not (thin & ~thick).any()
+        way = line[1, :2] - line[0, :2]
+        y, x = np.mgrid[:60, :60] + 0.5
+        past = ((x - line[0, 0]) * way[0] + (y - line[0, 1]) * way[1]) / np.hypot(*way)
+        between = (past >= 0) & (past < np.hypot(*way))  # it ends straight across
+        assert (thin & between).any()
+        assert not (thin & between & ~thick).any()
+
+
+@pytest.mark.parametrize("angle", [0.0, 40.0, 43.0, 45.0, 47.0, 50.0, 90.0])
+@pytest.mark.parametrize("turn", [4.0, 40.0, 150.0])
+def test_a_ribbon_that_bends_has_neither_gaps_nor_notches(angle: float, turn: float) -> None:
+    """Pieces follow x and y by turns; what lies within half a width of the middle is covered, and nothing else but the
+    corners of mitres. Each pixel is one piece's, the one that it lies beside."""
+    wide = 12.0
+    ways = np.radians(angle + turn * np.array([-0.5, 0.5, -0.5, 0.5, -0.5]))
+    steps = 17 * np.stack([np.cos(ways), np.sin(ways)], 1)
+    line = np.concatenate([[[0, 0]], steps.cumsum(0)])
+    line += 64.3 - line.mean(0)
+    seen = identity(drawn([np.insert(line, 2, 0.5, axis=1)], 128, 128, [np.full(6, wide)]))
+    y, x = np.mgrid[:128, :128] + 0.5
+    places = np.stack([x, y], 2)[..., None, :]
+    t = np.clip(((places - line[:-1]) * steps).sum(-1) / 17**2, 0, 1)
+    away = np.linalg.norm(places - line[:-1] - t[..., None] * steps, axis=-1)
+    # but for what is beyond the strand's ends, which are straight
+    inside = (away.min(2) < wide / 2 - 0.01) & ~((t[..., 0] == 0) & (away[..., 1:].min(2) > wide / 2))
+    inside &= ~((t[..., -1] == 1) & (away[..., :-1].min(2) > wide / 2))
+    assert inside.sum() > 0.5 * wide * 85 * np.cos(np.radians(turn / 2))
+    assert not (inside & (seen < 0)).any()
+    corner = wide / 2 / np.cos(np.radians(min(turn, 90.0) / 2)) + 0.01
+    assert away.min(2)[seen >= 0].max() < max(corner, np.hypot(wide / 2, 0.01) + 0.01)
+    if turn < 90:
+        sure = (seen >= 0) & (np.sort(away, 2)[..., 1] - away.min(2) > 0.01)
+        assert sure.sum() > 0.6 * (seen >= 0).sum()
+        np.testing.assert_array_equal(away.argmin(2)[sure], seen[sure])
 
 
 def test_a_depth_that_rounds_below_zero_does_not_come_to_the_front() -> None:

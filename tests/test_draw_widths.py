@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -157,6 +158,29 @@ def test_pictures_cover_what_rays_meet(resolver: str, name: str) -> None:
     drawn = covered[:, cuts].sum() if across else covered[cuts].sum()
     assert met_by_rays > 50 * samples
     assert drawn == pytest.approx(met_by_rays, rel=0.005 if resolver == "sorted" else 0.01)
+
+
+@pytest.mark.parametrize("perspective", [True, False])
+def test_strands_of_any_length_are_as_wide_as_in_double_precision(perspective: bool) -> None:
+    view = view_of(100.0, perspective)
+    rng = np.random.default_rng(5)
+    lengths = [2, 1, 64, 65, 200]
+    first = np.cumsum([0, *lengths])
+    world = rng.uniform([-1, -1, -3], [1, 1, -0.5], (first[-1], 3)).astype(np.float32)
+    scale = rng.uniform(0.5, 2, len(lengths)).astype(np.float32)
+    lines = Polylines(first, world, scale=scale)
+    screen = to_screen(lines, view, Scratch())
+    found = widths_of(lines, screen, view, Material(width=0.03, taper=0.6), 0.0, True, Scratch())
+    assert found is not None
+    for s, (a, b) in enumerate(pairwise(first)):
+        x, y, q = screen[a:b].astype(np.float64).T
+        wide = 0.03 * scale[s] * view.focal * (1 - 0.6 * np.arange(b - a) / max(b - a - 1, 1))
+        if perspective:
+            low, high = np.maximum(np.arange(b - a) - 1, 0), np.minimum(np.arange(b - a) + 1, b - a - 1)
+            dx, dy = x[high] - x[low], y[high] - y[low]
+            off = dx * (y - SIZE[1] / 2) - dy * (x - SIZE[0] / 2)
+            wide *= q * np.sqrt(1 + (off / np.maximum(np.hypot(dx, dy), 1e-12) / view.focal) ** 2)
+        np.testing.assert_allclose(found[a:b], wide, rtol=2e-5)
 
 
 def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:

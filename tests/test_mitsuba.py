@@ -147,7 +147,7 @@ def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     where R is a streak and the shadows of others have their edges. With light and shadow averaged over the width the
     error is above .7 and the picture 8 % too dark. What is left is .16, .14, .13 with 2 to 4 samples along a side, and
     .115 with 6 of curves four times as fine: polylines here and splines there make some .05, and Mitsuba's shadow rays,
-    a twentieth of a radius off the surface, most of the rest: twice as far off, they add .07."""
+    a twentieth of a radius off the surface, some of the rest: twice as far off they make .149 of .137 with 3."""
     subject = hemisphere(tmp_path)
     traced = trace(subject, tmp_path, 48)
     picture = subject.draw(subject.scene)

@@ -10,6 +10,7 @@ from numba import njit
 
 from strandcli.constants import VECTOR
 from strandcli.simd import (
+    deal_out,
     get,
     get3,
     greatest,
@@ -21,7 +22,9 @@ from strandcli.simd import (
     root,
     some,
     spread,
+    stack_at,
     strip,
+    strip_at,
     where,
     whole,
     width,
@@ -108,6 +111,42 @@ def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
     expected[2 : 2 + lanes] = np.arange(lanes)[: 2 * count - 2]
     expected[:lanes] = -7
     np.testing.assert_array_equal(numbers, expected)
+
+
+@njit(error_model="numpy")
+def at_an_address(kind, address):
+    """The second half vector becomes twice what lies one number after the first begins; lanes of both."""
+    rows, pile = strip_at(kind, address), stack_at(kind, address)
+    put(pile, 1, 2.0 * get(rows, 1))
+    return width(rows), width(pile)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_half_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize // 2
+    numbers = np.arange(3 * count, dtype=dtype)
+    assert at_an_address(dtype, numbers.ctypes.data) == (count, count)
+    expected = np.arange(3 * count)
+    expected[count : 2 * count] = 2 * (1 + np.arange(count))
+    np.testing.assert_array_equal(numbers, expected)
+
+
+@njit
+def deal_all(given, o, count, work, to, stride):
+    """From one array to the other."""
+    deal_out(strip(given), o, count, work, to, stride)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 21])
+def test_triples_are_dealt_out_and_nothing_beyond_them(dtype: Any, count: int) -> None:
+    given = np.arange(3 * count + 2, dtype=dtype)
+    work = np.full(100, -1, dtype)
+    deal_all(given, 2, count, work, 3, 30)
+    expected = np.full(100, -1, dtype)
+    for row in range(3):
+        expected[3 + 30 * row :][:count] = given[2 + row :: 3][:count]
+    np.testing.assert_array_equal(work, expected)
 
 
 def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:

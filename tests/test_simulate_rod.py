@@ -12,7 +12,8 @@ from strandcli import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import rod as rod_solver
-from strandcli.simulate.rod import RodSolver, rigidity
+from strandcli.simulate.material import rigidity
+from strandcli.simulate.rod import RodSolver
 
 # H/W of a heavy elastica clamped level, for Γ = ρ A g L³ / B, from θ″ = −Γ (1 − s) cos θ, θ(0) = 0, θ′(1) = 0
 DROOP = {1.0: 0.124562, 10.0: 1.06680, 100.0: 5.88810}
@@ -169,6 +170,26 @@ def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.Mo
     runtime.start(2)
     solver.step(2 / 30, 1 / 30)
     assert asked == [1, 2]
+
+
+def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A first frame without a pre-roll, or positions from a cache; a step of weeks asks for a kernel of its own."""
+    asked: list[tuple[bool, bool]] = []
+
+    def code(double: bool, long: bool) -> int:
+        asked.append((double, long))
+        raise NotImplementedError
+
+    monkeypatch.setattr(rod_solver, "_code", code)
+    one = scene(10.0, **{"time.fps": 1e-6, "time.preroll": 2.5})
+    solver = RodSolver(one, emit(one.emitter, one.seed))
+    solver.advance(1)
+    solver.take(7, solver.particles())
+    solver.errors(7)
+    assert asked == []
+    with pytest.raises(NotImplementedError):
+        solver.advance(2)
+    assert asked == [(True, True)]
 
 
 def test_a_step_of_no_length_changes_nothing() -> None:

@@ -129,7 +129,7 @@ def command(
         exr=exr,
     )
     label = options.preset_name(preset)
-    report = RunReport(label, scene.sha256, plan)
+    report = RunReport(label, scene.sha256, plan, writer.scene)
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
         data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
@@ -196,9 +196,7 @@ def _run(
             progress.line(f"warning: {message}")
 
     from .. import runtime
-    from ..output.report import finite, read_report, write_report
 
-    previous = read_report(writer.directory) if writer.written else None
     before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
@@ -232,19 +230,39 @@ def _run(
     except KeyboardInterrupt:
         status = "interrupted"
         if not quiet:
-            progress.line(f"{writer.directory}: interrupted; {_frames(len(writer.written))} stay, --resume goes on")
+            progress.line(_interrupted(writer))
         raise
     finally:
-        machine: Mapping[str, Any] | None = None if previous is None else previous.get("machine")
-        compile_seconds: float | None = None
-        if started:
-            machine, compile_seconds = runtime.machine(), runtime.compile_seconds() - before
-        data: dict[str, Any] = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous))
-        try:
-            write_report(writer.directory, data)
-        except StrandError:
-            if status == "complete":  # else what ended the run says more
-                raise
+        compiled = runtime.compile_seconds() - before if started else None
+        data = _report(report, writer, status, runtime.machine() if started else None, compiled)
+    return data
+
+
+def _report(
+    report: RunReport,
+    writer: FrameWriter,
+    status: str,
+    machine: Mapping[str, Any] | None,
+    compile_seconds: float | None,
+) -> dict[str, Any]:
+    """Write report.json, with what it says there of frames that this run has not drawn."""
+    from ..output.report import claim_report, finite, of_others, read_report, write_report
+
+    claim, data = None, {}
+    try:
+        claim = claim_report(writer.directory)
+        previous = read_report(writer.directory)
+        if machine is None and previous is not None:
+            machine = previous.get("machine")
+        others = of_others(writer.directory, writer.scene, previous)
+        data = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous, others))
+        write_report(writer.directory, data)
+    except StrandError:
+        if status == "complete":  # else what ended the run says more
+            raise
+    finally:
+        if claim is not None:
+            claim.release()
     return data
 
 
@@ -254,14 +272,22 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
 
     path = writer.directory / f"animation.{kind}"
     paths = [writer.directory / frame_file(number) for number in numbers]
-    shown = write_animation(path, paths, numbers, fps)
+    try:
+        signals.check()
+        shown = write_animation(path, paths, numbers, fps)
+    except KeyboardInterrupt:
+        if not quiet:
+            click.echo(_interrupted(writer, f"{path.name} is not written; "), err=True)
+        raise
     if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
         click.echo(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
     return path
 
 
-def _frames(count: int) -> str:
-    return f"{count} finished {'frame' if count == 1 else 'frames'}"
+def _interrupted(writer: FrameWriter, besides: str = "") -> str:
+    count = len(writer.written)
+    frames = f"{count} finished {'frame' if count == 1 else 'frames'}"
+    return f"{writer.directory}: interrupted; {besides}{frames} stay, --resume goes on"
 
 
 def _line(number: int, report: Mapping[str, Any]) -> str:
@@ -272,7 +298,7 @@ def _line(number: int, report: Mapping[str, Any]) -> str:
 
 def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
     drawn = len(writer.wanted)
-    kept = len(data["frames"]) - drawn
+    kept = len(writer.written) - drawn
     totals = data["totals"]
     words = f"{writer.directory}: {drawn} {'frame' if drawn == 1 else 'frames'} in {_seconds(totals['seconds'])}"
     compiling = data["compile_seconds"] or 0.0

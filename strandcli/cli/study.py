@@ -83,7 +83,7 @@ def command(
     """
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
-    from ..study import axes
+    from ..study.registry import find
 
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
@@ -95,7 +95,7 @@ def command(
     from ..study import summary, sweep
 
     require_folder(folder, ROOM)
-    chosen = axes.find("reference" if preset is None else axis or "motion")
+    chosen = find("reference" if preset is None else axis or "motion")
     studies = []
     hidden = no_progress or quiet
     with Progress(1, "study", hidden=hidden, verbose=verbose, each="run", lines=True) as progress:
@@ -129,7 +129,8 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import Request, chosen_solvers, find, settled
+    from ..study.axes import Request, chosen_solvers, settled
+    from ..study.registry import find
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):

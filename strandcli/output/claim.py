@@ -18,21 +18,25 @@ from ..errors import RefusedError
 
 _ALL = (0, 0)
 """First byte of a lock, and how many: on a whole file."""
-_TRIES = 3
-"""A run that ends holds the whole file while it removes it."""
+_PATIENCE = 0.15
+"""Seconds: a run that ends holds the whole file while it removes it."""
+_PAUSE = 0.05
 
 
 class Claim:
     """A hold on some files of a folder, until `release` or the end of the process; not against this process itself."""
 
-    def __init__(self, directory: Path, what: str, numbers: Iterable[int] | None = None) -> None:
+    def __init__(
+        self, directory: Path, what: str, numbers: Iterable[int] | None = None, patience: float = _PATIENCE
+    ) -> None:
         """Claim the files called ``what`` ("frames") with these numbers, None: all of them, in a folder that is there.
 
-        Raises ``RefusedError`` where another run has claimed one of them.
+        Raises ``RefusedError`` where another run has claimed one of them and does not let go within ``patience``
+        seconds.
         """
         self._path = directory / f".{what}.lock"
         spans = [_ALL] if numbers is None else _spans(numbers)
-        self._file = self._lock(spans, what) if spans else None
+        self._file = self._lock(spans, what, time.monotonic() + patience) if spans else None
 
     def release(self) -> None:
         """Let go, and remove the file where nobody else holds a part of it."""
@@ -44,15 +48,17 @@ class Claim:
         os.close(self._file)
         self._file = None
 
-    def _lock(self, spans: list[tuple[int, int]], what: str) -> int | None:
+    def _lock(self, spans: list[tuple[int, int]], what: str, deadline: float) -> int | None:
         """The open file; None where there are no locks."""
-        for _ in range(_TRIES):
+        while True:
             try:
                 while (file := _locked(self._path, spans)) is None:
                     pass
                 return file
             except BlockingIOError:
-                time.sleep(0.05)
+                if time.monotonic() >= deadline:
+                    break
+                time.sleep(_PAUSE)
             except OSError:  # no locks on this file system, or a file of another user's
                 return None
         raise RefusedError(

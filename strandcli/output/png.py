@@ -120,5 +120,17 @@ def load(path: Path) -> Any:
         raise UsageError(f"{path}: not an image that can be read: {_plain(error)}") from None
 
 
+def keyword(path: Path, name: str) -> str | None:
+    """The text that the picture at ``path`` has under a name, None where it has none or cannot be read; its pixels are
+    not looked at."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            return image.info.get(name)
+    except (OSError, ValueError, SyntaxError):
+        return None
+
+
 def _plain(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__

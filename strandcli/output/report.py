@@ -1,6 +1,7 @@
 """report.json: what a run did, on which machine, how long each stage took, and how far off it is.
 
-A key that the run has no value for is absent or null; nothing is ever made up.
+A key that the run has no value for is absent or null; nothing is ever made up. Where several runs draw frames of one
+scene into a folder, one after the other or at once, each takes over what the report there says of the others' frames.
 """
 
 from __future__ import annotations
@@ -17,11 +18,15 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from . import png
+from .claim import Claim
 from .files import write_json
-from .frames import Written
+from .frames import SCENE_KEYWORD, Written, frame_file
 
 SCHEMA_VERSION = 1
 FILE = "report.json"
+PATIENCE = 60.0
+"""Seconds to wait for another run that is writing the report: it takes far less than one, or hangs."""
 
 
 def peak_rss_bytes() -> int:
@@ -56,10 +61,12 @@ def _values(thing: Any) -> Any:
 class RunReport:
     """Collects one run and writes it. ``status`` is complete, interrupted or failed."""
 
-    def __init__(self, preset: str, sha256: str | None, plan: Any) -> None:
-        """``preset`` is the name as it was typed; ``plan`` a `strandcli.plan.Plan`, or None."""
+    def __init__(self, preset: str, sha256: str | None, plan: Any, scene: str = "") -> None:
+        """``preset`` is the name as it was typed; ``plan`` a `strandcli.plan.Plan`, or None; ``scene`` is the
+        `fingerprint` that frames have in their files."""
         self.preset = {"name": preset, "sha256": sha256 or None}
         self.plan = plan_stages(plan)
+        self.scene = scene
         self.frames: dict[int, dict[str, Any]] = {}
         self.failure: dict[str, Any] | None = None
         self.warnings: list[str] = []
@@ -86,24 +93,23 @@ class RunReport:
         machine: Mapping[str, Any] | None,
         compile_seconds: float | None,
         previous: Mapping[str, Any] | None = None,
+        others: Mapping[int, dict[str, Any]] | None = None,
     ) -> dict[str, Any]:
-        """The whole report, ready for JSON. ``previous`` is the report of the run that is resumed, whose entries are
-        taken over for frames that are still the same file."""
+        """The whole report, ready for JSON. ``previous`` is the report that lies there, whose entries are taken over
+        for frames that this run kept and that are still the same file; ``others`` are entries of frames that it has
+        nothing to do with, from `of_others`."""
         seconds = time.perf_counter() - self._start
         old = {entry.get("frame"): entry for entry in (previous or {}).get("frames", []) if isinstance(entry, dict)}
-        entries = []
+        entries = dict(others or {})
         fresh = 0
-        for frame in sorted(set(self.frames) | set(written)):
-            done = written.get(frame)
-            if done is None:
-                continue
+        for frame, done in written.items():
             if frame in self.frames:
                 fresh += 1
-                entries.append(_entry(self.frames[frame], done))
+                entries[frame] = _entry(self.frames[frame], done)
             elif old.get(frame, {}).get("pixels_sha256") == done.pixels_sha256:
-                entries.append({**old[frame], "kept": True})
+                entries[frame] = {**old[frame], "kept": True}
             else:
-                entries.append({"frame": frame, "file": done.file, "pixels_sha256": done.pixels_sha256, "kept": True})
+                entries[frame] = {"frame": frame, "file": done.file, "pixels_sha256": done.pixels_sha256, "kept": True}
         return {
             "schema_version": SCHEMA_VERSION,
             "strandcli": __version__,
@@ -111,10 +117,11 @@ class RunReport:
             **({"failure": self.failure} if self.failure is not None else {}),
             **({"warnings": self.warnings} if self.warnings else {}),
             "preset": self.preset,
+            "scene": self.scene or None,
             "machine": dict(machine) if machine is not None else None,
             "plan": self.plan,
             "compile_seconds": compile_seconds,
-            "frames": entries,
+            "frames": [entries[frame] for frame in sorted(entries)],
             "totals": {
                 "seconds": seconds,
                 "frames_per_second": fresh / seconds if fresh and seconds > 0 else None,
@@ -169,6 +176,25 @@ def read_report(directory: Path) -> dict[str, Any] | None:
     except (OSError, ValueError, RecursionError):
         return None
     return data if isinstance(data, dict) and isinstance(data.get("frames", []), list) else None
+
+
+def of_others(directory: Path, scene: str, previous: Mapping[str, Any] | None) -> dict[int, dict[str, Any]]:
+    """What a ``previous`` report of the scene with this `fingerprint` says of frames whose files are in ``directory``
+    and are of that scene: by number, marked as kept."""
+    if previous is None or not scene or previous.get("scene") != scene:
+        return {}
+    found: dict[int, dict[str, Any]] = {}
+    for entry in previous["frames"]:
+        number = entry.get("frame") if isinstance(entry, dict) else None
+        if isinstance(number, int) and png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
+            found[number] = {**entry, "kept": True}
+    return found
+
+
+def claim_report(directory: Path) -> Claim:
+    """The right to read the report and write another, one run at a time. Raises ``RefusedError`` where some other run
+    keeps it for a minute."""
+    return Claim(directory, "report", patience=PATIENCE)
 
 
 def write_report(directory: Path, data: Mapping[str, Any]) -> Path:

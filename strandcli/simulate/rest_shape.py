@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ..groom.emit import frame
+from ..groom.emit import Groom, frame
 
 Floats = NDArray[np.float64]
 
@@ -29,3 +31,24 @@ def carried(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple
         ways = (t, a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle))
         local[j] = np.stack([(bends[j] * way).sum(1) for way in ways], 1)
     return first, local
+
+
+def unit_edges(groom: Groom, n: int) -> tuple[list[Floats], bool]:
+    """(strands, 3) unit vectors, edge by edge from the root, in the emitter's frame. An edge whose ends coincide takes
+    the direction of the one before it, the first that of the strand, for no iteration finds any from nothing; whether
+    there are such edges."""
+    before = groom.directions.astype(np.float64)
+    edges, mended = [], False
+    for j in range(n):
+        edge = groom.edge(j, n)
+        lost = np.asarray(~edge.any(axis=1))
+        if lost.any():
+            edge, mended = np.where(lost[:, None], before, edge), True
+        before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
+        edges.append(before)
+    return edges, mended
+
+
+def straight(ways: list[Floats]) -> bool:
+    """Whether directions, (strands, 3) each, are all the same."""
+    return all(a is b or np.abs(b - a).max() <= 1e-6 for a, b in pairwise(ways))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from itertools import chain, pairwise
+from itertools import chain
 from operator import sub
 from typing import Any
 
@@ -25,19 +25,12 @@ from ..groom.emit import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_dense, rod_long, rod_step, tickets
-from .rest_shape import carried
+from .material import matter_along, stiffness
+from .rest_shape import carried, straight, unit_edges
 from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
 
-MATERIALS = {
-    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
-    # blade as a round stalk, Vincent 1991; wire: spring steel of half a millimetre.
-    "hair": (1320.0, 3.5e-5, 4.0e9),
-    "wool": (1310.0, 1.2e-5, 3.0e9),
-    "grass": (700.0, 6.0e-4, 5.0e8),
-    "wire": (7850.0, 2.5e-4, 2.0e11),
-}
 DENSE_MOST = 12
 """Segments up to which the dense O(N³) kernel is the faster one."""
 CONTRAST = 1e5
@@ -68,23 +61,6 @@ TORSION = {False: 4.0, True: 0.25}
 this, straight strands get more of it; of coils it is what limits the step, and they get less."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
-STIFFEST = 1e30
-"""Rigidity of a joint in 1/s² beyond which no step of time sees a strand bend; single precision ends soon after."""
-
-
-def matter(rod: Rod) -> tuple[float, float, float]:
-    """Density, radius at the root and Young's modulus: the material's, or what is written beside it."""
-    return tuple(  # type: ignore[return-value]
-        own if given is None else given
-        for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
-    )
-
-
-def rigidity(rod: Rod) -> float:
-    """B / (ρ A) = E R² / (4 ρ) of a round rod at its root, in m⁴/s²: with g L³ over it, the number Γ that alone decides
-    how a strand sags."""
-    density, radius, young = matter(rod)
-    return young * radius**2 / (4 * density)
 
 
 class RodSolver(Solver):
@@ -101,7 +77,7 @@ class RodSolver(Solver):
                 )
         rod: Rod = scene.rod
         n = scene.emitter.particles - 1
-        mass, joint = _matter_along(rod, n)
+        mass, joint = matter_along(rod, n)
         lengths = groom.lengths.astype(np.float64) / n
         fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
         hard = (
@@ -111,13 +87,13 @@ class RodSolver(Solver):
         self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
-        self.stiffness = lanes(_stiffness(rod, lengths)[:, None], self.dtype)
+        self.stiffness = lanes(stiffness(rod, lengths)[:, None], self.dtype)
         self.own_lengths = lanes(lengths[:, None], self.dtype)
         self.surroundings = Surroundings(scene, self.dtype)
         self.carried = any(use.name == "emitter_motion" for use in scene.rules)
         self.pose = self._pose(0.0)
         self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
-        edges, mended = _edges(groom, n)
+        edges, mended = unit_edges(groom, n)
         if rod.rest == "sag_free":  # not even what single precision is off by may move it
             mended = mended or self.dtype == np.float32
             edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
@@ -141,7 +117,7 @@ class RodSolver(Solver):
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
         self.curled = rod.rest == "sag_free" or not (
-            rod.rest == "straight" or _straight([groom.directions.astype(np.float64), *edges])
+            rod.rest == "straight" or straight([groom.directions.astype(np.float64), *edges])
         )
         self.bends = aligned((len(self.lengths) if self.curled else 1, n + 1, 3 * W), self.dtype)
         self.twist = aligned((len(self.bends), n, W), self.dtype)
@@ -165,18 +141,18 @@ class RodSolver(Solver):
         )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
         self._numbers = np.zeros(14 + 24, self.dtype)
-        size = (rod_long if self.long else rod_dense).size_for(n)
-        self.scratch = aligned((workers, size * VECTOR // self._numbers.itemsize), self.dtype)
+        self._burden = self.mass.copy()
+        size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
+        self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
-            self.own_lengths, self.stiffness, self.mass, self.joint, self.roots, self.directions, self.bends,
+            self.own_lengths, self.stiffness, self._burden, self.joint, self.roots, self.directions, self.bends,
             self.twist, self._gust, self.residuals, self._numbers[14:], self._numbers[:14],
         )  # fmt: skip
         *solids, whole = around.solids(0.0, 0.0)
         self._arrays = *arrays, *solids
         flags = self.second, self.curled, around.any_solids, whole
         self._book = rod_step.book_of(self.strands, n, rod.iterations, flags, self.scratch, arrays, tuple(solids))
-        self._code = _code(self.dtype == np.float64, self.long)
         # lanes without a strand are copies of the last strand, and tickets leave most of them alone
         last = self.rows[-1].reshape(-1, W)
         done = int(self._book[tickets.ALL]) * rod_step.SHARE - (len(self.rows) - 1) * W
@@ -216,9 +192,11 @@ class RodSolver(Solver):
         """Run the step with the first of its numbers, on all threads that there is work for."""
         now, past = (*chain(*pose.rotation), *pose.translation), (*chain(*self.pose.rotation), *self.pose.translation)
         self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
+        np.multiply(self.mass, 1 + self._numbers[0] * self._numbers[7], out=self._burden)  # with what drag resists
         self._book[tickets.NEXT] = 0
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
-        tickets.share_out(self._code, self._book, min(len(self.scratch), numba.get_num_threads()))
+        code = _code(self.dtype == np.float64, self.long)  # not compiled before anything moves, which need not be
+        tickets.share_out(code, self._book, min(len(self.scratch), numba.get_num_threads()))
         idle, last = self._padding
         idle[...] = last
 
@@ -273,7 +251,7 @@ class RodSolver(Solver):
         """What holds these edges still under gravity; tension begins as it will be, and strands that are too soft
         become stiffer, and say so."""
         pull = np.array(self.pose.rotation).T @ self.surroundings.gravity
-        own = _stiffness(self.scene.rod, lengths)
+        own = stiffness(self.scene.rod, lengths)
         # of numbers as the kernel reads them: what they are rounded by would be a load
         mass, joint = self.mass.astype(np.float64), self.joint.astype(np.float64)
         held = hold(axes, edges, mass, joint, own, self.torsion, pull / lengths[:, None])
@@ -316,43 +294,6 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.residuals.reshape(-1)[: self.strands]
-
-
-def _stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(strands,) rigidities of a joint at the root in 1/s², of segments of these lengths in m."""
-    return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
-
-
-def _matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at the
-    tip and twice the rigidity at the root make the discretisation second order."""
-    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
-    segments = ((radius[:-1] + radius[1:]) / 2) ** 2
-    mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
-    joint = radius[:-1] ** 4
-    joint[0] *= 2
-    return mass, joint
-
-
-def _edges(groom: Groom, n: int) -> tuple[list[NDArray[np.float64]], bool]:
-    """(strands, 3) unit vectors, edge by edge from the root, in the emitter's frame. An edge whose ends coincide takes
-    the direction of the one before it, the first that of the strand, for no iteration finds any from nothing; whether
-    there are such edges."""
-    before = groom.directions.astype(np.float64)
-    edges, mended = [], False
-    for j in range(n):
-        edge = groom.edge(j, n)
-        lost = np.asarray(~edge.any(axis=1))
-        if lost.any():
-            edge, mended = np.where(lost[:, None], before, edge), True
-        before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
-        edges.append(before)
-    return edges, mended
-
-
-def _straight(ways: list[NDArray[np.float64]]) -> bool:
-    """Whether directions, (strands, 3) each, are all the same."""
-    return all(a is b or np.abs(b - a).max() <= 1e-6 for a, b in pairwise(ways))
 
 
 def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:

@@ -21,8 +21,9 @@ from ..output.report import finite
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, find, settled
+from .axes import STRANDS, Request, settled
 from .chart import share
+from .registry import find
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""

@@ -1,7 +1,7 @@
-"""What can be studied: a registry of axes, each with its knobs, its reference and its metric.
+"""What an axis of study is: its knobs, its reference and its metric; and what a person can ask of one.
 
 An axis makes an `Experiment`, and `sweep.run` does the rest: it measures every setting, finds the front, fits orders
-and recommends. An axis of another kind, such as a picture's, is one more file with an `Axis` in it and one entry here.
+and recommends. An axis of another kind is one more file with an `Axis` in it, and one entry in `registry`.
 """
 
 from __future__ import annotations
@@ -105,23 +105,6 @@ class Axis:
     open: Callable[[Request], Experiment]
     pictures: bool = False
     """Whether it draws; else it is about motion."""
-
-
-def registry() -> Mapping[str, Axis]:
-    """All axes by name."""
-    from . import exactness, motion
-    from .pictures import coverage, curves, end_to_end, lod, occlusion, shadow, tables
-
-    drawn = (curves.AXIS, coverage.AXIS, shadow.AXIS, occlusion.AXIS, lod.AXIS, tables.AXIS, end_to_end.AXIS)
-    return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS, *drawn)}
-
-
-def find(name: str) -> Axis:
-    """An axis by name. Raises `UsageError`."""
-    axes = registry()
-    if name not in axes:
-        raise UsageError(f"no axis '{name}'; the axes are {', '.join(axes)}")
-    return axes[name]
 
 
 def chosen_solvers(request: Request) -> list[str]:

@@ -56,7 +56,8 @@ ONE = np.float32(1.0)
 AHEAD = np.int64(2)
 """Parts that memory is asked for before they are looked at."""
 LINE = np.int64(16)
-"""Numbers of a cache line."""
+EIGHT = np.int64(8)
+"""Numbers of a cache line, and of one of longer numbers."""
 STEPS = np.arange(LANES, dtype=np.float32)
 SURE = np.float32(1 - 1e-6)
 """What is so much behind is behind, whatever the rounding."""
@@ -84,7 +85,7 @@ def gather(
         veil[:] = ZERO
     else:
         hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE
-    points = lay(screen)
+    points = strip(screen)
     n = np.int64(0)
     m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
     for one in range(heads.shape[0]):
@@ -92,6 +93,9 @@ def gather(
         stop = fills[one, tile]
         while stop > 0:
             final = block == (stop - 1) // BLOCK
+            after = block if final else links[block]
+            for line in range(0, 2 * BLOCK, EIGHT):
+                prefetch(pool, 2 * BLOCK * after + line)
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
                 ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
                 s = pool[slot, 1] >> SHIFT
@@ -104,7 +108,7 @@ def gather(
                 )  # fmt: skip
             if final:
                 break
-            block = links[block]
+            block = after
     return fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
 
 

@@ -101,7 +101,7 @@ def sweep(cells, counts, sides, ways, left):
     """
     for way in prange(ways.shape[0]):
         d = np.int64(way)
-        axis = 0
+        axis = np.int64(0)  # a literal would have all that follows compiled twice
         for k in range(1, 3):
             if abs(ways[d, k]) * sides[axis] > abs(ways[d, axis]) * sides[k]:
                 axis = k

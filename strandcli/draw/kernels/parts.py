@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from ...simd import get, lay, put, strip, where, whole
+from ...simd import get, put, strip, where, whole
 from ...simd import width as vector
 from .pieces import (
     ACROSS,
@@ -149,7 +149,7 @@ def worker(
     A part goes on as long as its pieces' boxes touch the tile.
     """
     across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
-    points = lay(screen)
+    points = strip(screen)
     wide = np.float32(width)
     tall = np.float32(bottom - top)
     above = np.float32(top)

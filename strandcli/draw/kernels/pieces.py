@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import inlined, inner
-from ...simd import get, put, root, spread, strip, where, whole, width
+from ...simd import deal_out, get, put, root, spread, strip, where, whole, width
 from .tiles import THIN
 
 ZERO = np.float32(0.0)
@@ -37,12 +37,8 @@ HELD = 15
 
 @inner
 def take(points, widths, v, count, pieces):
-    """Vertices from number v on; widths None: all are a pixel wide."""
-    for k in range(np.uint64(count)):
-        at = np.uint64(3) * (np.uint64(v) + k)
-        pieces[np.uint64(X) + k] = points[at]
-        pieces[np.uint64(Y) + k] = points[at + np.uint64(1)]
-        pieces[np.uint64(DEPTH) + k] = points[at + np.uint64(2)]
+    """Vertices from number v on of points, a `strip` of (V, 3); widths None: all are a pixel wide."""
+    deal_out(points, 3 * v, count, pieces, X, ROW)
     for k in range(np.uint64(count)):
         pieces[np.uint64(WIDTH) + k] = ONE if widths is None else widths[np.uint64(v) + k]
 

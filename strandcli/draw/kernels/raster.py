@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import function, inner, parallel, prange
+from .joints import mitre
 
 EMPTY = np.uint64(0xFFFFFFFFFFFFFFFF)
 LOW = np.uint64(0xFFFFFFFF)
@@ -23,6 +24,9 @@ SHIFT = np.uint64(32)
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+TINY = np.float32(1e-6)
+"""Pixels. What is shorter is a point, and draws nothing."""
 POINT = 24
 FIXED = np.float32(2.0**POINT)
 
@@ -119,9 +123,7 @@ def band(first, screen, widths, nearer, members, begin, b, width, height, rows, 
                 w = max(w0, w1)
                 if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
-                ribbon(
-                    x0, y0, q0, x1, y1, q1, w0, w1, nearer, top, bottom, width, np.uint64(base + v - 1), keys
-                )  # fmt: skip
+                ribbon(screen, v, a, first[s + 1], w0, w1, nearer, top, bottom, width, np.uint64(base + v - 1), keys)
 
 
 @inner
@@ -169,60 +171,83 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
 
 
 @inner
-def ribbon(x0, y0, q0, x1, y1, q1, w0, w1, nearer, top, bottom, width, identity, keys):
-    """As `line`, from w0 to w1 >= 1 pixels wide: across the longer axis a sample for each centre that the band of that
-    width covers. Its depth is that of a strand's round side toward the eye, as in `ribbon.ribbon`; one that is no wider
-    than a pixel is flat."""
-    flat = abs(x1 - x0) >= abs(y1 - y0)
-    a0, b0 = (x0, y0) if flat else (y0, x0)
-    a1, b1 = (x1, y1) if flat else (y1, x1)
-    if a1 < a0:
-        a0, b0, q0, w0, a1, b1, q1, w1 = a1, b1, q1, w1, a0, b0, q0, w0
-    # whole numbers along the longer axis and across it, and what a step of each is in `keys`
-    begin = np.int64(max(np.ceil(a0 - HALF), ZERO if flat else np.float32(top)))
-    end = np.int64(min(np.ceil(a1 - HALF), np.float32(width if flat else bottom)))
-    if begin >= end:
+def ribbon(screen, v, begin, end, w0, w1, nearer, top, bottom, width, identity, keys):
+    """As `line`, the piece from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide: a sample
+    for each centre that its band covers, which ends where the next piece's begins (`joints.mitre`), straight across at
+    the strand's ends, and round where the strand turns too sharply for either. Depth is that of a strand's round side
+    toward the eye, as in `ribbon.ribbon`; one that is no wider than a pixel is flat."""
+    x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
+    x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
+    dx = x1 - x0
+    dy = y1 - y0
+    if max(abs(dx), abs(dy)) < TINY:
         return
+    per = ONE / np.sqrt(dx * dx + dy * dy)
+    dx *= per
+    dy *= per
+    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per)
+    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per)
+    # a: along the axis that the piece follows more, b: across it
+    flat = abs(dx) >= abs(dy)
+    a0, b0, ma0, mb0 = (x0, y0, mx0, my0) if flat else (y0, x0, my0, mx0)
+    a1, b1, ma1, mb1 = (x1, y1, mx1, my1) if flat else (y1, x1, my1, mx1)
+    da, db = (dx, dy) if flat else (dy, dx)
+    round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and mx0 == dx and my0 == dy
+    round1 = v + 1 < end and screen[v + 1, 2] > ZERO and mx1 == dx and my1 == dy
+    # how far it reaches along it beyond its ends
+    reach0 = HALF * w0 * (ONE if round0 else abs(mb0) / (mx0 * dx + my0 * dy))
+    reach1 = HALF * w1 * (ONE if round1 else abs(mb1) / (mx1 * dx + my1 * dy))
+    low = min(a0 - reach0, a1 - reach1) - HALF
+    high = max(a0 + reach0, a1 + reach1) - HALF
+    # whole numbers along and across, and what a step of each is in `keys`
+    a_low = np.int64(max(np.ceil(low), ZERO if flat else np.float32(top)))
+    a_high = np.int64(min(np.floor(high) + ONE, np.float32(width if flat else bottom)))
     least = np.float32(top if flat else 0)
     most = np.float32(bottom if flat else width)
     one = 1 if flat else width
     aside = width if flat else 1
-    per = ONE / (a1 - a0)
-    slope = (b1 - b0) * per
-    rise = (q1 - q0) * per
-    square = ONE + slope * slope
-    tall = HALF * np.sqrt(square)
-    grows = tall * per * (w1 - w0)
-    # of the nearest point of the strand's middle, for each pixel aside
-    lean = rise * slope / square
+    over = ONE / (a1 - a0)
+    slope = db / da
+    rise = q1 - q0
+    tall = HALF / abs(da)
+    # how much further along the piece the nearest point of its middle lies, for each pixel aside
+    lean = db * per
     w = max(w0, w1)
-    # no further than its piece reaches
-    size = ONE / np.sqrt(square)
-    steep = rise * min(size, (a1 - a0) / (HALF * w))
-    dx = size if flat else slope * size
-    dy = slope * size if flat else size
-    for c in range(begin, end):
+    steep = rise * min(per, TWO / w)  # no further than its piece reaches
+    turn = ONE if (dx if flat else -dy) > ZERO else -ONE  # whether rows go the way of (−dy, dx)
+    for c in range(a_low, a_high):
         past = np.float32(c) + HALF - a0
+        t = min(max(past * over, ZERO), ONE)
+        broad = w0 + t * (w1 - w0)
+        half = tall * broad
         middle = b0 + slope * past
-        half = tall * w0 + grows * past
-        q = q0 + rise * past
         forward = tilt = ZERO
         if w > ONE:
             centre = np.float32(c) + HALF
             x = centre if flat else middle
             y = middle if flat else centre
-            forward, tilt = front(q, half * size, steep, x, y, dx, dy, nearer)
-            tilt = tilt if flat else -tilt
-        low = np.int64(max(np.ceil(middle - half - HALF), least))
-        high = np.int64(min(np.ceil(middle + half - HALF), most))
-        for row in range(low, high):
-            if forward > ZERO:
-                off = np.float32(row) + HALF - middle
-                h = off / half
-                near = q + lean * off + tilt * h + forward * np.sqrt(max(ONE - h * h, ZERO))
-            else:
-                near = q
+            forward, tilt = front(q0 + rise * t, HALF * broad, steep, x, y, dx, dy, nearer)
+            tilt *= turn
+        b_low = np.int64(max(np.ceil(middle - half - HALF), least))
+        b_high = np.int64(min(np.ceil(middle + half - HALF), most))
+        for row in range(b_low, b_high):
+            b = np.float32(row) + HALF
+            off = b - middle
+            if past * ma0 + (b - b0) * mb0 < ZERO and not (round0 and near_by(past, b - b0, w0)):
+                continue
+            left = np.float32(c) + HALF - a1
+            if left * ma1 + (b - b1) * mb1 >= ZERO and not (round1 and near_by(left, b - b1, w1)):
+                continue
+            t = min(max(past * over + lean * off, ZERO), ONE)
+            h = off / half
+            near = q0 + rise * t + tilt * h + forward * np.sqrt(max(ONE - h * h, ZERO))
             deposit(near, identity, np.uint64(c * one + row * aside), keys)
+
+
+@inner
+def near_by(x, y, wide):
+    """Whether a place is within half a width."""
+    return x * x + y * y <= HALF * HALF * wide * wide
 
 
 @inner

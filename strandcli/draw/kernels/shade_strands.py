@@ -259,10 +259,11 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
 def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
     """`hide` for a light that has a size."""
     for k in range(n):
-        work[ARRIVES + k] *= penumbra.lit(
-            spheres, capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k],
-            work[LZ + k], work[REACH + k], skin, lights[i, 12], lights[i, 0],
-        )  # fmt: skip
+        if work[ARRIVES + k] > ZERO:
+            work[ARRIVES + k] *= penumbra.lit(
+                spheres, capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k],
+                work[LZ + k], work[REACH + k], skin, lights[i, 12], lights[i, 0],
+            )  # fmt: skip
 
 
 @function

@@ -1,4 +1,8 @@
-"""Light on solids."""
+"""Light on solids.
+
+Pixels that show the same solid are gathered in batches of W, as vertices are in `shade_strands`: what reads no table is
+one loop over a row of numbers, which becomes vector code.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,15 @@ import math
 
 import numpy as np
 
+from ...constants import W
 from ...jit import inner, parallel, prange
-from . import finish, occlusion, penumbra, percentage_closer, seams, solids
-from .light import around, toward
+from . import finish, occlusion, percentage_closer, seams, solids
+from .batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
+from .light import around
 from .raster import EMPTY, LOW, SHIFT
+from .shade_strands import aim, hide, soften
 from .shadow import transmittance
+from .surface_batch import ARRIVED, COAT, COSINE, DISTANCE, LEFT, NX, NY, NZ, PIXEL, PX, ROWS, SX, SY, THERE, UNDER
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -21,6 +29,8 @@ FOLD = np.float32(4.0)
 """Pixels' widths by which depth leaves a straight line where a surface ends in front of itself."""
 FINE = 4
 """Rays along each side of such a pixel."""
+PIXELS = 4096
+"""Pixels a task."""
 
 
 @parallel
@@ -38,59 +48,104 @@ def surfaces(
     `shade_strands.strands`. What blends may end in front of itself, which no identity tells: there the mean of 4×4
     rays is taken.
     """
-    focal = view[13]
-    for row in prange(height):
-        for column in range(width):
-            at = np.int64(row) * width + column
-            key = keys[at]
-            if key == EMPTY or (key & LOW) < solids.FIRST:
-                continue
-            which = np.int64((key & LOW) - solids.FIRST)
-            own_place = spots.shape[0] == 0
-            fine = own_place and folded(keys, at, column, width, view, spheres, capsules, which)
-            side = FINE if fine else 1
-            red = ZERO
-            green = ZERO
-            blue = ZERO
-            there = ONE
-            hits = ZERO
-            for sample in range(side * side):
-                sx = np.float32(column) + (np.float32(sample % side) + HALF) / np.float32(side)
-                sy = np.float32(row) + (np.float32(sample // side) + HALF) / np.float32(side)
-                if not own_place:
-                    sx = spots[at, 0]
-                    sy = spots[at, 1]
-                ox, oy, oz, dx, dy, dz = solids.ray(view, (sx - view[15]) / focal, (view[16] - sy) / focal)
-                if view[12] > ZERO and not fine:  # the key tells: one over the depth
-                    t = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
-                else:
-                    t = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
-                if fine and t == solids.INF:
-                    continue
-                x = ox + t * dx
-                y = oy + t * dy
-                z = oz + t * dz
-                far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
-                pixel = t / (focal * far) if view[12] > ZERO else ONE / focal
-                r, g, b = radiance(
-                    which, x, y, z, -far * dx, -far * dy, -far * dz, pixel, ambient, sky, volume, box, bounce, lights,
-                    veil, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, paint, coats, skin,
-                    sized,
+    count = np.int64(keys.shape[0])
+    picture = image.reshape(-1)
+    for task in prange((count + PIXELS - 1) // PIXELS):
+        p = np.int64(task) * PIXELS
+        end = min(p + PIXELS, count)
+        work = np.empty(ROWS * W, np.float32)
+        which = np.empty(W, np.int64)
+        while p < end:
+            p, n, solid, fine = gather(
+                keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which
+            )  # fmt: skip
+            if n > 0:
+                batch(
+                    work, n, solid, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes,
+                    views, spheres, capsules, planes, boxes, paint, coats, skin, sized,
                 )  # fmt: skip
-                red += r
-                green += g
-                blue += b
-                hits += ONE
-                if paint[which, 3] > ZERO:
-                    ax = x - paint[which, 4]
-                    ay = y - paint[which, 5]
-                    az = z - paint[which, 6]
-                    there = max(ONE - math.sqrt(ax * ax + ay * ay + az * az) / paint[which, 3], ZERO)
-                    there = there * there * (np.float32(3.0) - np.float32(2.0) * there)
-            if hits > ZERO:
-                image[row, column, 0] += there * (red / hits - image[row, column, 0])
-                image[row, column, 1] += there * (green / hits - image[row, column, 1])
-                image[row, column, 2] += there * (blue / hits - image[row, column, 2])
+                if fine:
+                    average(work, n)
+                scatter(work, np.int64(1) if fine else n, which, picture)
+
+
+@inner
+def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which):
+    """Put pixels of one solid into a batch, from pixel number p on, or the rays of one where that ends in front of
+    itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
+    n = np.int64(0)
+    solid = np.int64(-1)
+    blends = False
+    row = p // width
+    for at in range(p, end):
+        key = keys[at]
+        if key == EMPTY or (key & LOW) < solids.FIRST:
+            continue
+        own = np.int64((key & LOW) - solids.FIRST)
+        if n > 0 and (own != solid or n == W):
+            return at, n, solid, False
+        if own != solid:
+            solid = own
+            blends = spots.shape[0] == 0 and seams.blends(spheres, capsules, own)
+        while at >= (row + 1) * width:
+            row += 1
+        column = at - row * width
+        if blends and folded(keys, at, column, width, view):
+            if n > 0:
+                return at, n, solid, False
+            which[0] = at
+            return at + 1, rays(work, column, row, view, spheres, capsules, planes, boxes, own), solid, True
+        which[n] = at
+        work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
+        work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
+        if view[12] > ZERO:  # the key tells: one over the depth
+            work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+        else:
+            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, spheres, capsules, planes, boxes, own)
+        n += 1
+    return end, n, solid, False
+
+
+@inner
+def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
+    """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
+    n = np.int64(0)
+    for sample in range(FINE * FINE):
+        x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
+        y = np.float32(row) + (np.float32(sample // FINE) + HALF) / np.float32(FINE)
+        t = distance(x, y, view, spheres, capsules, planes, boxes, which)
+        work[SX + n] = x
+        work[SY + n] = y
+        work[DISTANCE + n] = t
+        n += np.int64(t != solids.INF)
+    return n
+
+
+@inner
+def distance(x, y, view, spheres, capsules, planes, boxes, which):
+    """How far off solid number `which` is at a place on the screen."""
+    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[15]) / view[13], (view[16] - y) / view[13])
+    return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+
+
+@inner
+def average(work, n):
+    """Mean radiance of the n rays of a pixel, as that of its first, and what the last becomes of the picture."""
+    for c in range(3):
+        total = ZERO
+        for k in range(n):
+            total += work[RADIANCE + c * W + k]
+        work[RADIANCE + c * W] = total / np.float32(n)
+    work[THERE] = work[THERE + n - 1]
+
+
+@inner
+def scatter(work, n, which, picture):
+    """Lay a batch over the picture."""
+    for k in range(n):
+        p = 3 * which[k]
+        for c in range(3):
+            picture[p + c] += work[THERE + k] * (work[RADIANCE + c * W + k] - picture[p + c])
 
 
 @inner
@@ -105,9 +160,9 @@ def surroundings(ambient, sky, x, y, z):
 
 
 @inner
-def folded(keys, at, column, width, view, spheres, capsules, which):
-    """Whether solid number `which`, if it is one that blends, ends in front of itself at pixel number `at`."""
-    if not seams.blends(spheres, capsules, which) or at < width or at >= keys.shape[0] - width:
+def folded(keys, at, column, width, view):
+    """Whether a solid that blends ends in front of itself at pixel number `at`."""
+    if at < width or at >= keys.shape[0] - width:
         return False
     if column < 1 or column > width - 2:
         return False
@@ -134,24 +189,136 @@ def depth_at(keys, at, view):
 
 
 @inner
-def radiance(
-    which, x, y, z, wx, wy, wz, pixel, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes,
-    views, spheres, capsules, planes, boxes, paint, coats, skin, sized,
+def batch(
+    work, n, which, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
+    spheres, capsules, planes, boxes, paint, coats, skin, sized,
 ):  # fmt: skip
-    """What a point of solid number `which` shows along the unit vector w, where a pixel is ``pixel`` metres wide."""
-    nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, x, y, z)
-    r, g, b = surroundings(ambient, sky, nx, ny, nz)
-    if volume is not None:
-        share = occlusion.seen(volume, box, x, y, z, nx, ny, nz)
-        r *= share / max(ONE - bounce[0] * (ONE - share), TINY)
-        g *= share / max(ONE - bounce[1] * (ONE - share), TINY)
-        b *= share / max(ONE - bounce[2] * (ONE - share), TINY)
-    under = ONE
-    coat_r = ZERO
-    coat_g = ZERO
-    coat_b = ZERO
+    """Radiance of the first n points of a batch, which are on solid number `which`."""
+    look(work, n, view)
+    face(work, n, spheres, capsules, planes, boxes, which)
+    surround(work, n, ambient, sky, volume, box, bounce)
+    fade(work, n, paint, which)
     if coats is not None:
+        cover(work, n, ambient, sky, volume, box, coats, which)
+    for i in range(lights.shape[0]):
+        aim(work, n, lights, i)
+        rise(work, n, skin)
+        if sized is None:
+            hide(work, n, spheres, capsules, planes, boxes, skin)
+        else:
+            soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
+        for k in range(3 * W):
+            work[X + k] = work[PX + k]
+        if maps is not None and lights[i, 10] == ZERO:
+            for k in range(n):
+                if work[ARRIVES + k] > ZERO:
+                    work[ARRIVES + k] *= transmittance(
+                        work[X + k], work[Y + k], work[Z + k], lights, i, maps, starts, sizes, views
+                    )
+        if stacks is not None and lights[i, 10] > ZERO:
+            percentage_closer.leave(work, n, lights, i, veil, stacks, starts, sizes, views)
+        else:
+            for k in range(3 * W):
+                work[LEFT + k] = ONE
+        for c in range(3):
+            for k in range(n):
+                arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, 4 + c] * work[LEFT + c * W + k]
+                work[ARRIVED + c * W + k] = arrived
+                work[RADIANCE + c * W + k] += INV_PI * arrived
+        if coats is not None:
+            gleam(work, n, lights, i, coats, which)
+    for c in range(3):
+        tone = paint[which, c]
+        for k in range(n):
+            under = work[RADIANCE + c * W + k]
+            if coats is None:
+                work[RADIANCE + c * W + k] = under * tone
+            else:
+                work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
+
+
+@inner
+def look(work, n, view):
+    """From places on the screen and distances to points, directions to the eye, and pixels' widths."""
+    focal = view[13]
+    for k in range(n):
+        right = (work[SX + k] - view[15]) / focal
+        up = (view[16] - work[SY + k]) / focal
+        ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+        t = work[DISTANCE + k]
+        far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
+        work[X + k] = ox + t * dx
+        work[Y + k] = oy + t * dy
+        work[Z + k] = oz + t * dz
+        work[EX + k] = -far * dx
+        work[EY + k] = -far * dy
+        work[EZ + k] = -far * dz
+        work[PIXEL + k] = t / (focal * far) if view[12] > ZERO else ONE / focal
+
+
+@inner
+def face(work, n, spheres, capsules, planes, boxes, which):
+    """Unit normals."""
+    if which < spheres.shape[0] and not seams.blends(spheres, capsules, which):
+        for k in range(n):
+            x = work[X + k] - spheres[which, 0]
+            y = work[Y + k] - spheres[which, 1]
+            z = work[Z + k] - spheres[which, 2]
+            size = ONE / math.sqrt(max(x * x + y * y + z * z, solids.TINY))
+            work[NX + k] = x * size
+            work[NY + k] = y * size
+            work[NZ + k] = z * size
+    else:
+        for k in range(n):
+            x, y, z = solids.normal(
+                spheres, capsules, planes, boxes, which, work[X + k], work[Y + k], work[Z + k]
+            )  # fmt: skip
+            work[NX + k] = x
+            work[NY + k] = y
+            work[NZ + k] = z
+
+
+@inner
+def surround(work, n, ambient, sky, volume, box, bounce):
+    """Radiance of what is around, as far as it is seen."""
+    for k in range(n):
+        r, g, b = surroundings(ambient, sky, work[NX + k], work[NY + k], work[NZ + k])
+        work[RADIANCE + k] = r
+        work[RADIANCE + W + k] = g
+        work[RADIANCE + 2 * W + k] = b
+    if volume is not None:
+        for k in range(n):
+            share = occlusion.seen(
+                volume, box, work[X + k], work[Y + k], work[Z + k], work[NX + k], work[NY + k], work[NZ + k]
+            )
+            for c in range(3):
+                work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)
+
+
+@inner
+def fade(work, n, paint, which):
+    """How much of the picture a solid becomes."""
+    for k in range(n):
+        work[THERE + k] = ONE
+    if paint[which, 3] > ZERO:
+        for k in range(n):
+            x = work[X + k] - paint[which, 4]
+            y = work[Y + k] - paint[which, 5]
+            z = work[Z + k] - paint[which, 6]
+            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, 3], ZERO)
+            work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
+
+
+@inner
+def cover(work, n, ambient, sky, volume, box, coats, which):
+    """What a coat mirrors of what is around, and what it leaves, in patches, to what is under it."""
+    for k in range(n):
+        x, y, z = work[X + k], work[Y + k], work[Z + k]
+        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
+        wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
         facing = nx * wx + ny * wy + nz * wz
+        under = ONE
+        r = g = b = ZERO
         if coats[which, finish.COAT] > ZERO:
             share = finish.mirrored(coats[which, finish.COAT], coats[which, finish.ROUGH], facing)
             under = ONE - share
@@ -159,52 +326,47 @@ def radiance(
             mx = (facing + facing) * nx - wx
             my = (facing + facing) * ny - wy
             mz = (facing + facing) * nz - wz
-            coat_r, coat_g, coat_b = surroundings(ambient, sky, mx, my, mz)
+            r, g, b = surroundings(ambient, sky, mx, my, mz)
             if volume is not None:
                 share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
-            coat_r *= share
-            coat_g *= share
-            coat_b *= share
+            r *= share
+            g *= share
+            b *= share
         if coats[which, finish.MOTTLE] > ZERO:  # a pixel is wider where the surface is seen at a slant
-            tone = finish.patches(x, y, z, coats[which, finish.GRAIN], pixel / max(facing, TINY))
+            tone = finish.patches(x, y, z, coats[which, finish.GRAIN], work[PIXEL + k] / max(facing, TINY))
             under *= ONE + coats[which, finish.MOTTLE] * tone
-    for i in range(lights.shape[0]):
-        lx, ly, lz, reach, falloff = toward(lights, i, x, y, z)
-        cosine = nx * lx + ny * ly + nz * lz
-        if cosine <= ZERO:
+        work[UNDER + k] = under
+        work[COAT + k] = r
+        work[COAT + W + k] = g
+        work[COAT + 2 * W + k] = b
+
+
+@inner
+def rise(work, n, skin):
+    """Points to above the surface, where no light arrives from behind it."""
+    for k in range(3 * W):
+        work[PX + k] = work[X + k]
+    for k in range(n):
+        cosine = work[NX + k] * work[LX + k] + work[NY + k] * work[LY + k] + work[NZ + k] * work[LZ + k]
+        work[COSINE + k] = cosine
+        work[ARRIVES + k] = ZERO if cosine <= ZERO else work[ARRIVES + k]
+        work[X + k] += work[NX + k] * skin
+        work[Y + k] += work[NY + k] * skin
+        work[Z + k] += work[NZ + k] * skin
+
+
+@inner
+def gleam(work, n, lights, i, coats, which):
+    """What a coat mirrors of a light."""
+    if coats[which, finish.COAT] <= ZERO:
+        return
+    for k in range(n):
+        if work[ARRIVES + k] == ZERO:
             continue
-        px = x + nx * skin
-        py = y + ny * skin
-        pz = z + nz * skin
-        falloff *= penumbra.past(
-            spheres, capsules, planes, boxes, px, py, pz, lx, ly, lz, reach, skin, lights, i, sized
-        )
-        if maps is not None and falloff > ZERO and lights[i, 10] == ZERO:
-            falloff *= transmittance(x, y, z, lights, i, maps, starts, sizes, views)
-        if falloff == ZERO:
-            continue
-        falloff *= cosine
-        red = falloff * lights[i, 4]
-        green = falloff * lights[i, 5]
-        blue = falloff * lights[i, 6]
-        if stacks is not None and lights[i, 10] > ZERO:
-            one, two, three = percentage_closer.left(x, y, z, lights, i, veil, stacks, starts, sizes, views)
-            red *= one
-            green *= two
-            blue *= three
-        r += INV_PI * red
-        g += INV_PI * green
-        b += INV_PI * blue
-        if coats is not None and coats[which, finish.COAT] > ZERO:
-            angle = lights[i, 12] if lights[i, 0] == ZERO else min(lights[i, 12] / reach, ONE)
-            share = finish.gleam(
-                coats[which, finish.COAT], coats[which, finish.ROUGH], angle, nx, ny, nz, lx, ly, lz, wx, wy, wz
-            )
-            coat_r += share * red
-            coat_g += share * green
-            coat_b += share * blue
-    return (
-        under * r * paint[which, 0] + coat_r,
-        under * g * paint[which, 1] + coat_g,
-        under * b * paint[which, 2] + coat_b,
-    )
+        angle = lights[i, 12] if lights[i, 0] == ZERO else min(lights[i, 12] / work[REACH + k], ONE)
+        share = finish.gleam(
+            coats[which, finish.COAT], coats[which, finish.ROUGH], angle, work[NX + k], work[NY + k], work[NZ + k],
+            work[LX + k], work[LY + k], work[LZ + k], work[EX + k], work[EY + k], work[EZ + k],
+        )  # fmt: skip
+        for c in range(3):
+            work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]

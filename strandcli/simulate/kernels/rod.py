@@ -48,21 +48,27 @@ MOST = 1e18
 AXES = 3 * W
 """Numbers of a row of three coordinates, of all strands of a block."""
 
-# vectors of a segment: edge, displacement, u*, c̄, its change g by loads alone (3 each); τ, M, κ; the inverse pivot i,
+# vectors of a segment: edge, what is left of u* − u, c̄, its change g by loads alone (3 each); τ; the inverse pivot i,
 # i κ and i B; r and then δ
-SEGMENT = 23
+SEGMENT = 17
 """An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
-E, U, A, C, G, T, M, K, DI, N1, N2, R = 0, 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 21
-# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved; for the
-# sweep in the end, 1 over the length of a segment, how far a particle is put off, where edges are lost and where hit,
-# all forces of contact, and two places for a solid, 8 each
-HARD, SHIFT, OVER, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 8, 9, 10, 11
-FIRST = 27 + 2 * SEGMENT
+E, D, C, G, T, DI, N1, N2, R = 0, 3, 6, 9, 12, 13, 14, 15, 16
+# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved, κ where
+# joints have a rigidity of 1; for the sweep in the end, 1 over the length of a segment, how far a particle is put off,
+# where edges are lost and where hit, all forces of contact, and two places for a solid, 8 each
+HARD, SHIFT, STIFF, OVER, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 6, 9, 10, 11, 12
+FIRST = 28 + 2 * SEGMENT
 
 
 def rows_for(n: int) -> int:
     """Vectors of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
-    return FIRST + (n + 2) * SEGMENT
+    return FIRST + (n + 2) * SEGMENT + 3 * n
+
+
+@inlined
+def aim(n, j):
+    """Where u* of a segment is, three vectors: apart, for iterations need only what is left of it."""
+    return FIRST + (n + 2) * SEGMENT + 3 * j
 
 
 @inner
@@ -75,8 +81,9 @@ def ahead(s, o, x, y, z, u, v, w):
 
 
 @inner
-def move(s, n):
-    """u += y, e += z; the greatest | |e|² − 1 | of each lane, and their sum."""
+def move(s, n, share):
+    """u += y, e += z, or a ``share`` of each where that is not None; the greatest | |e|² − 1 | of each lane, and their
+    sum."""
     worst = spread(s, 0.0)
     total = worst
     x, y, z = worst, worst, worst
@@ -87,12 +94,18 @@ def move(s, n):
         u += x
         v += y
         w += z
-        ux, uy, uz = get3(s, o + U, 1)
-        put3(s, o + U, 1, ux + u, uy + v, uz + w)
+        dx, dy, dz = get3(s, o + D, 1)
         ex, ey, ez = get3(s, o + E, 1)
-        ex += x
-        ey += y
-        ez += z
+        if share is None:
+            put3(s, o + D, 1, dx - u, dy - v, dz - w)
+            ex += x
+            ey += y
+            ez += z
+        else:
+            put3(s, o + D, 1, dx - share * u, dy - share * v, dz - share * w)
+            ex += share * x
+            ey += share * y
+            ez += share * z
         put3(s, o + E, 1, ex, ey, ez)
         off = abs(ex * ex + ey * ey + ez * ez - 1.0)
         off = where(off < MOST, off, MOST)  # never NaN
@@ -102,9 +115,10 @@ def move(s, n):
 
 
 @inner
-def retract(s, n, mine):
+def retract(s, n, mass, joint, mine):
     """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
     it. Returns the energy of each lane, twice."""
+    stiff = get(s, STIFF)
     x0 = spread(s, 0.0)
     y0, z0 = x0, x0
     energy = x0
@@ -125,21 +139,17 @@ def retract(s, n, mine):
         x0 += dx
         y0 += dy
         z0 += dz
-        ux, uy, uz = get3(s, o + U, 1)
-        ux += x0
-        uy += y0
-        uz += z0
-        put3(s, o + U, 1, ux, uy, uz)
         cx, cy, cz = get3(s, o + C, 1)
         x -= px + cx
         y -= py + cy
         z -= pz + cz
-        energy += get(s, o + K) * (x * x + y * y + z * z)
-        x, y, z = get3(s, o + A, 1)
-        x -= ux
-        y -= uy
-        z -= uz
-        energy += get(s, o + M) * (x * x + y * y + z * z)
+        energy += stiff * joint[j] * (x * x + y * y + z * z)
+        x, y, z = get3(s, o + D, 1)
+        x -= x0
+        y -= y0
+        z -= z0
+        put3(s, o + D, 1, x, y, z)
+        energy += mass[j] * (x * x + y * y + z * z)
     return energy
 
 
@@ -169,12 +179,9 @@ def shorten(s, n, share):
 
 
 @inlined
-def demand(s, o, q, foreseen):
-    """r of an edge whose length is √q; ``foreseen``: with what `foresee` has found."""
-    r = where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
-    if foreseen:
-        r += get(s, o + R)
-    return r
+def demand(q):
+    """r of an edge whose length is √q."""
+    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
 
 
 @inner

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, get3, put, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, demand, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, R, aim, demand, rows_for
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""
@@ -22,11 +22,12 @@ def size_for(n: int) -> int:
 
 @inner
 def couple(s, n, foreseen):
-    """r, ``foreseen`` as `rod.demand` has it, and the lower triangle of S = (e_i·e_j) ∘ P, column by column.
+    """r, and the lower triangle of S = (e_i·e_j) ∘ P, column by column. ``foreseen``: r is what is left of it after the
+    change that loads ask for, as `rod.foresee` has found it.
 
     P, the covariances of z where that of y is H⁻¹, follows from the process that elimination leaves, root to tip:
     z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i. a, b, c: variances of y and z and their covariance."""
-    square = FIRST + (n + 2) * SEGMENT + 2 * n
+    square = aim(n, n) + 2 * n
     a = spread(s, 0.0)
     b = a
     c = a
@@ -40,7 +41,10 @@ def couple(s, n, foreseen):
         b = d + c
         a += d + b
         q = x * x + y * y + z * z
-        put(s, o + R, demand(s, o, q, foreseen))
+        r = demand(q)
+        if foreseen:
+            r += get(s, o + R)
+        put(s, o + R, r)
         put(s, square + j * n + j, c * max(q, SHORT))
         u = b
         v = c
@@ -57,7 +61,7 @@ def solve(s, n):
     """The first half of S⁻¹ r by S = L diag(d) Lᵀ, column by column without pivoting. S is positive
     definite by Schur's product theorem; a pivot that rounding has taken below a millionth of its entry is raised to
     that. Below the diagonal columns hold L times their pivots."""
-    pivots = FIRST + (n + 2) * SEGMENT
+    pivots = aim(n, n)
     line = pivots + n
     square = pivots + 2 * n
     for j in range(n):
@@ -89,7 +93,7 @@ def solve(s, n):
 @inlined
 def substitute(s, n, j):
     """The last half of S⁻¹ r, a number at a time from the tip on: the change of a segment's τ."""
-    square = FIRST + (n + 2) * SEGMENT + 2 * n
+    square = aim(n, n) + 2 * n
     x = get(s, FIRST + j * SEGMENT + R)
     for i in range(n - 1, j, -1):
         x -= get(s, square + i * n + j) * get(s, FIRST + i * SEGMENT + R)

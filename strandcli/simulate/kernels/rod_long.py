@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, M, R, demand, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, demand, rows_for
 from .rod_dense import SHORT
 
 GAIN = 3
@@ -29,9 +29,10 @@ def size_for(n: int) -> int:
 
 
 @inner
-def observe(s, n, foreseen):
-    """From the root to the tip, r ``foreseen`` as `rod.demand` has it. Covariances: a of the particle, b of the same
-    with the edge, c of the edge; m, w: their means."""
+def observe(s, n, mass, foreseen):
+    """From the root to the tip. Covariances: a of the particle, b of the same with the edge, c of the edge; m, w: their
+    means. ``foreseen``: r is what is left of it after the change that loads ask for, which is taken from the means: it
+    follows the same recurrence."""
     zero = spread(s, 0.0)
     axx, axy, axz, ayy, ayz, azz = zero, zero, zero, zero, zero, zero
     bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
@@ -62,6 +63,11 @@ def observe(s, n, foreseen):
         ayz += pyz + byz
         azz += pzz + bzz
         wx, wy, wz = f * wx - g * mx, f * wy - g * my, f * wz - g * mz
+        if foreseen:
+            x, y, z = get3(s, o + G, 1)
+            wx += x
+            wy += y
+            wz += z
         mx += wx
         my += wy
         mz += wz
@@ -70,10 +76,10 @@ def observe(s, n, foreseen):
         hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
         kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
         square = x * x + y * y + z * z
-        short = max(SHORT - square, 0.0) / get(s, o + M)
+        short = max(SHORT - square, 0.0) / mass[j]
         variance = max(x * kx + y * ky + z * kz, noise * square) + short
         over = 1.0 / max(variance, TINY)
-        seen = (demand(s, o, square, foreseen) - (x * wx + y * wy + z * wz)) * over
+        seen = (demand(square) - (x * wx + y * wy + z * wz)) * over
         mx += hx * seen
         my += hy * seen
         mz += hz * seen
@@ -83,7 +89,7 @@ def observe(s, n, foreseen):
         put(s, o + R, seen)
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
-        put3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1, dx, dy, dz)
+        put3(s, aim(n, n) + j * GAIN, 1, dx, dy, dz)
         put3(s, o + G, 1, ex, ey, ez)
         axx -= dx * hx
         axy -= dx * hy
@@ -107,7 +113,7 @@ def recall(s, n, j, mean):
     """From the tip on, the change of a segment's τ, given the adjoints of the means; and those before it."""
     (mx, my, mz), (wx, wy, wz) = mean
     o = FIRST + j * SEGMENT
-    dx, dy, dz = get3(s, FIRST + (n + 2) * SEGMENT + j * GAIN, 1)
+    dx, dy, dz = get3(s, aim(n, n) + j * GAIN, 1)
     ex, ey, ez = get3(s, o + G, 1)
     change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
     x, y, z = get3(s, o + E, 1)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ...jit import inner
-from ...simd import get, put, root, some, spread, where
+from ...simd import get, get3, put, root, some, spread, where
 from . import rod, rod_dense, rod_descent, rod_long
-from .rod import FIRST, SEGMENT, A, M, T
+from .rod import FIRST, SEGMENT, T, aim
 
 PATIENCE = 6
 """Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
@@ -26,7 +26,7 @@ FAST = 1.9
 
 
 @inner
-def iterate(s, n, iterations, enough, long):
+def iterate(s, n, mass, joint, iterations, enough, long):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
     greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
@@ -49,45 +49,51 @@ def iterate(s, n, iterations, enough, long):
         if count == 0:
             if not some(worst > WILD):
                 continue
-            pull(s, n)
+            pull(s, n, mass)
+        stale = programmed
         programmed = count > 0 and (hard or programmed)
         if count > 0:
             far = programmed or some(worst > rod.FAR)
             if far:
                 ever = max(ever, get(s, rod.HARD))
                 mine = max(ever, worst) > rod.FAR
-                energy = rod.retract(s, n, mine)
-                rod_descent.bring(s, n, long, None, None)
-                rod.foresee(s, n)
+                energy = rod.retract(s, n, mass, joint, mine)
+                if stale:
+                    rod_descent.bound(s, n, mass, joint, long)
+                else:
+                    rod_descent.bring(s, n, mass, joint, long, None, None, None)
                 if programmed:
                     rose = energy > before * RISE
                     most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
             if long is None:
+                if far:
+                    rod.foresee(s, n)
                 rod_dense.couple(s, n, far)
                 rod_dense.solve(s, n)
             else:
-                rod_long.observe(s, n, far)
+                rod_long.observe(s, n, mass, far)
             if programmed:
-                rod_descent.bring(s, n, long, True, None)
-                rod.shorten(s, n, share)
+                hard = rod_descent.foretell(s, n, mass, joint, long)
+                worst, total = rod.move(s, n, share)
+                worst = worst / (share * share)
+                total = total / (share * share)
             else:
-                hard = rod_descent.settle(s, n, long, True)
+                hard = rod_descent.settle(s, n, mass, joint, long, True)
                 if count > PATIENCE:
                     rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
+                worst, total = rod.move(s, n, None)
         else:
-            hard = rod_descent.settle(s, n, long, None)
-        worst, total = rod.move(s, n)
-        if programmed:
-            worst = worst / (share * share)
-            total = total / (share * share)
-            hard = rod_descent.factor(s, n)
+            hard = rod_descent.settle(s, n, mass, joint, long, None)
+            worst, total = rod.move(s, n, None)
+    if programmed:
+        rod_descent.bound(s, n, mass, joint, long)
     return worst
 
 
 @inner
-def pull(s, n):
+def pull(s, n, mass):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
     from the tip."""
     x = spread(s, 0.0)
@@ -96,11 +102,11 @@ def pull(s, n):
     sum = x
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        mass = get(s, o + M)
-        x += mass * get(s, o + A)
-        y += mass * get(s, o + A + 1)
-        z += mass * get(s, o + A + 2)
-        sum += mass
+        ax, ay, az = get3(s, aim(n, j), 1)
+        x += mass[j] * ax
+        y += mass[j] * ay
+        z += mass[j] * az
+        sum += mass[j]
         load = root(x * x + y * y + z * z) - PULLED * sum
         t = get(s, o + T)
         put(s, o + T, where(load > 0.0, max(t, load), t))

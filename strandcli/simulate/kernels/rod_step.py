@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
-from ...simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, where, width
+from ...simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, stack_at, strip_at, where, width
 from . import rod, rod_curl, rod_newton, rod_sweep
-from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, A, C, E, K, M, R, T, U
+from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
 from .tickets import ALL, take
 
 HUGE = 1e18
@@ -67,32 +67,54 @@ def double_long(book, worker):
 def work(kind, book, worker, long):
     """Move strands by one step, in place, `SHARE` to each ticket while there are any. ``book`` is what `book_of` makes,
     all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
-    flags where a None would have everything compiled once more."""
-    scratch = heap_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
-    solids = a_kind(kind, book, 20), a_kind(kind, book, 21), a_kind(kind, book, 22), a_kind(kind, book, 23)
+    flags where a None would have everything compiled once more.
+
+    Long strands move by vectors of half the length: then a thousand segments of scratch about fit into the second
+    cache, fewer strands wait for the slowest, and what `rod_long` carries along is more than the registers hold of
+    either."""
+    scratch = vectors(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES], long)
+    solids = (
+        a_kind(kind, book, 20, long), a_kind(kind, book, 21, long), a_kind(kind, book, 22, long),
+        a_kind(kind, book, 23, long),
+    )  # fmt: skip
     ticket = take(book)
     while ticket < book[ALL]:
         run(
-            rows(kind, book, 0), rows(kind, book, 1), rows(kind, book, 2), rows(kind, book, 3), rows(kind, book, 4),
-            rows(kind, book, 5), rows(kind, book, 6), rows(kind, book, 7), rows(kind, book, 8), rows(kind, book, 9),
-            rows(kind, book, 10), rows(kind, book, 11), rows(kind, book, 12), rows(kind, book, 13),
-            rows(kind, book, 14), rows(kind, book, 15), rows(kind, book, 16), rows(kind, book, 17),
-            rows(kind, book, 18), rows(kind, book, 19), book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0,
-            book[SOLID] != 0, solids, book[WHOLE] != 0, scratch, ticket * SHARE, long, book[SEGMENTS],
+            rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long),
+            rows(kind, book, 3, long), rows(kind, book, 4, long), rows(kind, book, 5, long),
+            rows(kind, book, 6, long), rows(kind, book, 7, long), rows(kind, book, 8, long),
+            rows(kind, book, 9, long), rows(kind, book, 10, long), rows(kind, book, 11, long),
+            rows(kind, book, 12, long), rows(kind, book, 13, long), rows(kind, book, 14, long),
+            rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
+            rows(kind, book, 18, long), rows(kind, book, 19, long),
+            book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
+            ticket * SHARE, long, book[SEGMENTS],
         )  # fmt: skip
         ticket = take(book)
 
 
 @inner
-def rows(kind, book, number):
-    """An array of a book."""
-    return lay_at(kind, book[ARRAYS + 2 * number])
+def vectors(kind, address, long):
+    """The scratch at an address, in the vectors that a kernel takes."""
+    if long is None:
+        return heap_at(kind, address)
+    else:
+        return stack_at(kind, address)
 
 
 @inner
-def a_kind(kind, book, number):
+def rows(kind, book, number, long):
+    """An array of a book, of vectors as long."""
+    if long is None:
+        return lay_at(kind, book[ARRAYS + 2 * number])
+    else:
+        return strip_at(kind, book[ARRAYS + 2 * number])
+
+
+@inner
+def a_kind(kind, book, number, long):
     """A kind of solids of a book, as `contact_shapes` takes them."""
-    return lay_at(kind, book[ARRAYS + 2 * number]), book[ARRAYS + 2 * number + 1]
+    return rows(kind, book, number, long), book[ARRAYS + 2 * number + 1]
 
 
 @inner
@@ -108,17 +130,17 @@ def run(
     W): force densities of the last step over h²; push (blocks, N, 3 W): acceleration of particles by contact, m/s²,
     touching (blocks, W): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N + 2, 3 W)
     world, row 0 one segment before the root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B
-    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass and the rigidity of the joint before an edge, relative (root
-    joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends (blocks, N + 1, 3 W): row 0 a
-    unit vector across each direction, in the emitter's frame, then the rest value of c_j in the frame carried along the
-    strand; twist (blocks, N, W): angles by which frames are turned besides; where not `curled`, both (1, …) and not
-    read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest | |e| − 1 | before lengths are
-    made exact; pose (24,): the emitter's rotation by rows and its translation, and what each of them changed by in this
-    step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7] drag 1/s, [8] material damping s,
-    [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11] error of |e|² at which iterations
-    stop, [12] that which is no more than rounding, [13] torsional over bending rigidity; solids: spheres, capsules,
-    planes and boxes as in `contact_shapes`, `solid` whether there are any; whole: segments are caught too; scratch as
-    `rod_dense.size_for` or `rod_long.size_for` says.
+    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint
+    before an edge, relative (root joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends
+    (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the emitter's frame, then the rest value of c_j
+    in the frame carried along the strand; twist (blocks, N, W): angles by which frames are turned besides; where not
+    `curled`, both (1, …) and not read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest
+    | |e| − 1 | before lengths are made exact; pose (24,): the emitter's rotation by rows and its translation, and what
+    each of them changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7]
+    drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
+    error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over bending
+    rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
+    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says.
     """
     b = first // W
     for strand in range(first, first + SHARE, width(scratch)):
@@ -127,7 +149,7 @@ def run(
         edge = b * n * AXES + lane
         place = b * (n + 2) * AXES + lane
         place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, positions)
-        weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers)
+        weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers)
         predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
         if curled:
             rod_curl.recall(
@@ -137,12 +159,12 @@ def run(
         touched = solid and some(get(touching, strand) > 0.0)
         if touched:
             press(scratch, n, edge, strand, push, lengths, numbers)
-        worst = rod_newton.iterate(scratch, n, iterations, numbers[11], long)
+        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], long)
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
         put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
         keep(scratch, n, tip, tension, numbers[0])
         if touched:
-            yield_to(scratch, n, edge, push)
+            yield_to(scratch, n, edge, mass, push)
         rod_sweep.sweep(
             scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
             numbers, second, solid, solids, whole, touched,
@@ -173,24 +195,19 @@ def place_root(s, local, place, roots, directions, pose, positions):
 
 
 @inner
-def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, mass, joint, numbers):
+def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers):
     """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
     moved and nothing else. Internal damping pulls each joint to the bend that it had."""
     h = numbers[0]
     damping = numbers[8] / h
-    heavier = 1 + numbers[7] * h
-    stiff = get(stiffness, strand) * (h * h * (1 + damping))
+    put(s, STIFF, get(stiffness, strand) * (h * h * (1 + damping)))
     share = damping / (1 + damping)
     x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
-    put(s, FIRST - SEGMENT + M, mass[0] * heavier)
     for j in range(n):
         o = FIRST + j * SEGMENT
         put(s, o + T, get(tension, tip + j * W) * (h * h))
-        put(s, o + M, mass[j] * heavier)
-        put(s, o + K, stiff * joint[j])
         x, y, z = get3(edges, edge + j * AXES, W)
         put3(s, o + E, 1, x, y, z)
-        put3(s, o + U, 1, 0.0, 0.0, 0.0)
         put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
         x0 = x
         y0 = y
@@ -221,7 +238,9 @@ def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers,
                 u = get(moved, row) * third * over + rest * (v + fall)
             else:
                 u = rest * (v + fall)
-            put(s, FIRST + j * SEGMENT + A + c, min(max(u, -FARTHEST), FARTHEST))
+            u = min(max(u, -FARTHEST), FARTHEST)
+            put(s, FIRST + j * SEGMENT + D + c, u)
+            put(s, aim(n, j) + c, u)
 
 
 @inner
@@ -239,18 +258,20 @@ def press(s, n, edge, strand, push, lengths, numbers):
     """Add the force of contact to u*, as it was in the step before."""
     f = rod_sweep.alone(numbers) / get(lengths, strand)
     for j in range(n):
-        o = FIRST + j * SEGMENT + A
+        o = aim(n, j)
         x, y, z = get3(push, edge + j * AXES, W)
         ax, ay, az = get3(s, o, 1)
-        put3(s, o, 1, ax + f * x, ay + f * y, az + f * z)
+        x, y, z = ax + f * x, ay + f * y, az + f * z
+        put3(s, o, 1, x, y, z)
+        put3(s, FIRST + j * SEGMENT + D, 1, x, y, z)
 
 
 @inner
-def yield_to(s, n, edge, push):
+def yield_to(s, n, edge, mass, push):
     """R := how far such forces move particles, as a share of how far they would move each alone: H⁻¹ M χ, with χ = 1
     where there are some."""
     for j in range(n):
         o = FIRST + j * SEGMENT
         x, y, z = get3(push, edge + j * AXES, W)
-        put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, get(s, o + M), 0.0))
+        put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, spread(s, mass[j]), 0.0))
     rod.respond(s, n)

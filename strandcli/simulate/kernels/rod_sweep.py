@@ -6,10 +6,12 @@ from ...constants import W
 from ...jit import inner
 from ...simd import get, get3, put, put3, root, some, spread, where
 from . import contact
-from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, E, U
+from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, D, E, aim
 
 HUGE = 1e18
 NONE = 1e-12
+U = D
+"""The displacement takes the place of what was left of u*."""
 
 
 @inner
@@ -52,8 +54,9 @@ def sweep(
                 0.25 * numbers[12], solids, whole, j == 0, touched,
             )  # fmt: skip
         x, y, z = get3(s, OFF, 1)
-        ux, uy, uz = get3(s, o + U, 1)
-        put3(s, o + U, 1, ux + x, uy + y, uz + z)
+        ax, ay, az = get3(s, aim(n, j), 1)
+        dx, dy, dz = get3(s, o + D, 1)
+        put3(s, o + U, 1, (ax - dx) + x, (ay - dy) + y, (az - dz) + z)
         if lost:
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.emit import Groom, emit
 from ...scene.model import Scene
-from ...simulate.rod import rigidity
+from ...simulate.material import rigidity
 from ...simulate.surroundings import gravity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit

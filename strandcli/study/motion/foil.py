@@ -18,7 +18,7 @@ from ...constants import W
 from ...errors import UsageError
 from ...groom.emit import Groom
 from ...scene.motion import emitter_pose
-from ...simulate.rod import rigidity
+from ...simulate.material import rigidity
 from ...simulate.rules import collision as collision_rule
 from ...simulate.rules import wind as wind_rule
 from ...simulate.solver import Solver

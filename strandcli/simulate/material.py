@@ -1,0 +1,50 @@
+"""What rods are made of, and how stiff that makes them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.model import Rod
+
+MATERIALS = {
+    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
+    # blade as a round stalk, Vincent 1991; wire: spring steel of half a millimetre.
+    "hair": (1320.0, 3.5e-5, 4.0e9),
+    "wool": (1310.0, 1.2e-5, 3.0e9),
+    "grass": (700.0, 6.0e-4, 5.0e8),
+    "wire": (7850.0, 2.5e-4, 2.0e11),
+}
+STIFFEST = 1e30
+"""Rigidity of a joint in 1/s² beyond which no step of time sees a strand bend; single precision ends soon after."""
+
+
+def matter(rod: Rod) -> tuple[float, float, float]:
+    """Density, radius at the root and Young's modulus: the material's, or what is written beside it."""
+    return tuple(  # type: ignore[return-value]
+        own if given is None else given
+        for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
+    )
+
+
+def rigidity(rod: Rod) -> float:
+    """B / (ρ A) = E R² / (4 ρ) of a round rod at its root, in m⁴/s²: with g L³ over it, the number Γ that alone decides
+    how a strand sags."""
+    density, radius, young = matter(rod)
+    return young * radius**2 / (4 * density)
+
+
+def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(strands,) rigidities of a joint at the root in 1/s², of segments of these lengths in m."""
+    return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
+
+
+def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at the
+    tip and twice the rigidity at the root make the discretisation second order."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    segments = ((radius[:-1] + radius[1:]) / 2) ** 2
+    mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
+    joint = radius[:-1] ** 4
+    joint[0] *= 2
+    return mass, joint
