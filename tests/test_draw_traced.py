@@ -10,7 +10,7 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.draw.camera import parallel_view
 from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.body import LINES
+from strandcli.draw.kernels.lit import LINES
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shadow import Thickness
 from strandcli.draw.traced import Grid, grid_of

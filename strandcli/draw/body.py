@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from . import chiang, marschner
 from .curves import Polylines
 from .kernels import body as kernel
+from .kernels.lit import LINES
 from .pigment import absorption_of
 from .scratch import Scratch
 
@@ -89,7 +90,7 @@ def body_of(
     slots.fill(-1)
     slots[wide] = np.arange(count, dtype=np.int32)
     profile = scratch.take("profile", (1 + traced, count, kernel.COLUMNS + 1, 3), np.float32)
-    shades = scratch.take("shades", (traced, count, kernel.LINES), np.uint64) if traced else None
+    shades = scratch.take("shades", (traced, count, LINES), np.uint64) if traced else None
     return Body(screen, widths, slots, profile, np.float32(samples), np.float32(start), np.float32(full), shades)
 
 

@@ -18,7 +18,6 @@ import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
 from .bits import NONE, WORD, add_up, all_dark, darken
-from .body import LINES
 from .grid import (
     ALONG,
     ALONG_X,
@@ -36,6 +35,7 @@ from .grid import (
     nearness,
     whole,
 )
+from .lit import LINES
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
