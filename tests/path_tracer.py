@@ -49,13 +49,16 @@ class Figures(NamedTuple):
     """Of a picture against the path tracer's; RMSE and noise as shares of the mean where strands are."""
 
     rmse: float
-    """Without the path tracer's noise."""
+    """Without the path tracer's noise,"""
+    sure: float
+    """and by how much that noise makes it uncertain, a standard deviation."""
     brightness: float
     noise: float
     """Of the mean of the two pictures."""
 
     def __str__(self) -> str:
-        return f"RMSE {self.rmse:.3f} without a noise of {self.noise:.3f}, brightness {self.brightness:.3f}"
+        found = f"RMSE {self.rmse:.3f} ± {self.sure:.3f} without a noise of {self.noise:.3f}"
+        return f"{found}, brightness {self.brightness:.3f}"
 
 
 def figures(image: Any, traced: Traced) -> Figures:
@@ -63,9 +66,11 @@ def figures(image: Any, traced: Traced) -> Figures:
     reference = (traced.one + traced.two) / 2
     lit = float(reference.mean() / traced.alpha.mean())
     covered = float(traced.alpha.mean())
-    square = float(((image - traced.one) * (image - traced.two)).mean()) / covered
+    squares = ((image - traced.one) * (image - traced.two)).mean(2) / covered
+    rmse, error = max(float(squares.mean()), 0.0) ** 0.5, float(squares.std()) / squares.size**0.5
+    sure = error / max(2 * rmse, error**0.5)
     noise = float(((traced.one - traced.two) ** 2).mean()) / 4 / covered
-    return Figures(max(square, 0.0) ** 0.5 / lit, float(image.mean() / reference.mean()), noise**0.5 / lit)
+    return Figures(rmse / lit, sure / lit, float(image.mean() / reference.mean()), noise**0.5 / lit)
 
 
 def seconds_to(error: float, found: Figures, traced: Traced) -> float:
