@@ -37,7 +37,7 @@ def turned(x, y):
 
 @inlined
 def behind(table, row, turn, distance):
-    """The points p with p · n < distance; turn: of `halved`."""
+    """The points p with p · n < distance, as bits; turn: −1 where −n is the normal in the row of the table, else 1."""
     k = np.int64(min(max(distance * turn * _PER + _FROM, ZERO), np.float32(DISTANCES)))
     bits = table[np.uint64(row + k)]
     return bits if turn > ZERO else ~bits

@@ -40,12 +40,13 @@ def resolve(
     begin (tiles,) int64: where each tile's fragments begin, −1 where it has none; kept (tiles * PIXELS,) uint32:
     fragments of each pixel that matter, nearest first: what lies behind where less than `OPAQUE` gets through does not.
     One pixel after the other: place (F,) uint32 the lit vertex before the fragment, or V + e, weight (F,) float32 the
-    share of the pixel's light that comes from it, along (F,) float32 the place from that lit vertex to the next.
+    share of the pixel's light that comes from it, along (F,) float32 the place from that lit vertex to the next; seen
+    (F,) uint64 the points of its sample that it shows, by the table of `strandcli.draw.masks.sides`, or both None.
     marks (V,) uint8 is set at the lit vertices before them. found (tiles,) int64: fragments that matter or not,
     negative where there was no room.
 
     Pieces that follow each other in their strand and in depth add up: they are parts of one surface. All else covers a
-    pixel independently.
+    pixel independently, or, with a table, by points (`weigh.weigh_points`).
     """
     tiles = begin.shape[0]
     across = (width + TILE_WIDTH - 1) // TILE_WIDTH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import inner
+from ...jit import inlined, inner
 from .masks import EMPTY, POINTS, WHOLE, covered, ones
 from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
@@ -17,6 +17,15 @@ MASKED = np.float32(0.5)
 """Samples. Of strands that are wider it may be asked which points of a sample they show."""
 FAR_OFF = np.int64(-9)
 TWO, FOUR = np.uint64(2), np.uint64(NUMBERS)
+
+
+@inlined
+def numbers(fragments, i):
+    """Of fragment number i its opacity, its vertex, and its place on the way from a lit vertex to the next."""
+    which = np.uint64(i) * FOUR
+    alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
+    vertex = np.int64(np.uint32(fragments[which + TWO]))
+    return alpha, vertex, np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
 
 
 @inner
@@ -34,10 +43,7 @@ def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, plac
         room = ONE
         previous = FAR_OFF
         while (m < last) & (through >= OPAQUE):
-            which = np.uint64(order[np.uint64(m)]) * FOUR
-            alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
-            identity = np.int64(np.uint32(fragments[which + TWO]))
-            t = np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
+            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
             if m == most:  # the last one takes in what would be behind it
                 for rest in range(m, last):
@@ -68,7 +74,11 @@ def weigh_points(
     fragments, counts, order, screen, widths, table, bits, left, top, o, base, kept, place, weight, along, seen, marks,
 ):  # fmt: skip
     """What `weigh` does, where it is known which points of a sample wide strands cover: what is in front hides just
-    these. What is thin covers a sample independently. seen (F,) uint64: the points that each fragment shows."""
+    these. What is thin covers a sample independently.
+
+    screen (V, 3), widths (V,) samples; table: of `strandcli.draw.masks.sides`; left, top: the tile's first column and
+    row; seen (F,) uint64: the points of its sample that each fragment shows.
+    """
     end = np.int64(0)
     vertices = screen.shape[0]
     for p in range(np.uint64(PIXELS)):
@@ -84,26 +94,16 @@ def weigh_points(
         total = ZERO
         previous = FAR_OFF
         while m < end:
-            which = np.uint64(order[np.uint64(m)]) * FOUR
-            alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
-            identity = np.int64(np.uint32(fragments[which + TWO]))
-            t = np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
+            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
-            shown = free
-            share = ZERO
-            if identity < vertices:
-                if widths[identity] > MASKED:
-                    mine = covered(table, screen, widths, identity, x, y)
-                    shown = mine & free
-                    count = ones(mine)
-                    if count > 0:
-                        share = alpha * thin * np.float32(ones(shown)) / np.float32(count)
-                        free &= ~mine
-                else:
-                    count = np.uint64(0)
+            mine = EMPTY
+            if identity < vertices and widths[identity] > MASKED:  # beyond vertices it is of a solid's edge
+                mine = covered(table, screen, widths, identity, x, y)
+            if mine != EMPTY:
+                shown = mine & free
+                share = alpha * thin * np.float32(ones(shown)) / np.float32(ones(mine))
+                free &= ~mine
             else:
-                count = np.uint64(0)
-            if count == 0:
                 shown = free
                 if abs(identity - previous) > 1:
                     front = thin
