@@ -4,6 +4,11 @@ Strands are B-splines through fine polylines, from tip to root, which is how its
 of the scales; of its `linearcurve` the model does not get the tangent (3.9), which shows as soon as a strand leaves the
 axes. It works in a process of its own, that is begun anew where it dies: once in some ten million rays at curves as
 thin as hair 3.9 does.
+
+Its own shadow rays begin some way off the surface (see `SCALE`), and miss what is nearer. Direct light is therefore
+traced by an integrator of our own, whose shadow rays begin a hundredth of a radius off the surface, where Mitsuba's
+LLVM variant works, which is also its fastest: it wants LLVM 16 or later beside it (Debian: libllvm19). Elsewhere its
+own integrator has to do, and `Traced.exact` is false.
 """
 
 from __future__ import annotations
@@ -23,13 +28,14 @@ if TYPE_CHECKING:
     from strandcli.study.pictures.subject import Subject
 
 SCALE = 100
-"""How many times larger the scene is for the path tracer. Its shadow rays begin 9e-5 · (1 + the greatest coordinate)
-off the surface: in metres they miss what is within three radii of a hair, so within a half, and within a twentieth of a
-strand as wide as a pixel.
+"""How many times larger the scene is for the path tracer. Its own shadow rays begin 9e-5 · (1 + the greatest
+coordinate) off the surface: in metres they miss what is within three radii of a hair, so within a half, and within a
+twentieth of a strand as wide as a pixel.
 """
-PASS = 128
-"""Samples a pixel between one save and the next."""
+PASS, RAYS = 128, 4_000_000
+"""Samples a pixel between one save and the next at most, and rays that are followed at once."""
 DEATHS = 40
+SCALAR, LLVM = "scalar_rgb", "llvm_ad_rgb"
 
 
 class Traced(NamedTuple):
@@ -43,6 +49,8 @@ class Traced(NamedTuple):
     """A pixel, of each of the two."""
     seconds: float
     """A sample of every pixel."""
+    exact: bool
+    """Whether shadow rays begin next to the surface."""
 
 
 class Figures(NamedTuple):
@@ -81,9 +89,10 @@ def seconds_to(error: float, found: Figures, traced: Traced) -> float:
 def trace(subject: Subject, folder: Path, samples: int, depth: int = 2) -> Traced:
     """Trace paths of up to ``depth`` pieces: 2 is direct light."""
     _write(subject, folder, depth)
-    one, two = (_run(folder, samples, seed) for seed in (1, 2))
+    exact = depth == 2 and _process(folder, 1, 0, LLVM) == 0
+    one, two = (_run(folder, samples, seed, LLVM if exact else SCALAR) for seed in (1, 2))
     alpha = (one[0][..., 3] + two[0][..., 3]) / 2
-    return Traced(one[0][..., :3], two[0][..., :3], alpha, samples, (one[1] + two[1]) / (2 * samples))
+    return Traced(one[0][..., :3], two[0][..., :3], alpha, samples, (one[1] + two[1]) / (2 * samples), exact)
 
 
 def spline(points: Any) -> Any:
@@ -139,7 +148,8 @@ def _write(subject: Subject, folder: Path, depth: int) -> None:
     tables = chiang.build_tables(material)
     assert tables is not None
     (folder / "scene.json").write_text(json.dumps({
-        "depth": depth, "size": scene.image.size, "fov": camera.fov, "up": camera.up,
+        "depth": depth, "radius": SCALE * material.width / 2, "size": scene.image.size, "fov": camera.fov,
+        "up": camera.up,
         "position": [SCALE * x for x in camera.position], "target": [SCALE * x for x in camera.target],
         "sigma": tables.absorption.tolist(), "beta_m": material.beta_m, "beta_n": material.beta_n,
         "tilt": material.tilt, "eta": material.eta,
@@ -148,24 +158,56 @@ def _write(subject: Subject, folder: Path, depth: int) -> None:
     }))  # fmt: skip
 
 
-def _run(folder: Path, samples: int, seed: int) -> tuple[Any, float]:
+def _run(folder: Path, samples: int, seed: int, variant: str) -> tuple[Any, float]:
     """Mean of so many samples, (height, width, 4), and seconds."""
-    saved = folder / f"sum_{seed}.npz"
     for _ in range(DEATHS):
-        done = subprocess.run([sys.executable, __file__, str(folder), str(samples), str(seed)], check=False)
-        if done.returncode == 0:
+        code = _process(folder, samples, seed, variant)
+        if code == 0:
             break
-        assert done.returncode < 0, "the path tracer failed"
-    found = np.load(saved)
+        assert code < 0, "the path tracer failed"
+    found = np.load(folder / f"sum_{seed}.npz")
     assert found["samples"] == samples, "the path tracer died too often"
     return found["total"] / samples, float(found["seconds"])
 
 
-def _render(folder: Path, samples: int, seed: int) -> None:
+def _process(folder: Path, samples: int, seed: int, variant: str) -> int:
+    command = [sys.executable, __file__, str(folder), str(samples), str(seed), variant]
+    return subprocess.run(command, check=False, stderr=subprocess.DEVNULL if seed == 0 else None).returncode
+
+
+def _direct(lights: list[dict[str, Any]], off: float) -> Any:
+    """An integrator of directional light whose shadow rays begin so far off the surface, on the light's side of it:
+    Mitsuba culls the back of curves, so that no strand is in the way of what passes through it."""
+    import drjit as dr
+    import mitsuba as mi
+
+    class Direct(mi.SamplingIntegrator):  # type: ignore[misc]
+        def sample(self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True) -> Any:
+            found = scene.ray_intersect(ray, active)
+            active &= found.is_valid()
+            bsdf, light = found.bsdf(ray), mi.Color3f(0)
+            for one in lights:
+                way = np.array(one["direction"], float)
+                toward = mi.Vector3f(*(-way / np.linalg.norm(way)).tolist())
+                begin = found.p + off * dr.sign(dr.dot(found.n, toward)) * found.n
+                free = active & ~scene.ray_test(mi.Ray3f(begin, toward), active)
+                light += bsdf.eval(mi.BSDFContext(), found, found.to_local(toward), free) * mi.Color3f(*one["power"])
+            return light, found.is_valid(), []
+
+        def aov_names(self) -> list[str]:
+            return []
+
+        def to_string(self) -> str:
+            return "Direct[]"
+
+    return Direct(mi.Properties())
+
+
+def _render(folder: Path, samples: int, seed: int, variant: str) -> None:
     """In the process of its own: go on from what is saved."""
     import mitsuba as mi
 
-    mi.set_variant("scalar_rgb")
+    mi.set_variant(variant)
     told = json.loads((folder / "scene.json").read_text())
     look = mi.ScalarTransform4f().look_at(told["position"], told["target"], told["up"])
     film = {"type": "hdrfilm", "width": told["size"][0], "height": told["size"][1], "pixel_format": "rgba",
@@ -185,6 +227,8 @@ def _render(folder: Path, samples: int, seed: int) -> None:
         scene[f"light_{number}"] = {"type": "directional", "direction": light["direction"],
                                     "irradiance": {"type": "rgb", "value": light["power"]}}  # fmt: skip
     loaded = mi.load_dict(scene)
+    own = _direct(told["lights"], told["radius"] / 100) if variant == LLVM else None
+    each = max(min(PASS, RAYS // math.prod(told["size"])), 1)
     saved, tried = folder / f"sum_{seed}.npz", folder / f"tried_{seed}"
     total, seconds, done = np.zeros((told["size"][1], told["size"][0], 4)), 0.0, 0
     if saved.exists():
@@ -194,13 +238,14 @@ def _render(folder: Path, samples: int, seed: int) -> None:
     number = int(tried.read_text()) + 1 if tried.exists() else 0
     while done < samples:
         tried.write_text(str(number))
-        count = min(PASS, samples - done)
+        count = min(each, samples - done)
         began = time.perf_counter()
-        total += count * np.array(mi.render(loaded, spp=count, seed=1_000_003 * seed + number), np.float64)
+        picture = mi.render(loaded, integrator=own, spp=count, seed=1_000_003 * seed + number)
+        total += count * np.array(picture, np.float64)
         seconds += time.perf_counter() - began
         done, number = done + count, number + 1
         np.savez(saved, total=total, seconds=seconds, samples=done)
 
 
 if __name__ == "__main__":
-    _render(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))
+    _render(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4])

@@ -88,7 +88,8 @@ class Canvas:
                 light.shade_surfaces(self.keys, *self.size, self.image)
                 edges.lay(light.shade_surfaces, self.image, self.backdrop)
             portion = self._embodied(portion, layer.marks)
-            colours = self._shade(portion, layer.marks)
+            shown = layer.shown(portion.body, self.scratch) if exact and portion.body is not None else None
+            colours = self._shade(portion, layer.marks, shown)
             layer.compose(colours, self.image)
             if portion.body is not None:
                 layer.round_off(portion.body, self.image)
@@ -140,8 +141,10 @@ class Canvas:
         body = body_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
         return replace(portion, body=body)
 
-    def _shade(self, portion: Portion, marks: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """(V, 3) light at the marked vertices."""
+    def _shade(
+        self, portion: Portion, marks: NDArray[np.uint8], shown: NDArray[np.uint64] | None = None
+    ) -> NDArray[np.float32]:
+        """(V, 3) light at the marked vertices; shown: places that exact shadows are wanted at, or None: all."""
         found = None
         if self.grids:
             found = self.scratch.take("clear", (len(self.grids), len(portion.lines.world)), np.float32)
@@ -151,7 +154,7 @@ class Canvas:
                     grid.visibility(portion.lines, marks, portion.screen, row)
                 else:
                     shades = body.shades[number]
-                    grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shades)
+                    grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shown, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, portion, marks, found)
         self.drawing.lap("shade")

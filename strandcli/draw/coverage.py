@@ -25,6 +25,8 @@ from .curves import Polylines
 from .edges import Edges
 from .kernels import parts, resolve
 from .kernels.body import over_fragments
+from .kernels.exposed import expose
+from .kernels.lit import BYTES, LINES
 from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
 from .kernels.weigh import MASKED
 from .masks import sides
@@ -57,6 +59,7 @@ class Layer:
     """(E, 3) radiance of solids at their edges."""
     top: int
     bottom: int
+    width: int
     stride: int
     tasks: int
     marks: NDArray[np.uint8]
@@ -68,6 +71,17 @@ class Layer:
             self.begin, self.kept, self.place, self.weight, self.along, self.stride, colours, self.light, self.top,
             self.bottom, self.tasks, image,
         )  # fmt: skip
+
+    def shown(self, body: Body, scratch: Scratch) -> NDArray[np.uint64]:
+        """(n, LINES): which places it shows of the pieces after the vertices that have a profile (see
+        `kernels.traced.visibility`)."""
+        bytes_ = scratch.take("shown", (body.profile.shape[1], LINES, BYTES), np.uint8)
+        bytes_.fill(0)
+        expose(
+            self.begin, self.kept, self.place, self.along, self.seen, None if self.seen is None else sides(),
+            body.screen, body.widths, body.slots, self.top, self.bottom, self.width, bytes_,
+        )  # fmt: skip
+        return bytes_.view(np.uint64)[..., 0]
 
     def round_off(self, body: Body, image: NDArray[np.float32]) -> None:
         """Add how the light of wide strands departs from its average over their width."""
@@ -98,7 +112,7 @@ class Coverage:
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
         return Layer(np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
-                     None, NONE, 0, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
+                     None, NONE, 0, 1, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
 
     def layers(
         self,
@@ -250,8 +264,9 @@ class Coverage:
         self.most = max(self.most, held * each + int(used.sum()) * parts.BLOCK * PART_BYTES)
         light = NONE if edges is None else edges.light
         return Layer(
-            begin, kept, place, weight, along, seen, light, top, bottom, lines.stride, TASKS_A_WORKER * workers, marks
-        ), held
+            begin, kept, place, weight, along, seen, light, top, bottom, self.size[0], lines.stride,
+            TASKS_A_WORKER * workers, marks,
+        ), held  # fmt: skip
 
 
 def _bits(lines: Polylines) -> int:

@@ -17,7 +17,7 @@ from .curves import Polylines, flatten, greatest_pieces
 from .detail import Level
 from .drawing import Drawing
 from .extent import widths_of
-from .kernels import detail
+from .kernels import detail, ends
 from .scratch import Scratch
 
 
@@ -72,6 +72,11 @@ class Portions:
         for begin, end in self.ranges:
             here = self._flatten(begin, end) if lines is None else lines
             screen = raster.to_screen(here, self.view, scratch)
+            if self.traced:
+                ends.rims(
+                    here.first, here.world, self.view.pack(), np.float32(scene.material.width),
+                    np.float32(scene.material.taper), here.scale, screen,
+                )  # fmt: skip
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             body = None
             if scene.material.rounded and not self.traced:

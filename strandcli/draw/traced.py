@@ -20,7 +20,7 @@ from ..constants import GRID_BYTES
 from ..scene.model import Light
 from .camera import View, ball
 from .curves import Polylines
-from .kernels import bits, project
+from .kernels import bits, ends, project
 from .kernels import grid as cells
 from .kernels import traced as kernel
 from .raster import into_bands, to_screen
@@ -68,17 +68,18 @@ class Grid:
 
     def visibility(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
-        eye: View | None = None, slots: NDArray[np.int32] | None = None, shades: NDArray[np.uint64] | None = None,
+        eye: View | None = None, slots: NDArray[np.int32] | None = None,
+        shown: NDArray[np.uint64] | None = None, shades: NDArray[np.uint64] | None = None,
     ) -> None:  # fmt: skip
         """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
         camera sees at ``screen`` (V, 3). Across the strands at the vertices that have ``slots`` (V,), where ``eye``
-        sees them, into shades (n, LINES): see `kernels.traced.visibility`."""
+        sees them, into shades (n, LINES), as far as it is ``shown``: see `kernels.traced.visibility`."""
         most = int(np.diff(lines.first).max(initial=1))
         kernel.visibility(
             lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
             self.keys, self.rows, self.words, self.veil, self.bias, np.float32(APART * self.thickness.width),
             None if eye is None else eye.pack(), np.float32(self.thickness.width), np.float32(self.thickness.taper),
-            lines.scale, slots, shades, out,
+            lines.scale, slots, shown, shades, out,
         )  # fmt: skip
 
 
@@ -153,10 +154,11 @@ def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> fl
 def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
     """(V, 4) as in `kernels.grid.list_bands`."""
     screen = to_screen(lines, view, scratch, "light_screen")
+    packed, width, taper = view.pack(), np.float32(thickness.width), np.float32(thickness.taper)
+    ends.rims(lines.first, lines.world, packed, width, taper, lines.scale, screen)
     widths = scratch.take("light_widths", len(screen), np.float32)
     project.widths(
-        lines.first, screen, view.pack(), np.float32(thickness.width), np.float32(thickness.taper), lines.scale,
-        np.float32(0.0), np.float32(0.0), widths,
+        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), widths
     )  # fmt: skip
     out = np.empty((len(screen), 4), np.float32)
     out[:, :3] = screen

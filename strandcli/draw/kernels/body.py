@@ -153,21 +153,20 @@ def darken(work, n, which, slots, profile, row, clear):
 
 @function
 def add_up(profile, slot):
-    """From each column's light to that of all columns up to its end. Where there is but one row, departures from an
-    average, that comes to nothing at the last."""
-    for row in range(profile.shape[0]):
-        for c in range(3):
-            mean = ZERO
-            if profile.shape[0] == 1:
-                for i in range(COLUMNS):
-                    mean += profile[row, slot, i + 1, c]
-                mean /= np.float32(COLUMNS)
-            total = ZERO
-            for i in range(1, COLUMNS + 1):
-                total += profile[row, slot, i, c] - mean
-                profile[row, slot, i, c] = total
-            if profile.shape[0] == 1:
-                profile[row, slot, COLUMNS, c] = ZERO
+    """From each column's light to that of all columns up to its end: departures from an average, which come to nothing
+    at the last. Where there are rows of lights with exact shadows columns stay as they are."""
+    if profile.shape[0] > 1:
+        return
+    for c in range(3):
+        mean = ZERO
+        for i in range(COLUMNS):
+            mean += profile[0, slot, i + 1, c]
+        mean /= np.float32(COLUMNS)
+        total = ZERO
+        for i in range(1, COLUMNS + 1):
+            total += profile[0, slot, i, c] - mean
+            profile[0, slot, i, c] = total
+        profile[0, slot, COLUMNS, c] = ZERO
 
 
 @function
@@ -212,24 +211,23 @@ def add(x, y, v, t, stride, weight, bits, table, screen, widths, samples, start,
     if counts <= ZERO or size < TINY:
         return
     off = ((np.float32(y) + HALF - screen[p, 1]) * dx - (np.float32(x) + HALF - screen[p, 0]) * dy) / size
-    per = np.float32(COLUMNS) / wide
-    middle = HALF * np.float32(COLUMNS)
-    half = max(HALF * per, FINEST)
-    least = np.float32(0.02) * half
-    low = clamp(middle + off * per - half, ZERO, np.float32(COLUMNS) - least)
-    high = clamp(middle + off * per + half, low + least, np.float32(COLUMNS))
     weight *= counts * counts * (THREE - TWO * counts)
     after = slots[v + stride]
     if shades is None:
+        per = np.float32(COLUMNS) / wide
+        middle = HALF * np.float32(COLUMNS)
+        half = max(HALF * per, FINEST)
+        least = np.float32(0.02) * half
+        low = clamp(middle + off * per - half, ZERO, np.float32(COLUMNS) - least)
+        high = clamp(middle + off * per + half, low + least, np.float32(COLUMNS))
         for c in range(3):
             one = departure(profile, slots, v, c, low, high)
             two = departure(profile, slots, v + stride, c, low, high)
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
         r, g, b = lit(
-            profile, shades, slots[v], after, low, high, t, HALF / size, bits, table, dx / size, dy / size, off,
-            HALF * wide,
-        )  # fmt: skip
+            profile, shades, slots[v], after, t, HALF / size, bits, table, dx / size, dy / size, off, HALF * wide
+        )
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)

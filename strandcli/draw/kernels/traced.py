@@ -17,7 +17,8 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from .bits import NONE, WORD, add_up, all_dark, darken
+from .bits import ALL, NONE, WORD, add_up, all_dark, darken
+from .ends import STEEPEST
 from .grid import (
     ALONG,
     ALONG_X,
@@ -36,6 +37,7 @@ from .grid import (
     whole,
 )
 from .lit import LINES
+from .masks import ones
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -51,11 +53,13 @@ STRANDS = 32
 """Strands a task."""
 BATCH = 64
 """Bands that are held against a line at once."""
+UNSEEN = np.float32(-1.0)
+
 
 @parallel
 def visibility(
     first, world, marks, screen, stride, most, views, sizes, cells, begin, keys, lines, words, veil, bias, apart, eye,
-    width, taper, scale, slots, shades, out,
+    width, taper, scale, slots, shown, shades, out,
 ):  # fmt: skip
     """Share of a light that strands leave at marked vertices: the mean over the strand's length about each.
 
@@ -67,8 +71,9 @@ def visibility(
     metres, as the light sees them, within which a strand does not shade itself; out (V,).
 
     Where slots is not None: eye (26,) the camera; width metres at the root, of which `taper` is lost to the tip; scale
-    (S,) or None; slots (V,) int32: number of each wide vertex, or −1; shades (n, LINES) uint64: what is dark of the
-    piece after each, a bit for each of 64 places along each of the lines across it that the camera sees.
+    (S,) or None; slots (V,) int32: number of each wide vertex, or −1; shown (n, LINES) uint64: what is wanted of the
+    piece after each, a bit for each of 64 places along each of the lines across it that the camera sees, or None: all;
+    shades (n, LINES) uint64: what of that is dark, and what is not wanted.
 
     The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
     farther.
@@ -81,7 +86,6 @@ def visibility(
         dark = np.empty(words, np.uint64)
         single = np.empty(1, np.uint64)
         pair = np.empty((2, 3), np.float32)
-        parts = np.empty(2, np.float32)
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             a = first[s]
             n = first[s + 1] - a - 1
@@ -93,25 +97,29 @@ def visibility(
                 low, high = beside(world, a, n, p, views, apart)
                 if slots is not None:  # noqa: SIM102  a branch of its own is left out where there are none
                     if slots[a + p] >= 0:
-                        sums[2 * p] = ZERO
-                        sums[2 * p + 1] = ZERO
                         half = HALF * width * (ONE if scale is None else scale[s])
                         thin = half * taper / np.float32(n)
                         together = shared(half, screen[a + p, 2], eye)
+                        left = np.int64(0)
+                        places = np.int64(0)
                         for j in range(0, LINES, together):
-                            h = np.float32(2 * j + together) / np.float32(LINES) - ONE
-                            for end in range(2):
-                                surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
-                            single[0] = NONE
-                            for one in range(views.shape[0]):
-                                piece(
-                                    pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys, lines,
-                                    low, high, veil, bias, cuts, single,
-                                )  # fmt: skip
+                            need = ALL if shown is None else together_shown(shown, slots[a + p], j, together)
+                            single[0] = ~need
+                            if need != NONE:
+                                h = np.float32(2 * j + together) / np.float32(LINES) - ONE
+                                for end in range(2):
+                                    surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
+                                for one in range(views.shape[0]):
+                                    piece(
+                                        pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys,
+                                        lines, low, high, veil, bias, cuts, single,
+                                    )  # fmt: skip
+                                left += np.int64(ones(~single[0]))
+                                places += np.int64(ones(need))
                             shades[slots[a + p], j : j + together] = single[0]
-                            add_up(single, parts, np.int64(0))
-                            sums[2 * p] += parts[0] * np.float32(together) / np.float32(LINES)
-                            sums[2 * p + 1] += parts[1] * np.float32(together) / np.float32(LINES)
+                        # what no sample shows is of no account to the mean
+                        sums[2 * p] = np.float32(left) / np.float32(places) if places > 0 else UNSEEN
+                        sums[2 * p + 1] = HALF * sums[2 * p]
                         continue
                 dark[:] = NONE
                 for one in range(views.shape[0]):
@@ -133,6 +141,15 @@ def shared(half, q, eye):
     if wide >= RESOLVED:
         return np.int64(1)
     return np.int64(2) if wide >= NARROW else np.int64(4)
+
+
+@inner
+def together_shown(shown, slot, line, count):
+    """What is wanted of so many lines that have the shadow of one."""
+    need = NONE
+    for j in range(line, line + count):
+        need |= shown[slot, j]
+    return need
 
 
 @inner
@@ -172,7 +189,9 @@ def aside(world, v, x, y, z, lx, ly, lz, per):
 @inner
 def surface(world, a, n, p, radius, h, eye, pair, row):
     """Into a row of `pair`: vertex p of a strand of n pieces that begins with vertex a, moved from the strand's middle
-    to its surface, where the camera `eye` (26,) sees the offset h ∈ [−1, 1] as in `kernels.body`."""
+    to its surface, where the camera `eye` (26,) sees the offset h ∈ [−1, 1] as in `kernels.body`: aside, and then
+    toward the eye, by r √(1 − h²) / cos ψ of a strand of the slant ψ, so that it is seen at the same place along the
+    strand as its middle."""
     v = a + p
     low = a + max(p - 1, 0)
     high = a + min(p + 1, n)
@@ -186,14 +205,14 @@ def surface(world, a, n, p, radius, h, eye, pair, row):
     bx = ty * ez - tz * ey
     by = tz * ex - tx * ez
     bz = tx * ey - ty * ex
-    fx = by * tz - bz * ty
-    fy = bz * tx - bx * tz
-    fz = bx * ty - by * tx
-    across = radius * h / math.sqrt(max(bx * bx + by * by + bz * bz, TINY))
-    out = radius * math.sqrt(ONE - h * h) / math.sqrt(max(fx * fx + fy * fy + fz * fz, TINY))
-    pair[row, 0] = world[v, 0] + across * bx + out * fx
-    pair[row, 1] = world[v, 1] + across * by + out * fy
-    pair[row, 2] = world[v, 2] + across * bz + out * fz
+    size = math.sqrt(max(bx * bx + by * by + bz * bz, TINY))
+    across = radius * h / size
+    out = radius * math.sqrt(ONE - h * h) * min(
+        math.sqrt(tx * tx + ty * ty + tz * tz) / size, STEEPEST / math.sqrt(max(ex * ex + ey * ey + ez * ez, TINY))
+    )
+    pair[row, 0] = world[v, 0] + across * bx + out * ex
+    pair[row, 1] = world[v, 1] + across * by + out * ey
+    pair[row, 2] = world[v, 2] + across * bz + out * ez
 
 
 @inner
@@ -228,10 +247,14 @@ def mean(sums, v, n, far):
     weights = ZERO
     per = ONE / np.float32(far)
     for p in range(max(v - far, 0), v):
+        if sums[2 * p] < ZERO:
+            continue
         first = ONE - np.float32(v - p) * per
         total += first * sums[2 * p] + per * sums[2 * p + 1]
         weights += first + HALF * per
     for p in range(v, min(v + far, n)):
+        if sums[2 * p] < ZERO:
+            continue
         first = ONE - np.float32(p - v) * per
         total += first * sums[2 * p] - per * sums[2 * p + 1]
         weights += first - HALF * per
@@ -311,6 +334,8 @@ def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil
     bits = np.float32(WORD * dark.shape[0])
     begin = a * bits + HALF
     size = (b - a) * bits
+    if all_dark(dark, np.int64(begin), np.int64(begin + size)):
+        return
     for k in range(0, n, BATCH):
         if keys[i + k] >= behind:
             return
