@@ -204,7 +204,7 @@ def test_a_shadow_has_its_edge_where_it_falls_across_the_width(edge: float, pixe
     eye = parallel_view((0.0, 0.0, -1.0), pixels, np.array([[-1.0] * 3, [1.0] * 3]))
     light = DirectionalLight(direction=tuple(-way), shadow=EXACT)
     grid(light, lines, Thickness(2 * radius, 0.0)).visibility(
-        lines, np.ones(18, np.uint8), np.zeros((18, 3), np.float32), out, eye, slots, shades
+        lines, np.ones(18, np.uint8), np.zeros((18, 3), np.float32), out, eye, slots, None, shades
     )
     offsets = np.repeat((2 * np.arange(LINES / alike) + 1) / (LINES / alike) - 1, alike)
     dark = (np.uint64(0xFFFFFFFFFFFFFFFF) * (offsets < edge)).astype(np.uint64)

@@ -129,7 +129,7 @@ def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direc
 def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: float) -> None:
     """A twelfth of a pixel wide. With a light from behind most of the light is on few strands, each of it bright: .105
     there, ± .007, and .09 from above."""
-    wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 3}
+    wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 5}
     subject = subject_of(HAIR, tmp_path, wide)
     traced = trace(subject, tmp_path, 768)  # 192 leave the error uncertain by a fifth
     picture = subject.draw(changed(subject.scene, {"lights.0.shadow.model": "traced"}))

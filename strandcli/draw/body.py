@@ -12,7 +12,7 @@ average are kept, and they add up to nothing over the width: a strand's whole li
 two and four pixels departures grow from nothing, so that nothing jumps as the camera comes near. A pixel's share of the
 width is averaged exactly, so that a strand three pixels wide does not flicker.
 
-Where a light's shadows are exact they have their edges across the width too, and departures begin at a twentieth of a
+Where a light's shadows are exact they have their edges across the width too, and departures begin at a thirtieth of a
 pixel: shadows are traced along lines on the side that the camera sees, and each sample has the light and the shadow of
 the part of the width and of the length that it shows. With dual scattering shadows stay those of the whole width.
 """
@@ -40,7 +40,7 @@ N_THETA, N_PHI, OFFSETS = 24, 49, 8
 """Nodes of the tables, and offsets a column."""
 START, FULL = 2.0, 4.0
 """Widths in pixels from which profiles count, and count fully;"""
-EXACT = 0.05, 0.1
+EXACT = 0.03, 0.06
 """where shadows are exact: there they vary across the width."""
 
 
