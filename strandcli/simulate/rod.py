@@ -293,7 +293,7 @@ class RodSolver(Solver):
 
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
-        return self.residuals.reshape(-1)[: self.strands]
+        return self.groom.emitted(self.residuals.reshape(-1)[: self.strands])
 
 
 def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
