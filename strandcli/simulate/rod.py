@@ -131,6 +131,7 @@ class RodSolver(Solver):
         self.touching = aligned((len(self.push), PACK), self.dtype)
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.last_step = 0.0
+        self.place_roots(1)
         self._prepare(min(numba.get_num_threads(), 1 + groom.strands * n // WORTH))
 
     def _packed(self, rows: NDArray[np.floating]) -> NDArray[Any]:
@@ -273,19 +274,13 @@ class RodSolver(Solver):
             )
         return held
 
-    def advance(self, frame: int) -> None:
-        """As any solver; the row before the roots then has the very bits that `take` gives it."""
-        super().advance(frame)
-        roots = self.positions[:, 1].copy()
-        self.place_roots(frame)
-        self.positions[:, 1] = roots
-
     def place_roots(self, frame_number: int) -> None:
-        """By the emitter's pose at a frame."""
-        turn, moved = self._pose((frame_number - 1) / self.scene.time.fps)
-        rows = self.rest.reshape(len(self.rest), 2, 3, W).astype(np.float64)
-        placed = np.einsum("cd,bndk->bnck", np.array(turn), rows) + np.array(moved)[:, None]
-        self.positions[:, :2] = placed.reshape(len(self.rest), 2, 3 * W)
+        """By the emitter's pose at a frame, to the very bits of a step that ends there."""
+        turn, moved = (np.array(part, self.dtype) for part in self._pose((frame_number - 1) / self.scene.time.fps))
+        roots = _turned(turn, self.roots) + moved[:, None]
+        before = roots - self.own_lengths[:, None] * _turned(turn, self.directions)
+        for row, places in enumerate((before, roots)):
+            self.positions[:, row] = lanes(places.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: positions are drawn in
@@ -300,6 +295,12 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.groom.emitted(self.residuals.reshape(-1)[: self.strands])
+
+
+def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
+    """Vectors (packs, 3 `PACK`) turned by a matrix, (packs, 3, `PACK`), in the order of sums that the kernel has."""
+    x, y, z = rows.reshape(-1, 3, PACK).transpose(1, 0, 2)
+    return np.stack([a * x + b * y + c * z for a, b, c in turn], 1)
 
 
 @cache
