@@ -78,6 +78,7 @@ def work(kind, book, worker, long):
     )  # fmt: skip
     ticket = take(book)
     while ticket < book[ALL]:
+        coming = take(book)
         run(
             rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long),
             rows(kind, book, 3, long), rows(kind, book, 4, long), rows(kind, book, 5, long),
@@ -87,9 +88,9 @@ def work(kind, book, worker, long):
             rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
             rows(kind, book, 18, long), rows(kind, book, 19, long),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
-            ticket, long, book[SEGMENTS],
+            ticket, coming, long, book[SEGMENTS],
         )  # fmt: skip
-        ticket = take(book)
+        ticket = coming
 
 
 @inner
@@ -120,9 +121,9 @@ def a_kind(kind, book, number, long):
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    pack, long, n,
+    pack, coming, long, n,
 ):  # fmt: skip
-    """The step of a ``pack`` of strands, a vector of them at a time.
+    """The step of a ``pack`` of strands, a vector of them at a time; the next one is ``coming``.
 
     Of P packs of S = `PACK` strands: edges (P, N, 3 S): unit vectors; velocity (P, N, 3 S) m/s; for BDF2, that is where
     `second`, before: the same one step before, moved: the last displacement in metres, else (1, N, 3 S) and not
@@ -145,7 +146,7 @@ def run(
         strand = pack * PACK + lane
         tip = pack * n * PACK + lane
         edge = pack * n * AXES + lane
-        place = strand // W * (n + 2) * ROW + strand % W
+        place = rod_sweep.place_of(strand, n)
         place_root(scratch, pack * AXES + lane, place + ROW, roots, directions, pose, positions)
         weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers)
         predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
@@ -164,8 +165,8 @@ def run(
         if touched:
             yield_to(scratch, n, edge, mass, push)
         rod_sweep.sweep(
-            scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
-            numbers, second, solid, solids, whole, touched,
+            scratch, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths,
+            positions, numbers, second, solid, solids, whole, touched,
         )  # fmt: skip
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inner
-from ...simd import get, get3, put, put3, root, some, spread, where
+from ...jit import inlined, inner
+from ...simd import ask, ask3, get, get3, put, put3, root, some, spread, where
 from . import contact
 from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, aim
 
@@ -25,8 +25,8 @@ def alone(numbers):
 
 @inner
 def sweep(
-    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
-    solid, solids, whole, touched,
+    s, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
+    numbers, second, solid, solids, whole, touched,
 ):  # fmt: skip
     """Every edge gets its length exactly, heading for where the iterations put its end, and is turned off the solids;
     an edge that has no direction or none that is finite stays as it was. The velocity is what led there, (u − û) / h. u
@@ -45,7 +45,9 @@ def sweep(
     far = alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     lost = False
+    after = coming * PACK + strand % PACK
     for j in range(n):
+        fetch(n, j, after, edges, velocity, before, moved, tension, push, positions, second, solid)
         row = edge + j * AXES
         here = place + (j + 2) * ROW
         o = FIRST + j * SEGMENT
@@ -70,6 +72,29 @@ def sweep(
         settle(s, o, row, length, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
+
+
+@inlined
+def place_of(strand, n):
+    """Where positions of a strand begin."""
+    return strand // W * (n + 2) * ROW + strand % W
+
+
+@inner
+def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions, second, solid):
+    """Have the processor fetch what the step has of segment j of a strand to come. None of it has been used since the
+    step before, and asked for all at once it would be waited for."""
+    segment = strand // PACK * n + j
+    row = segment * AXES + strand % PACK
+    ask3(edges, row, PACK)
+    ask3(velocity, row, PACK)
+    if second:
+        ask3(before, row, PACK)
+        ask3(moved, row, PACK)
+    if solid:
+        ask3(push, row, PACK)
+    ask(tension, segment * PACK + strand % PACK)
+    ask3(positions, place_of(strand, n) + (j + 2) * ROW, W)
 
 
 @inner
