@@ -29,15 +29,16 @@ def aligned(shape: tuple[int, ...], dtype: Any = np.float32) -> NDArray[Any]:
     return raw[first : raw.size - LINE + first].view(kind).reshape(shape)
 
 
-def lanes(rows: NDArray[np.floating], dtype: Any = np.float32) -> NDArray[Any]:
-    """(strands, k) values a strand -> (blocks, k * W): value 0 of every lane, then value 1, ..."""
+def lanes(rows: NDArray[np.floating], dtype: Any = np.float32, width: int = W) -> NDArray[Any]:
+    """(strands, k) values a strand -> (blocks, k * width): value 0 of every lane, then value 1, ..., in blocks of
+    ``width`` strands."""
     strands, k = rows.shape
-    blocks = -(-strands // W)
-    padded = np.empty((blocks * W, k), dtype)
+    blocks = -(-strands // width)
+    padded = np.empty((blocks * width, k), dtype)
     padded[:strands] = rows
     padded[strands:] = rows[-1]
-    out = aligned((blocks, k * W), dtype)
-    out.reshape(blocks, k, W)[...] = padded.reshape(blocks, W, k).transpose(0, 2, 1)
+    out = aligned((blocks, k * width), dtype)
+    out.reshape(blocks, k, width)[...] = padded.reshape(blocks, width, k).transpose(0, 2, 1)
     return out
 
 

@@ -15,6 +15,7 @@ from .blocks import lanes, pack, unpack
 from .crew import in_order, share_out
 from .errors import SimulationError, UsageError
 from .frame import Frame
+from .groom.arrange import arranged
 from .groom.children import Children
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
@@ -145,7 +146,7 @@ class _Begun:
     before: NDArray[np.float32] | None
     """The strands a frame earlier, where the shutter is open."""
     ids: NDArray[np.int32] | None = None
-    """Of each strand its index in the groom, where some are left out."""
+    """Of each strand its place in the order of emission, where they do not stand in it."""
 
 
 class _Film:
@@ -159,7 +160,7 @@ class _Film:
         from .simulate.advice import warnings
 
         self.scene = scene
-        self.groom = emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None)
+        self.groom = arranged(emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None))
         self.children = Children(scene, self.groom) if draw and scene.children is not None else None
         self.solver = solver_of(scene)(scene, self.groom)
         self.given = given
@@ -197,12 +198,12 @@ class _Film:
             self._examine(passed, error)
         self._done = number
         counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
-        kept = unpack(solver.positions[:, 1:], self.groom.strands) if self.keep_positions else None
+        kept = solver.particles() if self.keep_positions else None
         frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
         if self._wrong and self.draw:
             return self._sound(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
-        return _Begun(frame, positions, solver.lengths, self.groom.tones, before)
+        return _Begun(frame, positions, solver.lengths, self.groom.tones, before, self.groom.places)
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
@@ -223,27 +224,30 @@ class _Film:
             self.conduct.warn(words)
 
     def _sound(self, frame: Frame, before: NDArray[np.float32] | None) -> _Begun:
-        """The strands alone that can be drawn, of those that level of detail draws: so many from the first."""
+        """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
         from .draw.detail import needed
         from .simulate.health import drawable
 
-        solver, strands = self.solver, self.groom.strands
+        solver, groom, strands = self.solver, self.groom, self.groom.strands
         guiding = self.scene.children is not None
         first = strands if guiding else min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
-        kept = np.flatnonzero(drawable(solver)[:first])
+        fine = drawable(solver)
+        fine[first:] = False
+        kept = np.flatnonzero(groom.placed(fine))
         if not len(kept):
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
         frame.report["counts"]["left_out"] = first - len(kept)
         if guiding:  # children leave out the strands that follow one that is no number
             marked = np.full((strands, solver.positions.shape[1], 3), np.nan, np.float32)
             marked[kept] = unpack(solver.positions, strands)[kept]
-            return _Begun(frame, pack(marked), solver.lengths, self.groom.tones, None)
+            return _Begun(frame, pack(marked), solver.lengths, groom.tones, None)
         positions = pack(unpack(solver.positions, strands)[kept])
         lengths = lanes(solver.lengths.reshape(-1)[kept, None])
         if before is not None:
             before = pack(unpack(before, strands)[kept])
             before = before if np.isfinite(before).all() else None
-        return _Begun(frame, positions, lengths, self.groom.tones[kept], before, kept.astype(np.int32))
+        ids = kept.astype(np.int32) if groom.places is None else groom.places[kept]
+        return _Begun(frame, positions, lengths, groom.tones[kept], before, ids)
 
     def draughtsman(self, rehearsal: Rehearsal | None = None) -> _Draughtsman:
         """One that draws, with memory of its own."""

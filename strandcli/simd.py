@@ -21,6 +21,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     some(x < y)                 whether it holds in any lane
     pattern(x < y)              in which, as bits of a number, the first the lowest
     greatest(x), spread(x, 2.0)
+    ask3(rows, o, stride)       has the processor fetch what `get3` is going to read; a place that is none does no harm
 
 Whole numbers can be got and put, and no more. Numbers that are not vectors stand for lanes that are all equal. max and
 min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
@@ -43,6 +44,9 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 
 from .constants import VECTOR
 from .jit import inner
+
+FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
+"""What LLVM's prefetch is told."""
 
 
 class Lanes(types.Type):
@@ -301,6 +305,31 @@ def deal(typingctx: Any, rows: Any, o: Any) -> Any:
         return context.make_tuple(builder, sig.return_type, out)
 
     return types.UniTuple(_lanes(rows), 3)(rows, o), emit
+
+
+@intrinsic
+def ask(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Have the processor fetch the cache line of place o, and go on meanwhile."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(builder.gep(args[0], [args[1]]), ir.IntType(8).as_pointer())
+        number = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [place.type, number, number, number])
+        fetch = get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(fetch, [place, number(FOR_READING), number(SECOND_CACHE), number(DATA)])
+        return context.get_dummy_value()
+
+    return types.void(rows, o), emit
+
+
+@inner
+def ask3(rows, o, stride):
+    """Have three places fetched, o, o + stride and o + 2 stride."""
+    ask(rows, o)
+    ask(rows, o + stride)
+    ask(rows, o + 2 * stride)
 
 
 @intrinsic

@@ -147,7 +147,7 @@ def made(solver: str, residual: float, stretch: float = 1.0, away: float = 0.0) 
     residuals = np.full(200, 0.1)
     residuals[130] = residual
     return SimpleNamespace(  # type: ignore[return-value]
-        scene=scene, strands=200, particles=lambda: particles, lengths=np.ones((2, 128), np.float32),
+        scene=scene, strands=200, particles=lambda: particles, rest_lengths=lambda: np.ones(200, np.float32),
         positions=np.zeros((2, 4, 384), np.float32), strand_residuals=lambda: residuals,
     )  # fmt: skip
 

@@ -10,6 +10,7 @@ from numba import njit
 
 from strandcli.constants import VECTOR
 from strandcli.simd import (
+    ask3,
     deal_out,
     get,
     get3,
@@ -157,6 +158,22 @@ def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:
     without_vector(given, out)
     assert out[4, 0] == 3.0  # max(x, NaN)
     assert np.isnan(out[5, 0])  # min(NaN, x)
+
+
+@njit
+def asked(given, o, stride):
+    """The first number; three places are asked for before."""
+    rows = lay(given)
+    ask3(rows, o, stride)
+    return rows[0]
+
+
+def test_places_that_are_none_can_be_asked_for() -> None:
+    given = np.array([3.0, 4.0])
+    for o, stride in ((0, 1), (-(2**50), 2**40), (2**50, 1)):
+        assert asked(given, o, stride) == 3.0
+    np.testing.assert_array_equal(given, [3.0, 4.0])
+    assert "prefetch" in next(iter(asked.inspect_llvm().values()))
 
 
 @njit

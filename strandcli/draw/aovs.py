@@ -42,7 +42,8 @@ class Recorder:
     """Gathers the layers of one frame while it is drawn: `strands` after each portion, then `rest`."""
 
     def __init__(self, image: Any, ids: NDArray[np.int32] | None) -> None:
-        """``image``: the scene's settings; ``ids``: of each strand its index in the groom, where some are left out."""
+        """``image``: the scene's settings; ``ids``: of each strand its place in the order of emission, where they do
+        not stand in it."""
         self._names: tuple[str, ...] = image.aovs
         self._samples: int = image.supersample
         self._ids = ids
@@ -99,7 +100,7 @@ class Recorder:
 
     def layers(self, image: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
         """The layers that were asked for; ``image`` is the linear picture in samples."""
-        if self._ids is not None:  # strands that could not be drawn were left out before
+        if self._ids is not None:
             ids = self._found["strand_id"]
             ids[ids >= 0] = self._ids[ids[ids >= 0]]
         if "linear" in self._names:

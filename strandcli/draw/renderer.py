@@ -53,8 +53,8 @@ class Renderer:
         self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
-        self.ids: NDArray[np.int32] | None = None
-        """Of each strand its index in the groom, where some are left out."""
+        self.ids = groom.places
+        """Of each strand its place in the order of emission, where they do not stand in it."""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.traced = [light for light in scene.lights if is_traced(light)]
         self._counts = needs_counts(scene)
@@ -128,7 +128,9 @@ class Renderer:
         """One exposure, linear, and its light, which has the shadows and occlusion of that ``made`` before, or its
         own."""
         scene, scratch, drawing, at = self.scene, self.scratch, self._drawing, shot.at
-        strands = min(needed(scene, at), len(self.tones))
+        strands = len(self.tones)
+        if self.ids is None:  # and so those that level of detail draws are the first
+            strands = min(needed(scene, at), strands)
         if self.children is not None:
             positions, lengths = self.children.grow(positions, lengths, at, strands, scratch, self.ids)
             drawing.lap("children")

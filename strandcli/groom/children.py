@@ -64,7 +64,7 @@ class Children:
     """The children of one scene's guides."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
-        """``groom``: the guides, the first strands of the scene's emitter."""
+        """``groom``: the guides, the first strands that the scene's emitter makes."""
         self.scene = scene
         self.groom = groom
         self.settings = scene.children
@@ -188,7 +188,8 @@ class Children:
         parents[:guides, 0] = np.arange(guides)
         weights[:guides, 0] = 1.0
         # a guide that has no weight has no say at all, not even where it is no number
-        return np.where(weights > 0, parents, parents[:, :1]), weights.astype(np.float32)
+        parents = np.where(weights > 0, parents, parents[:, :1])
+        return self.groom.emitted(np.arange(guides, dtype=np.int32))[parents], weights.astype(np.float32)
 
 
 class _Levels:

@@ -10,6 +10,7 @@ NumPy's counter-based Philox generator, one stream a quantity.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,8 @@ class Groom:
 
     curl: tuple[float, float] = (0.0, 0.0)
     """Angle in radians between a strand and its own axis, and the turns about it from root to tip."""
+    places: NDArray[np.int32] | None = None
+    """(strands,) of each its place in the order of emission; None: they stand in it."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """(strands, 3) unit vectors: the direction at the middle of edge j of so many, root to tip. Curled strands are
@@ -50,6 +53,18 @@ class Groom:
     def strands(self) -> int:
         """How many."""
         return len(self.lengths)
+
+    def emitted(self, values: NDArray[Any]) -> NDArray[Any]:
+        """What belongs to the strands as they stand here, (strands, …), in the order of emission."""
+        if self.places is None:
+            return values
+        out = np.empty_like(values)
+        out[self.places] = values
+        return out
+
+    def placed(self, values: NDArray[Any]) -> NDArray[Any]:
+        """What belongs to the strands in the order of emission, (strands, …), as they stand here."""
+        return values if self.places is None else values[self.places]
 
 
 def stream(seed: int, number: int, count: int) -> NDArray[np.float64]:

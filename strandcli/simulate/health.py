@@ -81,7 +81,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
 def stretches(solver: Any) -> NDArray[np.float64]:
     """(strands,) greatest error of a segment's length as a share of it, beyond what rounding of coordinates costs."""
     x = solver.particles().astype(np.float64)
-    length = solver.lengths.reshape(-1)[: len(x), None].astype(np.float64)
+    length = solver.rest_lengths()[:, None].astype(np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         off = np.abs(np.linalg.norm(np.diff(x, axis=1), axis=2) - length) - ROUNDING * np.abs(x).max((1, 2))[:, None]
         return np.asarray((off / length).max(1))

@@ -25,6 +25,7 @@ from ..groom.emit import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_dense, rod_long, rod_step, tickets
+from .kernels.rod import PACK
 from .material import matter_along, stiffness
 from .rest_shape import carried, straight, unit_edges
 from .sag_free import Held, hold
@@ -64,8 +65,8 @@ ITS_OWN = ("elasticity", "stiffness")
 
 
 class RodSolver(Solver):
-    """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (blocks, N,
-    3 W) each, in single or double precision."""
+    """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (packs, N,
+    3 `PACK`) each, in single or double precision."""
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -87,50 +88,55 @@ class RodSolver(Solver):
         self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
-        self.stiffness = lanes(stiffness(rod, lengths)[:, None], self.dtype)
-        self.own_lengths = lanes(lengths[:, None], self.dtype)
+        self.stiffness = self._packed(stiffness(rod, lengths)[:, None])
+        self.own_lengths = self._packed(lengths[:, None])
         self.surroundings = Surroundings(scene, self.dtype)
         self.carried = any(use.name == "emitter_motion" for use in scene.rules)
         self.pose = self._pose(0.0)
-        self.edges = aligned((len(self.lengths), n, 3 * W), self.dtype)
+        self.edges = aligned((len(self.own_lengths), n, 3 * PACK), self.dtype)
         edges, mended = unit_edges(groom, n)
         if rod.rest == "sag_free":  # not even what single precision is off by may move it
             mended = mended or self.dtype == np.float32
             edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
         turn = np.array(self.pose.rotation)
         for j, edge in enumerate(edges):
-            self.edges[:, j] = lanes(edge @ turn.T, self.dtype)
+            self.edges[:, j] = self._packed(edge @ turn.T)
             if mended:
-                self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * self.edges[:, j]
+                self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge @ turn.T)
         self.rows = self.positions  # in the solver's own precision
         if self.dtype != np.float32:
             self.rows = aligned(self.positions.shape, self.dtype)
             self.rows[...] = self.positions
         self.velocity = aligned(self.edges.shape, self.dtype)
-        self.tension = aligned((len(self.lengths), n, W), self.dtype)
+        self.tension = aligned((len(self.edges), n, PACK), self.dtype)
         bdf2 = rod.integrator == "bdf2"
         self.second = bdf2
         self.before = aligned((self.edges if bdf2 else self.edges[:1]).shape, self.dtype)
         self.moved = aligned(self.before.shape, self.dtype)
-        self.roots = lanes(groom.roots, self.dtype)
-        self.directions = lanes(groom.directions, self.dtype)
+        self.roots = self._packed(groom.roots)
+        self.directions = self._packed(groom.directions)
         self.outermost = float(np.linalg.norm(groom.roots, axis=1).max())
         self.reach = TELEPORT * float(groom.lengths.max())
         self.curled = rod.rest == "sag_free" or not (
             rod.rest == "straight" or straight([groom.directions.astype(np.float64), *edges])
         )
-        self.bends = aligned((len(self.lengths) if self.curled else 1, n + 1, 3 * W), self.dtype)
-        self.twist = aligned((len(self.bends), n, W), self.dtype)
+        self.bends = aligned((len(self.edges) if self.curled else 1, n + 1, 3 * PACK), self.dtype)
+        self.twist = aligned((len(self.bends), n, PACK), self.dtype)
         coiled = self.curled and float(np.linalg.norm(np.mean(edges, axis=0), axis=1).min()) < COILED
         self.steady, self.torsion = STEADY[bdf2] if coiled else 0.0, TORSION[coiled]
         if self.curled:
             self._bend(groom.directions.astype(np.float64), np.stack(edges), lengths)
         some = self.surroundings.any_solids
         self.push = aligned((self.edges if some else self.edges[:1]).shape, self.dtype)
-        self.touching = aligned((len(self.push), W), self.dtype)
+        self.touching = aligned((len(self.push), PACK), self.dtype)
         self.residuals = np.zeros(self.own_lengths.shape, self.dtype)
         self.last_step = 0.0
+        self.place_roots(1)
         self._prepare(min(numba.get_num_threads(), 1 + groom.strands * n // WORTH))
+
+    def _packed(self, rows: NDArray[np.floating]) -> NDArray[Any]:
+        """(strands, k) values a strand -> (packs, k * `PACK`), as the kernel reads them."""
+        return lanes(rows, self.dtype, PACK)
 
     def _prepare(self, workers: int) -> None:
         """What every step hands on in the same way: arrays that it changes in place, and numbers that stay."""
@@ -155,7 +161,7 @@ class RodSolver(Solver):
         self._book = rod_step.book_of(self.strands, n, rod.iterations, flags, self.scratch, arrays, tuple(solids))
         # lanes without a strand are copies of the last strand, and tickets leave most of them alone
         last = self.rows[-1].reshape(-1, W)
-        done = int(self._book[tickets.ALL]) * rod_step.SHARE - (len(self.rows) - 1) * W
+        done = len(self.edges) * PACK - (len(self.rows) - 1) * W
         self._padding = last[:, done:], last[:, done - 1, None]
 
     def _pose(self, time: float) -> Pose:
@@ -178,7 +184,7 @@ class RodSolver(Solver):
         h = 2 * dt / 3 if second else dt
         gust = around.gust(time, self.positions)
         if gust is not None:
-            self._gust[...] = gust
+            self._gust[...] = gust.reshape(-1, PACK)[: len(self._gust)]
         around.solids(time, dt, pose if self.carried else None)
         self._share_out(
             pose, h, *self._pull, *around.air(time), rod.drag, max(rod.damping, self.steady * h),
@@ -217,14 +223,15 @@ class RodSolver(Solver):
             return False
         turn = np.subtract(pose.rotation, self.pose.rotation)
         moved = np.subtract(pose.translation, self.pose.translation)
-        way = np.einsum("cd,bdk->bck", turn, self.roots.reshape(-1, 3, W).astype(np.float64)) + moved[:, None]
+        way = np.einsum("cd,bdk->bck", turn, self.roots.reshape(-1, 3, PACK).astype(np.float64)) + moved[:, None]
         return bool(np.sqrt((way**2).sum(1).max()) > self.reach)
 
     def _carry(self, pose: Pose) -> None:
         """Take everything along rigidly and at rest."""
         turn = np.array(pose.rotation) @ np.array(self.pose.rotation).T
         centre, goal = np.array(self.pose.translation), np.array(pose.translation)
-        self.edges[...] = _turn(turn, self.edges)
+        edges = self.edges.reshape(*self.edges.shape[:2], 3, PACK)
+        edges[...] = np.einsum("cd,bndk->bnck", turn, edges)
         self.velocity[...] = self.push[...] = self.touching[...] = 0
         for rows in [self.positions] if self.rows is self.positions else [self.positions, self.rows]:
             wide = rows.reshape(*rows.shape[:2], 3, W).astype(np.float64) - centre[:, None]
@@ -242,10 +249,10 @@ class RodSolver(Solver):
             held = self._hold(axes, edges, lengths)
             bends, angles = bends - held.bends, held.twist
         first, local = carried(axes, edges, bends, angles)
-        self.bends[:, 0] = lanes(first, self.dtype)
+        self.bends[:, 0] = self._packed(first)
         for j, bend in enumerate(local):
-            self.bends[:, j + 1] = lanes(bend, self.dtype)
-            self.twist[:, j] = lanes(angles[j][:, None], self.dtype)
+            self.bends[:, j + 1] = self._packed(bend)
+            self.twist[:, j] = self._packed(angles[j][:, None])
 
     def _hold(self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> Held:
         """What holds these edges still under gravity; tension begins as it will be, and strands that are too soft
@@ -256,10 +263,10 @@ class RodSolver(Solver):
         mass, joint = self.mass.astype(np.float64), self.joint.astype(np.float64)
         held = hold(axes, edges, mass, joint, own, self.torsion, pull / lengths[:, None])
         for j, tension in enumerate(held.tension):
-            self.tension[:, j] = lanes(tension[:, None], self.dtype)
+            self.tension[:, j] = self._packed(tension[:, None])
         stiffer = held.stiffness > own
         if stiffer.any():
-            self.stiffness = lanes(held.stiffness[:, None], self.dtype)
+            self.stiffness = self._packed(held.stiffness[:, None])
             self.warnings.append(
                 f"rod.rest: sag_free: {int(stiffer.sum()):,} of {self.strands:,} strands are too soft to stay as they "
                 f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
@@ -267,19 +274,13 @@ class RodSolver(Solver):
             )
         return held
 
-    def advance(self, frame: int) -> None:
-        """As any solver; the row before the roots then has the very bits that `take` gives it."""
-        super().advance(frame)
-        roots = self.positions[:, 1].copy()
-        self.place_roots(frame)
-        self.positions[:, 1] = roots
-
     def place_roots(self, frame_number: int) -> None:
-        """By the emitter's pose at a frame."""
-        turn, moved = self._pose((frame_number - 1) / self.scene.time.fps)
-        rows = self.rest.reshape(len(self.rest), 2, 3, W).astype(np.float64)
-        placed = np.einsum("cd,bndk->bnck", np.array(turn), rows) + np.array(moved)[:, None]
-        self.positions[:, :2] = placed.reshape(len(self.rest), 2, 3 * W)
+        """By the emitter's pose at a frame, to the very bits of a step that ends there."""
+        turn, moved = (np.array(part, self.dtype) for part in self._pose((frame_number - 1) / self.scene.time.fps))
+        roots = _turned(turn, self.roots) + moved[:, None]
+        before = roots - self.own_lengths[:, None] * _turned(turn, self.directions)
+        for row, places in enumerate((before, roots)):
+            self.positions[:, row] = lanes(places.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: positions are drawn in
@@ -287,19 +288,19 @@ class RodSolver(Solver):
         edge where there are a thousand, and 8e-6 m a hundred metres away."""
         out = super().errors(frame)
         if self.long or self.dtype == np.float64:
-            edges = self.edges.reshape(*self.edges.shape[:2], 3, W)
+            edges = self.edges.reshape(*self.edges.shape[:2], 3, PACK)
             out["stretch_max"] = float(np.abs(np.sqrt((edges**2).sum(2)) - 1).max())
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
-        return self.residuals.reshape(-1)[: self.strands]
+        return self.groom.emitted(self.residuals.reshape(-1)[: self.strands])
 
 
-def _turn(rotation: NDArray[np.float64], rows: NDArray[Any]) -> NDArray[Any]:
-    """Rotate vectors in blocks (blocks, rows, 3 W)."""
-    wide = rows.reshape(*rows.shape[:2], 3, W)
-    return np.einsum("cd,bndk->bnck", rotation, wide).reshape(rows.shape)
+def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
+    """Vectors (packs, 3 `PACK`) turned by a matrix, (packs, 3, `PACK`), in the order of sums that the kernel has."""
+    x, y, z = rows.reshape(-1, 3, PACK).transpose(1, 0, 2)
+    return np.stack([a * x + b * y + c * z for a, b, c in turn], 1)
 
 
 @cache

@@ -22,13 +22,15 @@ class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
     ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
-    ``lengths`` (blocks, W) are the rest lengths of segments; ``warnings`` are what a person should know of how this
+    ``lengths`` (blocks, W) are the rest lengths of segments, both of strands as they stand in the groom; all that
+    methods tell or take of strands is in the order of emission. ``warnings`` are what a person should know of how this
     solver takes the scene. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:
         check(groom)
         self.scene = scene
+        self.groom = groom
         self.strands = groom.strands
         self.warnings: list[str] = []
         n = scene.emitter.particles
@@ -82,11 +84,15 @@ class Solver(ABC):
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """Set the particles of a frame, (strands or more, particles, 3) metres, as they were simulated before."""
         self.place_roots(frame)
-        self.positions[:, 1:] = pack(particles[: self.strands])
+        self.positions[:, 1:] = pack(self.groom.placed(particles[: self.strands]))
 
     def particles(self) -> NDArray[np.float32]:
         """(strands, particles, 3) float32, metres."""
-        return unpack(self.positions[:, 1:], self.strands)
+        return self.groom.emitted(unpack(self.positions[:, 1:], self.strands))
+
+    def rest_lengths(self) -> NDArray[np.float32]:
+        """(strands,) of a segment, metres."""
+        return self.groom.emitted(self.lengths.reshape(-1)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """Greatest stretch (a share of the rest length), greatest depth inside a solid (metres; None where nothing is

@@ -151,12 +151,13 @@ def time_steps(
 ) -> dict[str, float]:
     """The scene `headline`, simulated and not drawn, once strands have fallen into place: milliseconds a step,
     nanoseconds a particle and step."""
+    from ..groom.arrange import arranged
     from ..groom.emit import emit
     from ..simulate import solver_of
 
     settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
     scene = load("headline", overrides=overrides, settings=settings)
-    one = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
+    one = solver_of(scene)(scene, arranged(emit(scene.emitter, scene.seed)))
     one.advance(1)
     took = median_seconds(lambda j: one.advance(j + 2), repeats)
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}

@@ -27,7 +27,7 @@ from ...constants import W
 from ...jit import inlined
 from ...simd import get, get3, put, put3, root, some, spread, where
 from .contact_shapes import LEAST, TINY, nearest
-from .rod import GRIP, HIT, OFF, OVER, E, R
+from .rod import GRIP, HIT, OFF, OVER, PACK, E, R
 
 SLACK = 1e-6
 """Depth as a share of an edge that is no more than rounding, where that of coordinates is not more yet."""
@@ -132,7 +132,7 @@ def touch(
     none = spread(length, 0.0)
     grip, light, held = none, spread(length, 1.0), (none, none, none)
     if touched:
-        ax, ay, az = get3(push, row, W)
+        ax, ay, az = get3(push, row, PACK)
         grip = abs(ax) + abs(ay) + abs(az)
         # of particles that nothing pressed R tells only how far others' forces take them
         light = where(grip > 0.0, get(s, o + R), 0.0)
@@ -182,17 +182,17 @@ def touch(
         new = near & ~was
         if some(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
-            vx, vy, vz = get3(velocity, row, W)
+            vx, vy, vz = get3(velocity, row, PACK)
             ax, ay, az = get3(positions, here, W)
             fall = dot(n, (get(s, found + 4) - ax, get(s, found + 5) - ay, get(s, found + 6) - az))
             fall -= beat * dot(n, (vx, vy, vz))
             f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
             put(s, HIT, get(s, HIT) + where(new, spread(f, 1.0), 0.0))
         ax, ay, az = select(near, (f * kept[0], f * kept[1], f * kept[2]), (none, none, none))
-        put3(push, row, W, ax, ay, az)
+        put3(push, row, PACK, ax, ay, az)
         put(s, GRIP, get(s, GRIP) + (abs(ax) + abs(ay) + abs(az)))
     else:
-        put3(push, row, W, 0.0, 0.0, 0.0)
+        put3(push, row, PACK, 0.0, 0.0, 0.0)
     turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)
     put3(s, o + E, 1, turned[0], turned[1], turned[2])
     ax, ay, az = get3(s, OFF, 1)

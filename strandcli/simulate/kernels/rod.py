@@ -36,7 +36,6 @@ segments of zeros before the first and after the last spare the recurrences thei
 
 from __future__ import annotations
 
-from ...constants import W
 from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, root, spread, where
 
@@ -45,8 +44,11 @@ FAR = 0.3
 TINY = 1e-30
 MOST = 1e18
 
-AXES = 3 * W
-"""Numbers of a row of three coordinates, of all strands of a block."""
+PACK = 16
+"""Strands whose state lies together, a cache line of each number in single precision, one after the other as a step
+needs them: processors fetch ahead what is read in a row."""
+AXES = 3 * PACK
+"""Numbers of a row of three coordinates, of all strands of a pack."""
 
 # vectors of a segment: edge, what is left of u* − u, c̄, its change g by loads alone (3 each); τ; the inverse pivot i,
 # i κ and i B; r and then δ

@@ -16,10 +16,9 @@ as they were before the step, and so no coefficient of the step's matrix changes
 
 from __future__ import annotations
 
-from ...constants import W
 from ...jit import inner
 from ...simd import cosine, get, get3, put, put3, root, sine, spread
-from .rod import AXES, DI, FIRST, N1, N2, SEGMENT, TINY, C, E, G
+from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
 FOLD = 0.02
 """Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
@@ -39,7 +38,7 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
     """From the root to the tip: G takes what of a target is across the edge before it, for the ψ that there is, and N1
     and N2 the elimination of ψ_{j−1} = N1 + N2 ψ_j."""
     tx, ty, tz = get3(s, FIRST - SEGMENT + E, 1)
-    x, y, z = get3(bends, bend, W)
+    x, y, z = get3(bends, bend, PACK)
     ax = pose[0] * x + pose[1] * y + pose[2] * z
     ay = pose[3] * x + pose[4] * y + pose[5] * z
     az = pose[6] * x + pose[7] * y + pose[8] * z
@@ -49,14 +48,14 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
     b = zero
     for j in range(n):
         o = FIRST + j * SEGMENT
-        _, v, w = get3(bends, bend + (j + 1) * AXES, W)
+        _, v, w = get3(bends, bend + (j + 1) * AXES, PACK)
         c = cosine(angle)
         d = sine(angle)
         v, w = v * c - w * d, v * d + w * c
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
         put3(s, o + G, 1, x, y, z)
-        ex, ey, ez = get3(edges, edge + j * AXES, W)
+        ex, ey, ez = get3(edges, edge + j * AXES, PACK)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j] if j + 1 < n else 0.0
@@ -68,7 +67,7 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
             put(s, o + N1, a)
             put(s, o + N2, b)
         put(s, o + DI, angle)
-        angle = get(twist, tip + j * W)
+        angle = get(twist, tip + j * PACK)
         # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
         f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
         ax -= f * (tx + ex)
@@ -92,11 +91,11 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
     bx, by, bz = zero, zero, zero  # Σ of forces on edges so far
     after = zero  # q / (1 + e·e) of the joint after
     angle = zero
-    ex, ey, ez = get3(edges, edge + (n - 1) * AXES, W)
+    ex, ey, ez = get3(edges, edge + (n - 1) * AXES, PACK)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         if j > 0:
-            px, py, pz = get3(edges, edge + (j - 1) * AXES, W)
+            px, py, pz = get3(edges, edge + (j - 1) * AXES, PACK)
         else:
             px, py, pz = get3(s, FIRST - SEGMENT + E, 1)
         past = get(s, o + DI)
@@ -105,7 +104,7 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
         if j > 0:
             now = get(s, o + N1) + get(s, o + N2) * angle
             now = past + min(max(now - past, -MOST), MOST)
-            put(twist, tip + (j - 1) * W, now)
+            put(twist, tip + (j - 1) * PACK, now)
         if j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
         q = q / max(1.0 + ex * px + ey * py + ez * pz, FOLD)

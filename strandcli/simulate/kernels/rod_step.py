@@ -16,13 +16,12 @@ from ...constants import W
 from ...jit import function, inner
 from ...simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, stack_at, strip_at, where, width
 from . import rod, rod_curl, rod_newton, rod_sweep
-from .rod import AXES, FIRST, HARD, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
+from .rod import AXES, FIRST, HARD, PACK, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
+from .rod_sweep import ROW
 from .tickets import ALL, take
 
 HUGE = 1e18
 FARTHEST = 1e10
-SHARE = 16
-"""Strands a ticket: a cache line of each row, so that threads do not write to the same ones."""
 
 # places of a book: after the tickets numbers, and then an address and a size for each array
 SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, ARRAYS = 2, 3, 4, 5, 6, 7, 8, 9, 10
@@ -35,7 +34,7 @@ def book_of(
     """The book of a solver's steps. ``flags``, ``arrays`` and ``solids`` are those of `run`, in its order, scratch
     (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are."""
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *arrays, *solids))
-    numbers = [0, -(-strands // SHARE), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
+    numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
     return np.array([*numbers, *(number for one in (*arrays, *solids) for number in (one.ctypes.data, one.size))])
 
 
@@ -65,7 +64,7 @@ def double_long(book, worker):
 
 @inner
 def work(kind, book, worker, long):
-    """Move strands by one step, in place, `SHARE` to each ticket while there are any. ``book`` is what `book_of` makes,
+    """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
     all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
     flags where a None would have everything compiled once more.
 
@@ -79,6 +78,7 @@ def work(kind, book, worker, long):
     )  # fmt: skip
     ticket = take(book)
     while ticket < book[ALL]:
+        coming = take(book)
         run(
             rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long),
             rows(kind, book, 3, long), rows(kind, book, 4, long), rows(kind, book, 5, long),
@@ -88,9 +88,9 @@ def work(kind, book, worker, long):
             rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
             rows(kind, book, 18, long), rows(kind, book, 19, long),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
-            ticket * SHARE, long, book[SEGMENTS],
+            ticket, coming, long, book[SEGMENTS],
         )  # fmt: skip
-        ticket = take(book)
+        ticket = coming
 
 
 @inner
@@ -121,20 +121,20 @@ def a_kind(kind, book, number, long):
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    first, long, n,
+    pack, coming, long, n,
 ):  # fmt: skip
-    """The step of a ticket's strands, from number ``first`` on, a vector of them at a time.
+    """The step of a ``pack`` of strands, a vector of them at a time; the next one is ``coming``.
 
-    edges (blocks, N, 3 W): unit vectors; velocity (blocks, N, 3 W) m/s; for BDF2, that is where `second`, before: the
-    same one step before, moved: the last displacement in metres, else (1, N, 3 W) and not touched; tension (blocks, N,
-    W): force densities of the last step over h²; push (blocks, N, 3 W): acceleration of particles by contact, m/s²,
-    touching (blocks, W): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N + 2, 3 W)
-    world, row 0 one segment before the root, row 1 the root; lengths (blocks, W) of a segment; stiffness (blocks, W): B
-    / (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint
-    before an edge, relative (root joint 2, tip mass 1/2); roots, directions (blocks, 3 W) in the emitter's frame; bends
-    (blocks, N + 1, 3 W): row 0 a unit vector across each direction, in the emitter's frame, then the rest value of c_j
-    in the frame carried along the strand; twist (blocks, N, W): angles by which frames are turned besides; where not
-    `curled`, both (1, …) and not read; gust (blocks, W): factor of the air's velocity; residuals (blocks, W): greatest
+    Of P packs of S = `PACK` strands: edges (P, N, 3 S): unit vectors; velocity (P, N, 3 S) m/s; for BDF2, that is where
+    `second`, before: the same one step before, moved: the last displacement in metres, else (1, N, 3 S) and not
+    touched; tension (P, N, S): force densities of the last step over h²; push (P, N, 3 S): acceleration of particles by
+    contact, m/s², touching (P, S): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N +
+    2, 3 W) world, row 0 one segment before the root, row 1 the root; lengths (P, S) of a segment; stiffness (P, S): B /
+    (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint
+    before an edge, relative (root joint 2, tip mass 1/2); roots, directions (P, 3 S) in the emitter's frame; bends (P,
+    N + 1, 3 S): row 0 a unit vector across each direction, in the emitter's frame, then the rest value of c_j in the
+    frame carried along the strand; twist (P, N, S): angles by which frames are turned besides; where not `curled`, both
+    (1, …) and not read; gust (P, S): factor of the air's velocity; residuals (P, S): greatest
     | |e| − 1 | before lengths are made exact; pose (24,): the emitter's rotation by rows and its translation, and what
     each of them changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7]
     drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
@@ -142,18 +142,17 @@ def run(
     rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
     segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says.
     """
-    b = first // W
-    for strand in range(first, first + SHARE, width(scratch)):
-        lane = strand - b * W
-        tip = b * n * W + lane
-        edge = b * n * AXES + lane
-        place = b * (n + 2) * AXES + lane
-        place_root(scratch, b * AXES + lane, place + AXES, roots, directions, pose, positions)
+    for lane in range(0, PACK, width(scratch)):
+        strand = pack * PACK + lane
+        tip = pack * n * PACK + lane
+        edge = pack * n * AXES + lane
+        place = rod_sweep.place_of(strand, n)
+        place_root(scratch, pack * AXES + lane, place + ROW, roots, directions, pose, positions)
         weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers)
         predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
         if curled:
             rod_curl.recall(
-                scratch, n, edge, b * (n + 1) * AXES + lane, tip, edges, bends, twist, pose, joint,
+                scratch, n, edge, pack * (n + 1) * AXES + lane, tip, edges, bends, twist, pose, joint,
                 numbers[13], numbers[8] / numbers[0],
             )  # fmt: skip
         touched = solid and some(get(touching, strand) > 0.0)
@@ -166,8 +165,8 @@ def run(
         if touched:
             yield_to(scratch, n, edge, mass, push)
         rod_sweep.sweep(
-            scratch, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions,
-            numbers, second, solid, solids, whole, touched,
+            scratch, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths,
+            positions, numbers, second, solid, solids, whole, touched,
         )  # fmt: skip
 
 
@@ -184,12 +183,12 @@ def rotated(turn, k, x, y, z):
 @inner
 def place_root(s, local, place, roots, directions, pose, positions):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
-    x, y, z = get3(roots, local, W)
+    x, y, z = get3(roots, local, PACK)
     px, py, pz = rotated(pose, 0, x, y, z)
     put3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
     px, py, pz = rotated(pose, 12, x, y, z)
     put3(s, SHIFT, 1, px + pose[21], py + pose[22], pz + pose[23])
-    x, y, z = get3(directions, local, W)
+    x, y, z = get3(directions, local, PACK)
     x, y, z = rotated(pose, 0, x, y, z)
     put3(s, FIRST - SEGMENT + E, 1, x, y, z)
 
@@ -205,8 +204,8 @@ def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers):
     x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
     for j in range(n):
         o = FIRST + j * SEGMENT
-        put(s, o + T, get(tension, tip + j * W) * (h * h))
-        x, y, z = get3(edges, edge + j * AXES, W)
+        put(s, o + T, get(tension, tip + j * PACK) * (h * h))
+        x, y, z = get3(edges, edge + j * AXES, PACK)
         put3(s, o + E, 1, x, y, z)
         put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
         x0 = x
@@ -231,7 +230,7 @@ def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers,
     for c in range(3):
         fall = h * numbers[1 + c] + drag * numbers[4 + c] * get(gust, strand)
         for j in range(n):
-            row = edge + j * AXES + c * W
+            row = edge + j * AXES + c * PACK
             v = get(velocity, row)
             if second:
                 v += (v - get(before, row)) * third
@@ -250,7 +249,7 @@ def keep(s, n, tip, tension, h):
     least = where(get(s, HARD) > 0.0, spread(s, 0.0), -HUGE)
     for j in range(n):
         t = max(get(s, FIRST + j * SEGMENT + T), least)
-        put(tension, tip + j * W, where(abs(t) < HUGE, t * over, 0.0))
+        put(tension, tip + j * PACK, where(abs(t) < HUGE, t * over, 0.0))
 
 
 @inner
@@ -259,7 +258,7 @@ def press(s, n, edge, strand, push, lengths, numbers):
     f = rod_sweep.alone(numbers) / get(lengths, strand)
     for j in range(n):
         o = aim(n, j)
-        x, y, z = get3(push, edge + j * AXES, W)
+        x, y, z = get3(push, edge + j * AXES, PACK)
         ax, ay, az = get3(s, o, 1)
         x, y, z = ax + f * x, ay + f * y, az + f * z
         put3(s, o, 1, x, y, z)
@@ -272,6 +271,6 @@ def yield_to(s, n, edge, mass, push):
     where there are some."""
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(push, edge + j * AXES, W)
+        x, y, z = get3(push, edge + j * AXES, PACK)
         put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, spread(s, mass[j]), 0.0))
     rod.respond(s, n)

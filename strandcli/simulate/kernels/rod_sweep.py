@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inner
-from ...simd import get, get3, put, put3, root, some, spread, where
+from ...jit import inlined, inner
+from ...simd import ask, ask3, get, get3, put, put3, root, some, spread, where
 from . import contact
-from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, SEGMENT, SHIFT, TINY, D, E, aim
+from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, aim
 
+ROW = 3 * W
+"""Numbers of a row of positions, which are drawn and lie in blocks."""
 HUGE = 1e18
 NONE = 1e-12
 U = D
@@ -23,8 +25,8 @@ def alone(numbers):
 
 @inner
 def sweep(
-    s, n, edge, place, strand, edges, velocity, before, moved, push, touching, lengths, positions, numbers, second,
-    solid, solids, whole, touched,
+    s, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
+    numbers, second, solid, solids, whole, touched,
 ):  # fmt: skip
     """Every edge gets its length exactly, heading for where the iterations put its end, and is turned off the solids;
     an edge that has no direction or none that is finite stays as it was. The velocity is what led there, (u − û) / h. u
@@ -33,7 +35,7 @@ def sweep(
     length = get(lengths, strand)
     over = 1.0 / length
     put(s, OVER, over)
-    px, py, pz = get3(positions, place + AXES, W)
+    px, py, pz = get3(positions, place + ROW, W)
     ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
     put3(positions, place, W, px - length * ex, py - length * ey, pz - length * ez)
     put3(s, OFF, 1, 0.0, 0.0, 0.0)
@@ -43,9 +45,11 @@ def sweep(
     far = alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     lost = False
+    after = coming * PACK + strand % PACK
     for j in range(n):
+        fetch(n, j, after, edges, velocity, before, moved, tension, push, positions, second, solid)
         row = edge + j * AXES
-        here = place + (j + 2) * AXES
+        here = place + (j + 2) * ROW
         o = FIRST + j * SEGMENT
         lost = straighten(s, o, row, edges, numbers[12]) or lost
         if solid:
@@ -60,7 +64,7 @@ def sweep(
         if lost:
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)
-        put3(edges, row, W, x, y, z)
+        put3(edges, row, PACK, x, y, z)
         px += length * x
         py += length * y
         pz += length * z
@@ -68,6 +72,29 @@ def sweep(
         settle(s, o, row, length, velocity, before, moved, numbers, second)
     if solid:
         put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
+
+
+@inlined
+def place_of(strand, n):
+    """Where positions of a strand begin."""
+    return strand // W * (n + 2) * ROW + strand % W
+
+
+@inner
+def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions, second, solid):
+    """Have the processor fetch what the step has of segment j of a strand to come. None of it has been used since the
+    step before, and asked for all at once it would be waited for."""
+    segment = strand // PACK * n + j
+    row = segment * AXES + strand % PACK
+    ask3(edges, row, PACK)
+    ask3(velocity, row, PACK)
+    if second:
+        ask3(before, row, PACK)
+        ask3(moved, row, PACK)
+    if solid:
+        ask3(push, row, PACK)
+    ask(tension, segment * PACK + strand % PACK)
+    ask3(positions, place_of(strand, n) + (j + 2) * ROW, W)
 
 
 @inner
@@ -94,7 +121,7 @@ def straighten(s, o, row, edges, rounding):
     lost = some(~good)
     if lost:
         put(s, LOST, where(good, get(s, LOST), 1.0))
-        old = get3(edges, row, W)
+        old = get3(edges, row, PACK)
         x = where(good, x, old[0])
         y = where(good, y, old[1])
         z = where(good, z, old[2])
@@ -112,7 +139,7 @@ def turn_alone(s, o, j, row, edges, over):
     lost = get(s, LOST) > 0.0
     for c in range(3):
         past = get(s, SHIFT + c) * over if j == 0 else get(s, o - SEGMENT + U + c)
-        u = past + get(s, o + E + c) - get(edges, row + c * W)
+        u = past + get(s, o + E + c) - get(edges, row + c * PACK)
         put(s, o + U + c, where(lost, u, get(s, o + U + c)))
 
 
@@ -127,7 +154,7 @@ def settle(s, o, row, length, velocity, before, moved, numbers, second):
         hit = get(s, HIT) > 0.0
         for c in range(3):
             sum = length * get(s, o + U + c)
-            p = row + c * W
+            p = row + c * PACK
             past = get(velocity, p)
             v = where(hit, rate * sum, (sum - get(moved, p) * third) * over)
             put(before, p, where(hit, v, past))
@@ -135,4 +162,4 @@ def settle(s, o, row, length, velocity, before, moved, numbers, second):
             put(moved, p, sum)
     else:
         for c in range(3):
-            put(velocity, row + c * W, length * get(s, o + U + c) * over)
+            put(velocity, row + c * PACK, length * get(s, o + U + c) * over)
