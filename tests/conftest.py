@@ -20,14 +20,15 @@ def one_thread() -> None:
     numba.set_num_threads(1)
 
 
-DRAWING = ("pipeline", "presets", "draw", "study_pictures", "study_occupancy", "study_bsdf")
+DRAWING = ("draw", "pipeline", "presets", "study_pictures")
 MOVING = ("simulate", "stress", "study")
+BOTH = ("stress_inputs", "study_cli")
 
 
 def place(scope: str) -> tuple[int, str]:
     """Where a file of tests stands between those that draw and those that simulate."""
     name = scope.rpartition("test_")[2]
-    return 0 if name.startswith(DRAWING) else 2 if name.startswith(MOVING) else 1, scope
+    return 0 if name.startswith(DRAWING) else 2 if name.startswith(MOVING) and not name.startswith(BOTH) else 1, scope
 
 
 @pytest.hookimpl(optionalhook=True)
