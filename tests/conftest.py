@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as `one_thread` below; read when NumPy is imported
+
 import numba
 import pytest
 from hypothesis import settings
@@ -16,3 +21,30 @@ def one_thread() -> None:
     """Tests run side by side: threads that wait for each other's turn would take ten times as long. Whatever is about
     threads asks for them."""
     numba.set_num_threads(1)
+
+
+DRAWING = ("draw", "pipeline", "presets", "study_pictures")
+MOVING = ("simulate", "stress", "study")
+BOTH = ("stress_inputs", "study_cli")
+
+
+def place(scope: str) -> tuple[int, str]:
+    """Where a file of tests stands between those that draw and those that simulate."""
+    name = scope.rpartition("test_")[2]
+    return 0 if name.startswith(DRAWING) else 2 if name.startswith(MOVING) and not name.startswith(BOTH) else 1, scope
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Half of the processes begin with the files that draw, half with those that simulate, and they meet in between:
+    on an empty cache each compiles kernels that the other one then finds there, where both would compile most twice."""
+    from xdist.scheduler.loadfile import LoadFileScheduling
+
+    class FromBothEnds(LoadFileScheduling):
+        def _assign_work_unit(self, node: Any) -> None:
+            last = self.nodes.index(node) % 2 == 1
+            scope = sorted(self.workqueue, key=place)[-1 if last else 0]
+            self.workqueue.move_to_end(scope, last=False)
+            super()._assign_work_unit(node)
+
+    return FromBothEnds(config, log) if config.getvalue("dist") == "loadfile" else None

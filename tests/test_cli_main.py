@@ -73,6 +73,12 @@ def test_help_lists_every_command_and_each_has_help_of_its_own(run: Runner) -> N
         (["render", "tiny.yaml", "--resume", "--overwrite"], "--overwrite and --resume exclude each other"),
         (["render", "tiny.yaml", "-q", "-v"], "--quiet and --verbose exclude each other"),
         (["simulate", "tiny.yaml"], "Missing option '-o'"),
+        (["simulate", "tiny.yaml", "-o", ""], "the path is empty"),
+        (["render", "tiny.yaml", "-o", ""], "the path is empty"),
+        (["render", "tiny.yaml", "--from-cache", ""], "the path is empty"),
+        (["render", "tiny.yaml", "--from-cache", "tiny.yaml"], "tiny.yaml: has no manifest.json; it is no folder of"),
+        (["presets", "copy", "hair", ""], "the path is empty"),
+        (["sheet", "", "-o", "a.png"], "the path is empty"),
         (["compare", "a.png"], "Missing argument 'B'"),
     ],
 )

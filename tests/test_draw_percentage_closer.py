@@ -22,7 +22,7 @@ from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import Thickness, plan_maps
 from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures.shadow import bundle
+from strandcli.study.pictures.shadow import bundle, frames_along
 
 DEEP = Shadow(model="opacity")
 SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), size=6.0, shadow=DEEP)
@@ -77,12 +77,10 @@ def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], 
     else:
         right, up, _ = axes(-np.array(light.position), (0.0, 1.0, 0.0))
         ways = (np.array(light.position) + light.size / 2 * (u * right + v * up) - points).reshape(-1, 3)
-    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
     probes = np.tile(points, (rays, 1))
-    frames = np.stack([np.stack([*axes(way, (0.0, 1.0, 0.0))[:2], way]) for way in ways])
     left = np.zeros((len(probes), 2))
     cylinders.transmittance(
-        LINES.first, LINES.world.astype(np.float64), radii_of(), probes, np.full(len(probes), -1), frames,
+        LINES.first, LINES.world.astype(np.float64), radii_of(), probes, np.full(len(probes), -1), frames_along(ways),
         np.full(len(probes), np.inf), np.zeros((2, 2)), left,
     )  # fmt: skip
     return np.asarray(left.mean(1).reshape(rays, -1).mean(0))

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from strandcli.draw.camera import View
 from strandcli.draw.coverage import Coverage
@@ -36,17 +36,18 @@ def line(begin: NDArray[np.float64], end: NDArray[np.float64]) -> Polylines:
     return Polylines(np.array([0, ALONG + 1]), world.astype(np.float32))
 
 
-def at(view: View, x: float, y: float, depth: float) -> NDArray[np.float64]:
-    """The place that is seen at a pixel."""
+def at(view: View, x: ArrayLike, y: ArrayLike, depth: float) -> NDArray[np.float64]:
+    """The places (…, 3) that are seen at pixels."""
     away = depth / view.focal if view.perspective else 1 / view.focal
-    return np.array([(x - view.width / 2) * away, (view.height / 2 - y) * away, -depth])
+    across, up = (np.asarray(x) - view.width / 2) * away, (view.height / 2 - np.asarray(y)) * away
+    return np.stack(np.broadcast_arrays(across, up, -depth), -1)
 
 
 def met(view: View, lines: Polylines, radius: float, pixels: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Whether the rays through places (n, 2) on the screen come within a radius of the straight line of a strand."""
-    far = [at(view, x, y, 1.0) for x, y in pixels]
-    ways = np.array(far) if view.perspective else np.tile(view.forward, (len(far), 1))
-    origin = np.zeros(3) if view.perspective else np.array(far)
+    far = at(view, *pixels.T, 1.0)
+    ways = far if view.perspective else np.tile(view.forward, (len(far), 1))
+    origin = np.zeros(3) if view.perspective else far
     begin, end = lines.world[0].astype(np.float64), lines.world[-1].astype(np.float64)
     across = np.cross(ways, end - begin)
     off = ((begin - origin) * across).sum(1) / np.linalg.norm(across, axis=1)

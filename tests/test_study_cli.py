@@ -135,6 +135,7 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--reference", "beam"], "either a PRESET or --reference"),
         (["no_such"], "no preset"),
         (["still.yaml", "--axis", "taste"], "axes are"),
+        (["still.yaml", "--axis", ""], "no axis ''; the axes are"),
         (["still.yaml", "--axis", "reference"], "studies no preset"),
         (["still.yaml", "--solver", "springs"], "solvers are"),
         (["still.yaml", "--substeps", "0"], "from 1 to 1000"),

@@ -11,10 +11,11 @@ import pytest
 from cli_runs import Runner
 
 import strandcli
+from strandcli.draw.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline
-from strandcli.study.pictures.shadow import ShadowStudy
+from strandcli.study.pictures.shadow import ShadowStudy, frames_along
 from strandcli.study.pictures.subject import LinearRenderer, Subject, changed, differences, knows
 
 SMALL = """\
@@ -77,6 +78,11 @@ def test_points_on_curves_and_their_distance() -> None:
     assert curve[0, -1, 1] == 3
     line = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
     assert to_polyline(np.array([[0.5, 0.25], [2.0, 0.5], [-3.0, 4.0]]), line) == pytest.approx([0.25, 1.0, 5.0])
+
+
+def test_frames_of_many_ways_are_those_of_each() -> None:
+    ways = np.array([[1.0, 2, 3], [-4, 0.5, 0], [0, 0, -2], [0.3, -0.3, 0.1], [0, 5, 0], [0, -1, 0]])
+    np.testing.assert_allclose(frames_along(ways), [axes(way, (0.0, 1.0, 0.0)) for way in ways], atol=1e-15)
 
 
 def test_rays_are_stopped_by_what_stands_in_their_way() -> None:

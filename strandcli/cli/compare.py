@@ -11,9 +11,9 @@ from . import options
 
 
 @click.command()
-@click.argument("first", type=click.Path(path_type=Path), metavar="A")
-@click.argument("second", type=click.Path(path_type=Path), metavar="B")
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write a difference image (PNG).")
+@click.argument("first", type=options.PathType(), metavar="A")
+@click.argument("second", type=options.PathType(), metavar="B")
+@click.option("-o", "--output", type=options.PathType(), metavar="FILE", help="Write a difference image (PNG).")
 @click.option(
     "--threshold", type=options.Whole(0, 255), default=0, show_default=True, metavar="N",
     help="Count pixels that differ by more than N/255 in some channel.",

@@ -22,7 +22,7 @@ def command() -> None:
     """
 
 
-directory_argument = click.argument("directory", type=click.Path(path_type=Path), metavar="DIR")
+directory_argument = click.argument("directory", type=options.PathType(), metavar="DIR")
 names_argument = click.argument("names", nargs=-1, metavar="[NAME]...")
 
 

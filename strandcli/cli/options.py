@@ -80,11 +80,22 @@ def _assignment(ctx: click.Context, param: click.Parameter, values: tuple[str, .
     return values
 
 
+class PathType(click.Path):
+    """The path of a file or a folder, which an empty text, as of a shell's variable that is not set, is not."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if str(value) == "":
+            self.fail("the path is empty; write . for the folder that you are in", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 def folder(default: str | None = None) -> Callable[[F], F]:
     """``-o/--output``; required where there is no default folder."""
     words = "Folder for the results." + (f"  [default: {default}]" if default else "")
-    kind = click.Path(path_type=Path)
-    return click.option("-o", "--output", type=kind, metavar="DIR", required=not default, help=words)
+    return click.option("-o", "--output", type=PathType(), metavar="DIR", required=not default, help=words)
 
 
 preset = click.argument("preset")
@@ -105,7 +116,7 @@ keep_going = click.option(
 resume = click.option("--resume", is_flag=True, help="Keep the files that are there and whole; make the others.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace files that are there.")
 from_cache = click.option(
-    "--from-cache", type=click.Path(path_type=Path), metavar="DIR",
+    "--from-cache", type=PathType(), metavar="DIR",
     help="Draw the positions that 'strandcli simulate' left in DIR.",
 )  # fmt: skip
 as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")

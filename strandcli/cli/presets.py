@@ -46,7 +46,7 @@ def show(name: str) -> None:
 
 @command.command("copy")
 @click.argument("name")
-@click.argument("target", required=False, type=click.Path(path_type=Path))
+@click.argument("target", required=False, type=options.PathType())
 @options.overwrite
 @options.quiet
 @options.debug

@@ -11,7 +11,7 @@ from . import options
 
 @click.command()
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write it there.  [default: stdout]"
+    "-o", "--output", type=options.PathType(), metavar="FILE", help="Write it there.  [default: stdout]"
 )
 @options.overwrite
 @options.debug

@@ -10,8 +10,8 @@ from . import options
 
 
 @click.command()
-@click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DIR_OR_FILE...")
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="The sheet (PNG).")
+@click.argument("sources", nargs=-1, required=True, type=options.PathType(), metavar="DIR_OR_FILE...")
+@click.option("-o", "--output", type=options.PathType(), required=True, metavar="FILE", help="The sheet (PNG).")
 @click.option(
     "--columns", type=options.Whole(1, 1000), default=4, show_default=True, metavar="N", help="Images a row."
 )

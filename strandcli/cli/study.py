@@ -95,7 +95,7 @@ def command(
     from ..study import summary, sweep
 
     require_folder(folder, ROOM)
-    chosen = find("reference" if preset is None else axis or "motion")
+    chosen = find("reference" if preset is None else "motion" if axis is None else axis)
     studies = []
     hidden = no_progress or quiet
     with Progress(1, "study", hidden=hidden, verbose=verbose, each="run", lines=True) as progress:
@@ -154,7 +154,7 @@ def _requests(
         requests = [Request(name=name, **wishes) for name in names]
     else:
         assert preset is not None
-        chosen = find(axis or "motion")
+        chosen = find("motion" if axis is None else axis)
         if not chosen.of_preset:
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
         _refuse_others(chosen, wishes)

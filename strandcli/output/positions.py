@@ -169,7 +169,7 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise UsageError(f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None

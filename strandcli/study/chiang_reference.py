@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,10 +29,17 @@ class Hair:
     eta: float = 1.55
 
 
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Nodes in [−1, 1] and weights of Gauss and Legendre's rule, found once."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights
+
+
 def scaled_bessel(x: ArrayLike) -> Array:
     """e^-x I₀(x) = 1/π ∫_0^π e^(x (cos t − 1)) dt, by Gauss-Legendre over the part of [0, π] that counts."""
     x = np.asarray(x, np.float64)[..., None]
-    nodes, weights = np.polynomial.legendre.leggauss(96)
+    nodes, weights = gauss(96)
     end = np.minimum(np.pi, 9.0 / np.sqrt(np.maximum(x, 1e-12)))
     t = 0.5 * end * (nodes + 1.0)
     return np.asarray((np.exp(-2.0 * x * np.sin(0.5 * t) ** 2) * weights).sum(-1) * 0.5 * end[..., 0] / np.pi)
@@ -86,7 +94,7 @@ def at_offset(hair: Hair, theta_l: float, theta_v: float, phi: float, h: ArrayLi
 
 def offsets(panels: int = 48) -> tuple[Array, Array]:
     """h and weights of ½ ∫ dh over [−1, 1]: 16-point Gauss-Legendre on equal panels of asin h."""
-    nodes, weights = np.polynomial.legendre.leggauss(16)
+    nodes, weights = gauss(16)
     half = 0.5 * np.pi / panels
     middle = (np.arange(panels) + 0.5) * 2.0 * half - 0.5 * np.pi
     gamma = (middle[:, None] + half * nodes).ravel()

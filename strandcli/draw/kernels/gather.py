@@ -192,8 +192,9 @@ def part(
         base += count
     if widths is not None:  # noqa: SIM102
         if (run != RIBBON) & (run != BEHIND):
+            # closing: always, which a literal would have compiled once more
             n, m = thin(
-                pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, True, hidden,
+                pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, run != BEHIND, hidden,
                 top, bottom, left, right, veil, work, cells, n, found, counts, m,
             )  # fmt: skip
     return n, m

@@ -23,8 +23,8 @@ from .tickets import ALL, take
 HUGE = 1e18
 FARTHEST = 1e10
 
-# places of a book: after the tickets numbers, and then an address and a size for each array
-SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, ARRAYS = 2, 3, 4, 5, 6, 7, 8, 9, 10
+# places of a book: after the tickets numbers, and then an address for each array and a size for each kind of solids
+SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, AT = 2, 3, 4, 5, 6, 7, 8, 9, 10
 
 
 def book_of(
@@ -35,7 +35,8 @@ def book_of(
     (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are."""
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *arrays, *solids))
     numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
-    return np.array([*numbers, *(number for one in (*arrays, *solids) for number in (one.ctypes.data, one.size))])
+    addresses = [one.ctypes.data for one in (*arrays, *solids)]
+    return np.array([*numbers, *addresses, *(one.size for one in solids)])
 
 
 @function
@@ -73,20 +74,22 @@ def work(kind, book, worker, long):
     either."""
     scratch = vectors(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES], long)
     solids = (
-        a_kind(kind, book, 20, long), a_kind(kind, book, 21, long), a_kind(kind, book, 22, long),
-        a_kind(kind, book, 23, long),
-    )  # fmt: skip
+        (rows(kind, book[AT + 20], long), book[AT + 24]),
+        (rows(kind, book[AT + 21], long), book[AT + 25]),
+        (rows(kind, book[AT + 22], long), book[AT + 26]),
+        (rows(kind, book[AT + 23], long), book[AT + 27]),
+    )
     ticket = take(book)
     while ticket < book[ALL]:
         coming = take(book)
         run(
-            rows(kind, book, 0, long), rows(kind, book, 1, long), rows(kind, book, 2, long),
-            rows(kind, book, 3, long), rows(kind, book, 4, long), rows(kind, book, 5, long),
-            rows(kind, book, 6, long), rows(kind, book, 7, long), rows(kind, book, 8, long),
-            rows(kind, book, 9, long), rows(kind, book, 10, long), rows(kind, book, 11, long),
-            rows(kind, book, 12, long), rows(kind, book, 13, long), rows(kind, book, 14, long),
-            rows(kind, book, 15, long), rows(kind, book, 16, long), rows(kind, book, 17, long),
-            rows(kind, book, 18, long), rows(kind, book, 19, long),
+            rows(kind, book[AT], long), rows(kind, book[AT + 1], long), rows(kind, book[AT + 2], long),
+            rows(kind, book[AT + 3], long), rows(kind, book[AT + 4], long), rows(kind, book[AT + 5], long),
+            rows(kind, book[AT + 6], long), rows(kind, book[AT + 7], long), rows(kind, book[AT + 8], long),
+            rows(kind, book[AT + 9], long), rows(kind, book[AT + 10], long), rows(kind, book[AT + 11], long),
+            rows(kind, book[AT + 12], long), rows(kind, book[AT + 13], long), rows(kind, book[AT + 14], long),
+            rows(kind, book[AT + 15], long), rows(kind, book[AT + 16], long), rows(kind, book[AT + 17], long),
+            rows(kind, book[AT + 18], long), rows(kind, book[AT + 19], long),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
             ticket, coming, long, book[SEGMENTS],
         )  # fmt: skip
@@ -103,18 +106,13 @@ def vectors(kind, address, long):
 
 
 @inner
-def rows(kind, book, number, long):
-    """An array of a book, of vectors as long."""
+def rows(kind, address, long):
+    """An array at an address, of vectors as long. (The number of the array in its stead would be a literal, and this
+    be compiled for each.)"""
     if long is None:
-        return lay_at(kind, book[ARRAYS + 2 * number])
+        return lay_at(kind, address)
     else:
-        return strip_at(kind, book[ARRAYS + 2 * number])
-
-
-@inner
-def a_kind(kind, book, number, long):
-    """A kind of solids of a book, as `contact_shapes` takes them."""
-    return rows(kind, book, number, long), book[ARRAYS + 2 * number + 1]
+        return strip_at(kind, address)
 
 
 @inner

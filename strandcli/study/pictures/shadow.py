@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw.camera import axes
 from ...draw.curves import Polylines, flatten
 from ...draw.scratch import Scratch
 from ...draw.shadow import Thickness, strand_spacing
@@ -180,7 +179,7 @@ def transmittance(
     else:
         ways = np.array(light.position) - points
         reaches = np.linalg.norm(ways, axis=1)
-    frames = np.array([np.stack(axes(way, (0.0, 1.0, 0.0))) for way in ways])
+    frames = frames_along(ways)
     along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
@@ -188,6 +187,17 @@ def transmittance(
         lines.first, lines.world.astype(np.float64), radii, points, own, frames, reaches, jitter, out
     )
     return out
+
+
+def frames_along(ways: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P, 3, 3): for each of ``ways`` (P, 3) what `draw.camera.axes` has for one, two unit vectors across it and one
+    along."""
+    along = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    across = np.cross(along, (0.0, 1.0, 0.0))
+    upright = np.linalg.norm(across, axis=1) < 1e-9
+    across[upright] = np.cross(along[upright], (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return np.stack([across, np.cross(across, along), along], 1)
 
 
 def alone(scene: Scene, light: int) -> Scene:

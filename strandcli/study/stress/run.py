@@ -69,7 +69,7 @@ def tasks(solvers: Sequence[str], quick: bool = False) -> list[Task]:
     for solver in solvers:
         found += [Task(solver, named=name) for name in inputs.INPUTS]
         found += [Task(solver, named=name) for name in (checks.QUICK if quick else checks.CHECKS)]
-        cases = sheets.quick(solver) if quick else sheets.full(solver)
+        cases: Sequence[Case] = sheets.quick(solver) if quick else sheets.full(solver)
         found += [Task(solver, tuple(batch)) for batch in sheets.batches(cases)]
     return found
 

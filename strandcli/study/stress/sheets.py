@@ -9,6 +9,7 @@ other, long strands included, for one strand and for grooms.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import chain, product
 
 from .axes import AXES, Case
@@ -57,10 +58,11 @@ def grooms(solver: str) -> Iterator[Case]:
         yield Case.of(solver, row)
 
 
-def full(solver: str) -> list[Case]:
+@cache
+def full(solver: str) -> tuple[Case, ...]:
     """The whole matrix of one solver, each case once."""
     products = chain.from_iterable(product_of(solver, axes) for axes in SHEETS.values())
-    return list(dict.fromkeys(chain(products, pairs(solver), grooms(solver))))
+    return tuple(dict.fromkeys(chain(products, pairs(solver), grooms(solver))))
 
 
 def quick(solver: str) -> list[Case]:
