@@ -10,8 +10,9 @@ import math
 
 import numpy as np
 
+from ...constants import W
 from ...jit import function, inner, parallel, prange
-from . import seams
+from . import marching, seams
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
@@ -248,10 +249,15 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
             part = row[frames[m, 0] : frames[m, 1]]
             begin = np.float32(frames[m, 0]) + HALF - view[15]
             if seams.blends(spheres, capsules, m):
-                for x in range(part.shape[0]):
-                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
-                    t = seams.meet(spheres, capsules, ox, oy, oz, dx, dy, dz)
-                    part[x] = min(part[x], key_at(t, view, flat, far, identity))
+                work = np.zeros(marching.ROWS * W, np.float32)
+                for low in range(0, part.shape[0], W):
+                    count = min(part.shape[0] - low, W)
+                    for x in range(count):
+                        aim(work, x, view, (begin + np.float32(low + x)) / view[13], up)
+                    marching.meet(work, count, spheres, capsules)
+                    for x in range(count):
+                        key = key_at(work[marching.MET + x], view, flat, far, identity)
+                        part[low + x] = min(part[low + x], key)
             elif m < spheres.shape[0]:
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
@@ -295,6 +301,18 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     if m < planes.shape[0]:
         return plane(planes, m, ox, oy, oz, dx, dy, dz)
     return box(boxes, m - planes.shape[0], ox, oy, oz, dx, dy, dz)
+
+
+@inner
+def aim(work, j, view, right, up):
+    """`ray`, as number j of a batch of `marching`."""
+    ox, oy, oz, dx, dy, dz = ray(view, right, up)
+    work[marching.OX + j] = ox
+    work[marching.OY + j] = oy
+    work[marching.OZ + j] = oz
+    work[marching.DX + j] = dx
+    work[marching.DY + j] = dy
+    work[marching.DZ + j] = dz
 
 
 @inner
