@@ -173,7 +173,7 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.REACH // W, :count] = reach
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
-        lights[0, 0], lights[0, 12] = point, 0.15
+        lights[0, 0], lights[0, 12] = point, 0.3
         soften.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
         alone = [
             penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, 12], lights[0, 0])

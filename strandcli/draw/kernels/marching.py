@@ -26,7 +26,7 @@ TOGETHER = np.int64(8)
 # origin and direction, where they are and where they end in units of |d|, one over that, and of the solids there the
 # nearest one's distance and the sum of all shares.
 OX, OY, OZ, DX, DY, DZ, MET = (i * W for i in range(7))
-WHICH, X, Y, Z, U, V, WAY, T, END, PER = (i * W for i in range(7, 17))
+WHICH, X, Y, Z, WX, WY, WZ, T, END, PER = (i * W for i in range(7, 17))
 LEAST, TOTAL, FOUND = (i * W for i in range(17, 20))
 ROWS = 20
 MOVED = 10
@@ -70,9 +70,9 @@ def begin(work, n, spheres, capsules, k):
         work[X + j] = work[OX + j]
         work[Y + j] = work[OY + j]
         work[Z + j] = work[OZ + j]
-        work[U + j] = dx
-        work[V + j] = dy
-        work[WAY + j] = dz
+        work[WX + j] = dx
+        work[WY + j] = dy
+        work[WZ + j] = dz
         work[T + j] = INF
         work[END + j] = ZERO
         work[PER + j] = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -93,7 +93,7 @@ def touched(work, n, cx, cy, cz, r):
     hits = np.int32(0)
     for j in range(n):
         t, half = seams.through(
-            cx - work[X + j], cy - work[Y + j], cz - work[Z + j], square, work[U + j], work[V + j], work[WAY + j]
+            cx - work[X + j], cy - work[Y + j], cz - work[Z + j], square, work[WX + j], work[WY + j], work[WZ + j]
         )
         hit = (half >= ZERO) & (t + half > ZERO)
         low, high = work[T + j], work[END + j]
@@ -114,7 +114,7 @@ def kept(work, count):
             work[WHICH + row * W + left] = work[WHICH + row * W + j]
         left += np.int64(on)
     for j in range(left, min(left + TOGETHER, W)):
-        work[END + j] = -ONE
+        work[END + j] = -INF
     return left
 
 
@@ -123,9 +123,9 @@ def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
     """Add a sphere to the surface where rays are."""
     for j in range(n):
         t = work[T + j]
-        x = work[X + j] + t * work[U + j] - cx
-        y = work[Y + j] + t * work[V + j] - cy
-        z = work[Z + j] + t * work[WAY + j] - cz
+        x = work[X + j] + t * work[WX + j] - cx
+        y = work[Y + j] + t * work[WY + j] - cy
+        z = work[Z + j] + t * work[WZ + j] - cz
         add(work, j, math.sqrt(x * x + y * y + z * z) - r, reach, per_k)
 
 
@@ -137,9 +137,9 @@ def by_capsule(work, n, capsules, m, reach, per_k):
     r, per = capsules[m, 6], capsules[m, 7]
     for j in range(n):
         t = work[T + j]
-        x = work[X + j] + t * work[U + j] - ax
-        y = work[Y + j] + t * work[V + j] - ay
-        z = work[Z + j] + t * work[WAY + j] - az
+        x = work[X + j] + t * work[WX + j] - ax
+        y = work[Y + j] + t * work[WY + j] - ay
+        z = work[Z + j] + t * work[WZ + j] - az
         s = min(max((x * bx + y * by + z * bz) * per, ZERO), ONE)
         x -= s * bx
         y -= s * by
@@ -166,7 +166,7 @@ def go_on(work, n, k, near, first):
     for j in range(n):
         away = work[LEAST + j] - k * log(work[TOTAL + j])
         t, end = work[T + j], work[END + j]
-        end = -ONE if first & (away < ZERO) else end  # one that begins inside is not met
+        end = -INF if first & (away < ZERO) else end  # one that begins inside is not met
         met = (away < near) & (t <= end)
         t = t if met else t + away * work[PER + j]
         work[FOUND + j] = t if met else INF

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, inner, parallel, prange
+from ...jit import function, inlined, inner, parallel, prange
 from . import marching, seams
 from .raster import EMPTY, LOW, SHIFT
 
@@ -43,7 +43,7 @@ def sphere(p, m, ox, oy, oz, dx, dy, dz):
     return hit if (left >= ZERO) & (t >= ZERO) else INF
 
 
-@inner
+@inlined
 def capsule(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a capsule: the open cylinder, then its two ends; without branches."""
     cx = ox - p[m, 0]
@@ -73,7 +73,7 @@ def capsule(p, m, ox, oy, oz, dx, dy, dz):
     return min(side, min(begin, end_of(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
 
 
-@inner
+@inlined
 def end_of(r, cx, cy, cz, dx, dy, dz, dd):
     """Distance to a capsule's end, a ball from whose centre the ray begins at c."""
     t = -(cx * dx + cy * dy + cz * dz) / dd
@@ -189,10 +189,9 @@ def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     return ZERO if (t > ZERO) & (p[m, 3] > skin) & (left > ZERO) & (near < reach) else ONE
 
 
-@inner
-def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
-    """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
-    # the ball about it
+@inlined
+def passes(p, m, x, y, z, lx, ly, lz):
+    """Whether a ray passes the ball about a capsule for sure; without a root."""
     hx = HALF * p[m, 3]
     hy = HALF * p[m, 4]
     hz = HALF * p[m, 5]
@@ -202,7 +201,13 @@ def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     t = cx * lx + cy * ly + cz * lz
     # (a + b)² <= 2 (a² + b²)
     square = hx * hx + hy * hy + hz * hz + p[m, 6] * p[m, 6]
-    if cx * cx + cy * cy + cz * cz - t * t > square + square:
+    return cx * cx + cy * cy + cz * cz - t * t > square + square
+
+
+@inner
+def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
+    if passes(p, m, x, y, z, lx, ly, lz):
         return ONE
     t = capsule(p, m, x, y, z, lx, ly, lz)
     return ZERO if (skin < t) & (t < reach) else ONE
