@@ -109,7 +109,7 @@ def test_many_rays_at_once_are_met_as_each_alone() -> None:
     hit = np.isfinite(alone)
     assert (np.isfinite(together) == hit).all()
     assert 100 < hit.sum() < 450
-    apart = np.abs(together - alone)[hit] * np.linalg.norm(ways[hit], axis=1)
+    apart = np.abs(together[hit] - alone[hit]) * np.linalg.norm(ways[hit], axis=1)
     assert apart.max() < seams.NEAR * k
     for o, w, t in zip(origins[hit], ways[hit], together[hit], strict=True):
         assert abs(far(solid, (o + t * w).astype(np.float64), k)) < 1.1 * seams.NEAR * k
