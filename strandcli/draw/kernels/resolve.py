@@ -15,7 +15,6 @@ from .weigh import OPAQUE, weigh, weigh_points
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-STEPS = np.arange(8, dtype=np.float32)
 RUN = 128
 """Lists no longer than this are sorted by counting."""
 FEW_LANES = 8
@@ -56,9 +55,9 @@ def resolve(
         task = np.int64(one)
         room = np.int64(min(FEW, share))
         fragments = np.empty(room * NUMBERS, np.int32)
-        listed = np.empty(room * NUMBERS, np.int32)
         depths = np.empty(room + RUN, np.float32)
-        order = np.empty(room + RUN, np.uint32)
+        order = np.empty(room, np.uint32)
+        sorted_ = np.empty(room, np.uint32)
         spare = np.empty(room, np.uint32)
         counts = np.empty(PIXELS, np.int64)
         starts = np.empty(PIXELS, np.int64)
@@ -84,9 +83,9 @@ def resolve(
                     break
                 room = min(n + n // 4, share)
                 fragments = np.empty(room * NUMBERS, np.int32)
-                listed = np.empty(room * NUMBERS, np.int32)
                 depths = np.empty(room + RUN, np.float32)
-                order = np.empty(room + RUN, np.uint32)
+                order = np.empty(room, np.uint32)
+                sorted_ = np.empty(room, np.uint32)
                 spare = np.empty(room, np.uint32)
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
@@ -94,99 +93,65 @@ def resolve(
                 kept[base : base + PIXELS] = 0
                 continue
             begin[tile] = o
-            share_out(fragments, n, counts, starts, depths, listed)
-            rank(listed, counts, starts, depths, behind, spare, order)
+            share_out(fragments, n, counts, starts, depths, order)
+            rank(fragments, counts, starts, depths, order, behind, spare, sorted_)
             if table is None:
                 o = weigh(
-                    listed, counts, order, nearest, screen.shape[0], bits, o, base, kept, place, weight, along,
+                    fragments, counts, sorted_, nearest, screen.shape[0], bits, o, base, kept, place, weight, along,
                     marks,
                 )  # fmt: skip
             else:
                 o = weigh_points(
-                    listed, counts, order, screen, widths, table, bits, x, y, o, base, kept, place, weight, along,
+                    fragments, counts, sorted_, screen, widths, table, bits, x, y, o, base, kept, place, weight, along,
                     seen, marks,
                 )  # fmt: skip
 
 
 @inner
 def share_out(fragments, n, counts, starts, depths, listed):
-    """Copy a tile's n fragments pixel by pixel: what is sorted and read then lies together.
+    """List a tile's n fragments pixel by pixel.
 
     counts, starts (PIXELS,): length of each pixel's list and, afterwards, where it ends; depths: their depth numbers;
-    listed: the fragments, as `fragments` has them.
+    listed: which they are.
     """
     total = np.int64(0)
     for p in range(PIXELS):
         starts[p] = total
         total += counts[p]
     for i in range(np.uint64(n)):
-        one = i * FOUR
-        depth = fragments[one]
-        alpha = fragments[one + ONE_ON]
-        vertex = fragments[one + TWO]
-        pixel = fragments[one + THREE]
-        p = np.uint64(pixel & IN_PIXEL)
+        p = np.uint64(fragments[i * FOUR + np.uint64(3)] & IN_PIXEL)
         at = np.uint64(starts[p])
         starts[p] += 1
-        depths[at] = np.int32(depth).view(np.float32)
-        to = at * FOUR
-        listed[to] = depth
-        listed[to + ONE_ON] = alpha
-        listed[to + TWO] = vertex
-        listed[to + THREE] = pixel
+        depths[at] = np.int32(fragments[i * FOUR]).view(np.float32)
+        listed[at] = np.uint32(i)
 
 
 @inner
-def rank(listed, counts, ends, depths, behind, spare, order):
-    """Sort each pixel's list, nearest first, ties by index: order (n,) are the fragments' places in `listed`;
+def rank(fragments, counts, ends, depths, listed, behind, spare, order):
+    """Sort each pixel's list, nearest first, ties by index: `order` becomes what `listed` is before;
     behind (RUN,) float32, spare: to work with.
 
     Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
-    be guessed, and vector code. Lists that one vector holds are whole in it, whatever their length, so that nothing
-    has to be guessed but that. Long lists are sorted in runs of `RUN` that are merged.
+    be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
-    lanes = get(strip(STEPS), 0)
     for p in range(counts.shape[0]):
         n = counts[p]
         first = ends[p] - n
-        if n == 0:
-            continue
-        if n <= FEW_LANES:
-            total = few(depths, behind, lanes, first, n, order)
-            if total != (n * (n - 1) >> 1) + (FEW_LANES - n) * n:
-                insert(listed, first, n, order)
-            continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            count_nearer(lay(depths), lay(behind), low, size)
+            if size <= FEW_LANES:
+                count_nearer(strip(depths), strip(behind), low, size)
+            else:
+                count_nearer(lay(depths), lay(behind), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
                 total += o
-                order[np.uint64(low + o)] = np.uint32(np.uint64(low) + i)
+                order[np.uint64(low + o)] = listed[np.uint64(low) + i]
             if total != size * (size - 1) // 2:  # some are equally far, and have one place together
-                insert(listed, low, size, order)
+                insert(fragments, listed, low, size, order)
         if n > RUN:
-            merge(listed, first, n, order, spare)
-
-
-@inlined
-def few(depths, behind, lanes, first, n, order):
-    """Sort a list of n <= `FEW_LANES` from place `first` on, but for ties; returns the sum of the ranks, where lanes
-    beyond the list, which are behind all of it, have the rank n, and are written over by the list that follows."""
-    rows = strip(behind)
-    own = where(lanes < np.float32(n), get(strip(depths), first), -ONE)
-    put(rows, 0, own)
-    nearer = spread(own, ZERO)
-    for j in range(FEW_LANES):
-        nearer = where(own < rows[j], nearer + ONE, nearer)
-    put(rows, FEW_LANES, nearer)
-    total = np.int64(0)
-    for i in range(FEW_LANES):
-        o = np.int64(behind[FEW_LANES + i])
-        total += o
-        order[np.uint64(first + o)] = np.uint32(first + i)
-    return total
+            merge(fragments, first, n, order, spare)
 
 
 @inlined
@@ -210,14 +175,15 @@ def before(fragments, i, j):
 
 
 @inner
-def insert(listed, first, n, order):
+def insert(fragments, listed, first, n, order):
     """Sort a list of n from place `first` on, one after the other."""
     for i in range(first, first + n):
+        new = listed[i]
         j = i
-        while j > first and before(listed, i, order[j - 1]):
+        while j > first and before(fragments, new, order[j - 1]):
             order[j] = order[j - 1]
             j -= 1
-        order[j] = i
+        order[j] = new
 
 
 @inner
