@@ -16,11 +16,27 @@ from strandcli.draw import chiang, dual
 from strandcli.draw.kernels import dual as kernel
 from strandcli.draw.pigment import absorption_of
 from strandcli.draw.shading import Palette
+from strandcli.jit import function
 from strandcli.scene.model import Material
 
 ONE, ZERO = np.float32(1), np.float32(0)
 SIDE = np.float32(np.sqrt(0.5))
 """cos φ at which the second harmonic is 0."""
+
+
+@function
+def angles(*numbers):
+    return kernel.angles(*numbers)
+
+
+@function
+def lobes(*numbers):
+    return kernel.lobes(*numbers)
+
+
+@function
+def scattered(*numbers):
+    return kernel.scattered(*numbers)
 
 
 def single(numbers: Iterable[float]) -> list[np.float32]:
@@ -88,8 +104,8 @@ def test_the_streams_are_those_of_light_in_layers(row: int) -> None:
     for tau in (0.0, 0.75, 2.4, 3.0):
         at = round(tau / step)
         t, left, none = np.float32(tau), np.float32(depth - tau), np.float32(np.exp(-tau))
-        ahead = kernel.scattered(t, left, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
-        back = kernel.scattered(t, left, none, SIDE, ONE, ZERO, *numbers, ONE, ZERO, ONE)
+        ahead = scattered(t, left, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
+        back = scattered(t, left, none, SIDE, ONE, ZERO, *numbers, ONE, ZERO, ONE)
         assert float(ahead) == pytest.approx(np.sqrt(2) * down[at] + straight[at] - np.exp(-tau), abs=4e-3)
         assert float(back) == pytest.approx(np.sqrt(2) * up[at], abs=4e-3)
 
@@ -112,9 +128,9 @@ def test_darker_strands_stop_more_and_return_less() -> None:
 
 def test_a_strand_alone_gets_no_light_from_others_and_one_behind_very_many_none_at_all() -> None:
     numbers = rows(pigment="blond")[10, 0:15:3]
-    alone = kernel.scattered(ZERO, ZERO, ONE, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
+    alone = scattered(ZERO, ZERO, ONE, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
     assert float(alone) == pytest.approx(0, abs=1e-6)
-    deep = kernel.scattered(np.float32(200), ZERO, ZERO, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
+    deep = scattered(np.float32(200), ZERO, ZERO, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
     assert float(deep) < 1e-6
 
 
@@ -129,11 +145,11 @@ def test_whatever_is_asked_light_is_a_number(
 ) -> None:
     table = rows_of(tuple(settings.items()))
     assert np.isfinite(table).all()
-    *sines, cos_phi, place = single(kernel.angles(*np.array(ways, np.float32), len(table)))
+    *sines, cos_phi, place = single(angles(*np.array(ways, np.float32), len(table)))
     row = table[int(place)]
     tau = np.float32(passed)
-    back, through = single(kernel.lobes(*sines, tau, *row[21:]))
-    light = kernel.scattered(
+    back, through = single(lobes(*sines, tau, *row[21:]))
+    light = scattered(
         tau, np.float32(left), np.float32(np.exp(-passed)), cos_phi, back, through, *row[0:21:3], ONE
     )
     assert np.isfinite(light)
@@ -172,7 +188,7 @@ def test_what_is_behind_strands_gets_all_that_the_streams_bring(pigment: str) ->
         last = 1.0
         for tau in (0.3, 1.0, 3.0, 8.0):
             t, none = np.float32(tau), np.float32(np.exp(-tau))
-            down = kernel.scattered(t, ZERO, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
+            down = scattered(t, ZERO, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
             beam = float(np.exp(-numbers[2] * t))
             arrives = float(kernel.through(t, veil, c))
             assert arrives == pytest.approx(beam + (float(down) - (beam - float(none))) / np.sqrt(2), abs=2e-3)

@@ -21,6 +21,7 @@ from strandcli.draw.kernels import (
     joints,
     light,
     lit,
+    marching,
     marschner,
     masks,
     opacity,
@@ -30,6 +31,7 @@ from strandcli.draw.kernels import (
     raster,
     shade_strands,
     shadow,
+    soften,
     solids,
     surface_batch,
 )
@@ -101,6 +103,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, *[ONE] * 9)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
     "lit solids": (solids.lit, (*SOLIDS, *[ONE] * 8)),
+    "soften": (soften.soften, (LIT, 1, TABLE, 1, *SOLIDS, ONE)),
+    "met together": (marching.meet, (np.ones(marching.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (solids.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from strand_kit import frames_of, scene_of
 
 from strandcli import load
-from strandcli.draw.kernels import penumbra, solids
+from strandcli.constants import W
+from strandcli.draw.kernels import batch, penumbra, soften, solids, surface_batch
 from strandcli.solids import COLUMNS, pack
 
 SKIN = np.float32(1e-6)
@@ -150,3 +151,36 @@ def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
         told += clear
         free += share == 1
     assert told > 0.85 * free > 50
+
+
+@pytest.mark.parametrize("point", [0, 1])
+def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
+    """The same bits, for solids of all kinds, points that no light reaches, and a batch that is not full."""
+    solids_ = list(SCENES.values())[:5]
+    packed = packed_of(", ".join(solids_) + ", {kind: plane, position: [0, -1.2, 0], rotation: [0, 0, 20]}")
+    generator = np.random.default_rng(11)
+    shares = []
+    for count in (W, 53):
+        where = generator.normal(size=(count, 3)).astype(np.float32)
+        ways = generator.normal(size=(count, 3)) - 0.8 * where
+        ways = (ways / np.linalg.norm(ways, axis=1)[:, None]).astype(np.float32)
+        reach = generator.uniform(0.1, 5, count).astype(np.float32) if point else np.full(count, FAR)
+        arrives = generator.integers(0, 3, count).astype(np.float32)
+        work = generator.normal(size=(surface_batch.ROWS, W)).astype(np.float32)
+        for c in range(3):
+            work[batch.X // W + c, :count] = where[:, c]
+            work[batch.LX // W + c, :count] = ways[:, c]
+        work[batch.REACH // W, :count] = reach
+        work[batch.ARRIVES // W, :count] = arrives
+        lights = np.zeros((1, 16), np.float32)
+        lights[0, 0], lights[0, 12] = point, 0.3
+        soften.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
+        alone = [
+            penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, 12], lights[0, 0])
+            for k in range(count)
+        ]  # fmt: skip
+        shares += alone
+        assert (work[batch.ARRIVES // W, :count] == arrives * np.array(alone, np.float32)).all()
+    assert sum(0 < share < 1 for share in shares) > 20
+    assert min(shares) < 1e-6
+    assert max(shares) == 1

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from strand_kit import frames_of, scene_of
 
-from strandcli.draw.kernels import seams, solids
+from strandcli.constants import W
+from strandcli.draw.kernels import marching, seams, solids
 from strandcli.draw.solids import packed
 from strandcli.scene.model import CapsuleSolid, Emitter, SphereSolid
 
@@ -30,6 +33,20 @@ def group(blend: float, *more: SphereSolid | CapsuleSolid) -> list[NDArray[np.fl
 
 def met(solid: list[NDArray[np.float32]], origin: tuple[float, ...], way: tuple[float, ...]) -> float:
     return float(seams.meet(*solid[:2], *np.array([*origin, *way], np.float32)))
+
+
+def met_together(solid: list[NDArray[np.float32]], origins: NDArray[np.float32], ways: NDArray[np.float32]) -> Any:
+    """Where rays (n, 3) meet it, many at once."""
+    found = []
+    for low in range(0, len(origins), W):
+        count = len(origins[low : low + W])
+        work = np.zeros((marching.ROWS, W), np.float32)
+        for c in range(3):
+            work[marching.OX // W + c, :count] = origins[low : low + W, c]
+            work[marching.DX // W + c, :count] = ways[low : low + W, c]
+        marching.meet(work.reshape(-1), count, *solid[:2])
+        found.append(work[marching.MET // W, :count].copy())
+    return np.concatenate(found)
 
 
 def far(solid: list[NDArray[np.float32]], point: NDArray[np.float64], k: float = 0.04) -> float:
@@ -76,6 +93,26 @@ def test_normals_are_the_gradient_and_turn_without_a_crease() -> None:
     assert np.median(off) < 0.005
     # a solid is left out where it would count e^-6 of the nearest: k e^-6 / 2h
     assert max(off) < 0.03
+
+
+def test_many_rays_at_once_are_met_as_each_alone() -> None:
+    """Rays from without and from within, into the surface and past it, and a batch that is not full: where the surface
+    begins for both is within a twenty-fifth of the way of blending."""
+    k = 0.05
+    solid = group(k, CapsuleSolid(radius=0.2, length=0.8, position=(0.0, 0.5, 0.1), blend=k))
+    generator = np.random.default_rng(4)
+    origins = generator.normal(size=(500, 3)).astype(np.float32)
+    ways = (generator.normal(size=(500, 3)) * [0.5, 0.5, 0.5] - origins).astype(np.float32)
+    ways *= generator.uniform(0.3, 3.0, (500, 1)).astype(np.float32)
+    together = met_together(solid, origins, ways)
+    alone = np.array([met(solid, tuple(o), tuple(w)) for o, w in zip(origins, ways, strict=True)])
+    hit = np.isfinite(alone)
+    assert (np.isfinite(together) == hit).all()
+    assert 100 < hit.sum() < 450
+    apart = np.abs(together[hit] - alone[hit]) * np.linalg.norm(ways[hit], axis=1)
+    assert apart.max() < seams.NEAR * k
+    for o, w, t in zip(origins[hit], ways[hit], together[hit], strict=True):
+        assert abs(far(solid, (o + t * w).astype(np.float64), k)) < 1.1 * seams.NEAR * k
 
 
 def test_solids_without_the_column_do_not_blend() -> None:

@@ -13,6 +13,7 @@ function       domain                     error
 acos, asin     [-1, 1]                    5e-7 rad, absolute
 exp2           [-126, 127]                2.5e-7, relative
 exp            [-87, 88]                  (3e-7 + 1.5e-7 |x|), relative (the scaling by log2 e rounds)
+log            [1e-37, 1e38]              2e-7 max(1, |log x|), absolute; of less, as of 1e-37
 =============  =========================  ==========================================================
 
 Arguments outside of a domain, infinities and NaN are clamped into it: the result is always finite.
@@ -52,6 +53,12 @@ EXPONENT_HIGH = np.float32(127.0)
 EXPONENT_BIAS = np.float32(127.0)
 ROUNDING = np.float32(127.5)  # the bias and a half: what truncation then leaves is the nearest exponent, biased
 MANTISSA_BITS = np.int32(23)
+
+# log(m) = 2 (s + s³/3 + s⁵/5 + s⁷/7 + s⁹/9), s = (m - 1) / (m + 1), m in [2/3, 4/3]: the series of artanh
+THIRD, FIFTH, SEVENTH, NINTH = (np.float32(1 / n) for n in (3, 5, 7, 9))
+TWO_THIRDS = np.int32(np.float32(2 / 3).view(np.int32))
+LOG_2 = np.float32(math.log(2.0))
+LEAST = np.float32(1e-37)
 
 
 @function
@@ -96,3 +103,16 @@ def exp2(x: np.float32) -> np.float32:
 def exp(x: np.float32) -> np.float32:
     """e to the power ``x``."""
     return exp2(x * LOG2_E)
+
+
+@function
+def log(x: np.float32) -> np.float32:
+    """Natural logarithm of ``x``. Its exponent is what is left of the bits above those of 2/3."""
+    y = x if x > LEAST else LEAST
+    bits = np.float32(y).view(np.int32)
+    whole = np.int32(np.int32(bits - TWO_THIRDS) >> MANTISSA_BITS)
+    m = np.int32(bits - np.int32(whole << MANTISSA_BITS)).view(np.float32)
+    s = (m - ONE) / (m + ONE)
+    z = s * s
+    p = (((NINTH * z + SEVENTH) * z + FIFTH) * z + THIRD) * z + ONE
+    return np.float32(whole) * LOG_2 + (s + s) * p

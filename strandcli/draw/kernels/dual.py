@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...jit import function, inner
+from ...jit import function, inlined
 from .approximations import asin, clamp, exp
 from .chiang import lobe
 
@@ -30,7 +30,7 @@ SPREAD, WIDTH, OWN = 21, 22, 23
 CHANNELS = 24
 
 
-@function
+@inlined
 def angles(tx, ty, tz, lx, ly, lz, vx, vy, vz, nodes):
     """sin θ and cos θ of light and eye, cos φ, and the place among so many `nodes` of the tables."""
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
@@ -42,7 +42,7 @@ def angles(tx, ty, tz, lx, ly, lz, vx, vy, vz, nodes):
     return sin_l, cos_l, sin_v, cos_v, cos_phi, clamp(abs(asin(sin_l)) * PER_QUARTER, ZERO, ONE) * edge
 
 
-@function
+@inlined
 def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, own):
     """M of light that comes back from strands further on, and of light that has come through `passed` strands."""
     back = wide(sin_l, cos_l, sin_v, cos_v, own + width)
@@ -50,7 +50,7 @@ def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, own):
     return back, through
 
 
-@inner
+@inlined
 def wide(sin_l, cos_l, sin_v, cos_v, variance):
     """d'Eon's lobe of any variance."""
     sharp = ONE / max(variance, LEAST)
@@ -73,7 +73,7 @@ def through(passed, streams, c):
     return straight + max(first * near + final * mirror + streams[3, c] * straight, ZERO)
 
 
-@function
+@inlined
 def scattered(
     passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
 ):  # fmt: skip

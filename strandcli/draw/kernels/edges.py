@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...constants import W
 from ...jit import inner, parallel, prange
+from . import marching, seams
 from .raster import EMPTY, LOW, SHIFT
-from .solids import FIRST, HALF, INF, ONE, ZERO, key_at, meet, ray
+from .solids import FIRST, HALF, INF, ONE, ZERO, aim, key_at, meet, ray
 
 SAMPLES = 4
 """Along each side of a pixel."""
+WHOLE = SAMPLES * SAMPLES
 PER = np.float32(1 / SAMPLES)
+TOGETHER = W // WHOLE
+"""Pixels whose samples are a batch."""
 SLOTS = 4
 """Solids that are told apart within a pixel; more count as the last of them."""
 EVEN = np.uint64(0)
@@ -83,43 +88,103 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
     """
     flat = ONE - view[12]
     far = ONE / view[19]
-    for e in prange(pixels.shape[0]):
-        x = pixels[e] % width
-        y = pixels[e] // width
-        for slot in range(SLOTS):
-            keys[e, slot] = EMPTY
-            counts[e, slot] = 0
-            spots[e, slot, 0] = ZERO
-            spots[e, slot, 1] = ZERO
-        for i in range(SAMPLES * SAMPLES):
-            column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
-            row = np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
+    for task in prange((pixels.shape[0] + TOGETHER - 1) // TOGETHER):
+        begin = np.int64(task) * TOGETHER
+        end = min(begin + TOGETHER, pixels.shape[0])
+        work = np.zeros(marching.ROWS * W, np.float32)
+        best = np.empty(W, np.uint64)
+        for e in range(begin, end):
+            for i in range(WHOLE):
+                j = (e - begin) * WHOLE + i
+                column, row = spot(pixels, width, e, i)
+                aim(work, j, view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+                best[j] = EMPTY
+        for m in range(frames.shape[0]):
+            if seams.blends(spheres, capsules, m) and any_inside(pixels, width, begin, end, frames, m):
+                marching.meet(work, (end - begin) * WHOLE, spheres, capsules)
+            for e in range(begin, end):
+                if inside(pixels, width, e, frames, m):
+                    for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
+                        t = meet_one(work, j, spheres, capsules, planes, boxes, m)
+                        best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
+        for e in range(begin, end):
+            count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
+            settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts)
+
+
+@inner
+def spot(pixels, width, e, i):
+    """Where on the screen sample number i of a pixel lies."""
+    x = pixels[e] % width
+    y = pixels[e] // width
+    column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
+    return column, np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
+
+
+@inner
+def inside(pixels, width, e, frames, m):
+    """Whether a pixel can show solid number m."""
+    x = pixels[e] % width
+    y = pixels[e] // width
+    return frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]
+
+
+@inner
+def any_inside(pixels, width, begin, end, frames, m):
+    """Whether any of these pixels can."""
+    found = False
+    for e in range(begin, end):
+        found |= inside(pixels, width, e, frames, m)
+    return found
+
+
+@inner
+def meet_one(work, j, spheres, capsules, planes, boxes, m):
+    """Where ray number j of a batch meets solid number m: what blends has been met."""
+    if seams.blends(spheres, capsules, m):
+        return work[marching.MET + j]
+    return meet(
+        spheres, capsules, planes, boxes, m, work[marching.OX + j], work[marching.OY + j], work[marching.OZ + j],
+        work[marching.DX + j], work[marching.DY + j], work[marching.DZ + j],
+    )  # fmt: skip
+
+
+@inner
+def count_samples(pixels, width, e, best, at, keys, spots, counts):
+    """Count what the samples of a pixel show, whose keys begin at place `at`, and add up where they lie."""
+    for slot in range(SLOTS):
+        keys[e, slot] = EMPTY
+        counts[e, slot] = 0
+        spots[e, slot, 0] = ZERO
+        spots[e, slot, 1] = ZERO
+    for i in range(WHOLE):
+        own = best[at + i]
+        if own != EMPTY:
+            slot = 0
+            while slot < SLOTS - 1 and keys[e, slot] != EMPTY and (keys[e, slot] & LOW) != (own & LOW):
+                slot += 1
+            column, row = spot(pixels, width, e, i)
+            keys[e, slot] = min(own, keys[e, slot])
+            counts[e, slot] += 1
+            spots[e, slot, 0] += column
+            spots[e, slot, 1] += row
+
+
+@inner
+def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts):
+    """The middle of the samples that show each of a pixel's solids, and its key there."""
+    for slot in range(SLOTS):
+        if counts[e, slot] > 0:
+            column = spots[e, slot, 0] / np.float32(counts[e, slot])
+            row = spots[e, slot, 1] / np.float32(counts[e, slot])
+            spots[e, slot, 0] = column
+            spots[e, slot, 1] = row
             ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
-            best = EMPTY
-            for m in range(frames.shape[0]):
-                if frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]:
-                    t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
-                    best = min(best, key_at(t, view, flat, far, FIRST + np.uint64(m)))
-            if best != EMPTY:
-                slot = 0
-                while slot < SLOTS - 1 and keys[e, slot] != EMPTY and (keys[e, slot] & LOW) != (best & LOW):
-                    slot += 1
-                keys[e, slot] = min(best, keys[e, slot])
-                counts[e, slot] += 1
-                spots[e, slot, 0] += column
-                spots[e, slot, 1] += row
-        for slot in range(SLOTS):
-            if counts[e, slot] > 0:
-                column = spots[e, slot, 0] / np.float32(counts[e, slot])
-                row = spots[e, slot, 1] / np.float32(counts[e, slot])
-                spots[e, slot, 0] = column
-                spots[e, slot, 1] = row
-                ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
-                which = np.int64((keys[e, slot] & LOW) - FIRST)
-                # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
-                t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
-                if t < INF:
-                    keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
+            which = np.int64((keys[e, slot] & LOW) - FIRST)
+            # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
+            t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+            if t < INF:
+                keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
 
 
 @inner
@@ -137,21 +202,20 @@ def part(pixels, keys, counts, hides, depth, cover):
     """Take the solid in front out of each of these pixels: depth, cover (E,) float32 become its depth number and its
     share of the samples; hides (P,) float32 the depth number behind which the other samples hide all, 0 if any shows
     nothing."""
-    whole = SAMPLES * SAMPLES
     for edge in prange(pixels.shape[0]):
         e = np.int64(edge)
         front = foremost(keys, e)
         depth[e] = number(keys[e, front])
         # one that shows in all samples is what all else is laid over, as anywhere
-        cover[e] = np.float32(counts[e, front] % whole) / np.float32(whole)
+        cover[e] = np.float32(counts[e, front] % WHOLE) / np.float32(WHOLE)
         rest = np.float32(np.inf)
         shown = np.int64(0)
         for slot in range(SLOTS):
             shown += counts[e, slot]
             if slot != front and counts[e, slot] > 0:
                 rest = min(rest, number(keys[e, slot]))
-        if counts[e, front] < whole:
-            hides[pixels[e]] = rest if shown == whole else ZERO
+        if counts[e, front] < WHOLE:
+            hides[pixels[e]] = rest if shown == WHOLE else ZERO
 
 
 @inner
@@ -165,20 +229,19 @@ def lay(pixels, keys, counts, colours, front, image):
     """The light of the solids at edges: that of the one in front into front (E, 3); what the other samples show over
     the picture (height, width, 3), which holds the background of those that show nothing. colours (E, SLOTS, 3)."""
     width = image.shape[1]
-    whole = SAMPLES * SAMPLES
     for edge in prange(pixels.shape[0]):
         e = np.int64(edge)
         x = pixels[e] % width
         y = pixels[e] // width
         best = foremost(keys, e)
-        alone = counts[e, best] == whole
-        others = np.float32(whole if alone else whole - counts[e, best])
+        alone = counts[e, best] == WHOLE
+        others = np.float32(WHOLE if alone else WHOLE - counts[e, best])
         shown = np.int64(0)
         for slot in range(SLOTS):
             shown += counts[e, slot]
         for c in range(3):
             front[e, c] = colours[e, best, c]
-            light = np.float32(whole - shown) * image[y, x, c]
+            light = np.float32(WHOLE - shown) * image[y, x, c]
             for slot in range(SLOTS):
                 if alone or slot != best:
                     light += np.float32(counts[e, slot]) * colours[e, slot, c]

@@ -27,6 +27,9 @@ LEVELS = np.float32(255.0)
 FAR = np.float32(1e30)
 COSINE = np.float32(2.0 / 3.0)
 """Share of the linear part of what is seen that counts for a surface, which weighs it by the cosine."""
+LX, LY, LZ, LIGHT = (i * W for i in range(4))
+ROWS = 4
+"""Rows of numbers, one a direction: where to, and what of its light arrives."""
 CHANNELS = 7
 """Of a cell: ρ, and M's xx, xy, xz, yy, yz, zz."""
 
@@ -181,6 +184,7 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
     per = ONE / (LEVELS * np.float32(ways.shape[0]))
     for slab in prange(counts[0]):
         i = np.int64(slab)
+        work = np.zeros(ROWS * W, np.float32)
         for j in range(counts[1]):
             for k in range(counts[2]):
                 cell = (i * counts[1] + j) * counts[2] + k
@@ -197,20 +201,51 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
                 vx = ZERO
                 vy = ZERO
                 vz = ZERO
-                for d in range(ways.shape[0]):
-                    light = np.float32(left[d, cell])
-                    if light > ZERO and near:
-                        light *= solids.lit(
-                            spheres, capsules, planes, boxes, x, y, z, ways[d, 0], ways[d, 1], ways[d, 2], FAR, skin
-                        )
-                    mean += light
-                    vx += light * ways[d, 0]
-                    vy += light * ways[d, 1]
-                    vz += light * ways[d, 2]
+                for low in range(0, ways.shape[0], W):
+                    n = min(ways.shape[0] - low, W)
+                    for d in range(n):
+                        work[LX + d] = ways[low + d, 0]
+                        work[LY + d] = ways[low + d, 1]
+                        work[LZ + d] = ways[low + d, 2]
+                        work[LIGHT + d] = np.float32(left[low + d, cell])
+                    if near:
+                        hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin)
+                    for d in range(n):
+                        light = work[LIGHT + d]
+                        mean += light
+                        vx += light * work[LX + d]
+                        vy += light * work[LY + d]
+                        vz += light * work[LZ + d]
                 volume[cell, 0] = mean * per
                 volume[cell, 1] = THREE * vx * per
                 volume[cell, 2] = THREE * vy * per
                 volume[cell, 3] = THREE * vz * per
+
+
+@inner
+def hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin):
+    """No light from the first n directions where a solid stands between: `solids.lit` of each, row by row."""
+    for s in range(spheres.shape[0]):
+        for d in range(n):
+            work[LIGHT + d] *= solids.past_sphere(
+                spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
+    for s in range(capsules.shape[0]):
+        beside = np.int64(0)
+        for d in range(n):
+            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+            free = solids.passes(capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+            beside += np.int64(free | (work[LIGHT + d] == ZERO))
+        if beside < n:
+            for d in range(n):
+                ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+                t = solids.capsule(capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+                work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
+    for d in range(n):
+        if planes.shape[0] + boxes.shape[0] > 0 and work[LIGHT + d] > ZERO:
+            work[LIGHT + d] *= solids.past_others(
+                capsules[:0], planes, boxes, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
 
 
 @inner

@@ -53,7 +53,7 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, size
     l: unit direction to its middle, at ``reach``; size: sine of its angular radius, or where ``point`` is 1 its radius
     in metres; skin: as in `solids.lit`.
     """
-    radius = max(min(size / reach, ONE) if point > ZERO else size, SHARP)
+    radius = seen_from(size, point, reach)
     x += skin * lx
     y += skin * ly
     z += skin * lz
@@ -72,11 +72,23 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, size
     for m in range(boxes.shape[0]):
         if least > -radius:
             least = min(least, box(boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
+    return share(least, radius)
+
+
+@inlined
+def seen_from(size, point, reach):
+    """Sine of a light's angular radius, from a point at that distance."""
+    return max(min(size / reach, ONE) if point > ZERO else size, SHARP)
+
+
+@inlined
+def share(least, radius):
+    """What is left of a light by the sines of the least angle from its middle to an edge and of its own radius."""
     side = max(least / radius, -ONE)
     return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
 
 
-@inner
+@inlined
 def ball(r, cx, cy, cz, lx, ly, lz, reach):
     """Sine of the angle from the light's middle to the edge of a ball whose centre is at c from the point."""
     t = cx * lx + cy * ly + cz * lz
@@ -91,7 +103,7 @@ def ball(r, cx, cy, cz, lx, ly, lz, reach):
     return (off * tangent - t * r) / max(cc, TINY) if there else CLEAR
 
 
-@inner
+@inlined
 def aside(r, cx, cy, cz, lx, ly, lz, radius):
     """Whether a light is seen past a whole ball for sure: its centre is further off the light's middle line, t along
     it, than what the cone about the light, of sine ``radius``, and the ball itself reach."""
@@ -124,25 +136,32 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     around = r + HALF * math.sqrt(bb)
     if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, radius):
         return CLEAR
-    # where the way to the light passes nearest, the whole light may be hidden already
+    free, s = nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius)
+    if free:
+        return CLEAR
+    least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
+    if least <= -radius:  # the whole light is hidden already
+        return least
+    return min(least, lowest_on_axis((r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach), ZERO, ONE, ALONG))
+
+
+@inlined
+def nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius):
+    """Whether a light is seen past a capsule for sure, its middle line passing the whole axis so far off; and the place
+    on the axis which the way to the light passes nearest. The axis goes along b from w; bb: b · b."""
     bw = -(bx * wx + by * wy + bz * wz)
     bl = bx * lx + by * ly + bz * lz
     lw = lx * wx + ly * wy + lz * wz
     askew = bb - bl * bl
-    # nor is a light hidden whose middle line passes the whole axis so far off
-    s = min(max((bw + bl * lw) / askew, ZERO), ONE) if askew > SHARP * bb else ZERO
+    crosses = askew > SHARP * bb
+    s = min(max((bw + bl * lw) / askew, ZERO), ONE) if crosses else ZERO
     t = lw + s * bl
     ex = wx + s * bx - t * lx
     ey = wy + s * by - t * ly
     ez = wz + s * bz - t * lz
-    if beside(r, ex * ex + ey * ey + ez * ez, lw + max(bl, ZERO), radius):
-        return CLEAR
-    t = max((bl * bw + bb * lw) / askew, ZERO) if askew > SHARP * bb else ZERO
-    s = min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
-    least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
-    if least <= -radius:
-        return least
-    return min(least, lowest_on_axis((r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach), ZERO, ONE, ALONG))
+    free = beside(r, ex * ex + ey * ey + ez * ez, lw + max(bl, ZERO), radius)
+    t = max((bl * bw + bb * lw) / askew, ZERO) if crosses else ZERO
+    return free, min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
 
 
 @inner

@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
-from ...jit import function, inner
-from .approximations import exp
+from ...jit import function, inlined, inner
+from .approximations import exp, log
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -105,29 +105,33 @@ def surface(spheres, capsules, felt, k, x, y, z):
         nx += weight * ox
         ny += weight * oy
         nz += weight * oz
-    return least - k * np.float32(math.log(max(total, TINY))), nx, ny, nz
+    return least - k * log(max(total, TINY)), nx, ny, nz
 
 
 @inner
-def passed(spheres, capsules, m, room, ox, oy, oz, dx, dy, dz, dd):
-    """Where a ray is in the middle of the ball about solid number m, ``room`` thicker, and half the way through it, in
-    units of |d|; that is negative where it misses the ball."""
+def ball_about(spheres, capsules, m):
+    """Centre and radius of the ball about solid number m."""
     if m < spheres.shape[0]:
-        cx = spheres[m, 0] - ox
-        cy = spheres[m, 1] - oy
-        cz = spheres[m, 2] - oz
-        r = spheres[m, 3] + room
-    else:
-        m -= spheres.shape[0]
-        cx = capsules[m, 0] + HALF * capsules[m, 3] - ox
-        cy = capsules[m, 1] + HALF * capsules[m, 4] - oy
-        cz = capsules[m, 2] + HALF * capsules[m, 5] - oz
-        r = capsules[m, 6] + room + HALF / math.sqrt(capsules[m, 7])
+        return spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3]
+    m -= spheres.shape[0]
+    return (
+        capsules[m, 0] + HALF * capsules[m, 3],
+        capsules[m, 1] + HALF * capsules[m, 4],
+        capsules[m, 2] + HALF * capsules[m, 5],
+        capsules[m, 6] + HALF / math.sqrt(capsules[m, 7]),
+    )
+
+
+@inlined
+def through(cx, cy, cz, square, dx, dy, dz):
+    """Where a ray along d is in the middle of a ball, of this radius squared, whose centre is at c from its origin, and
+    half the way through it, in units of |d|; that is negative where it misses the ball."""
+    dd = dx * dx + dy * dy + dz * dz
     t = (cx * dx + cy * dy + cz * dz) / dd
     cx -= t * dx
     cy -= t * dy
     cz -= t * dz
-    left = r * r - (cx * cx + cy * cy + cz * cz)
+    left = square - (cx * cx + cy * cy + cz * cz)
     return t, math.sqrt(left / dd) if left > ZERO else -ONE
 
 
@@ -142,7 +146,9 @@ def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
     end = ZERO
     for m in range(spheres.shape[0] + capsules.shape[0]):
         if blends(spheres, capsules, m):
-            middle, half = passed(spheres, capsules, m, APART * k, ox, oy, oz, dx, dy, dz, dd)
+            cx, cy, cz, r = ball_about(spheres, capsules, m)
+            r += APART * k
+            middle, half = through(cx - ox, cy - oy, cz - oz, r * r, dx, dy, dz)
             if half >= ZERO and middle + half > ZERO:
                 felt |= np.uint64(1) << np.uint64(m & 63)
                 begin = min(begin, max(middle - half, ZERO))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, inner, parallel, prange
-from . import body, penumbra, solids
+from . import body, solids
 from .ambient import ambient_light
 from .approximations import exp
 from .batch import (
@@ -44,6 +44,7 @@ from .highlights import highlights
 from .light import toward
 from .lobes import mix
 from .marschner import kajiya_diffuse
+from .soften import soften
 from .strand_shadows import beyond, shade, sink
 
 ZERO = np.float32(0.0)
@@ -253,17 +254,6 @@ def hide(work, n, spheres, capsules, planes, boxes, skin):
                     capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k],
                     work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
                 )  # fmt: skip
-
-
-@inner
-def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
-    """`hide` for a light that has a size."""
-    for k in range(n):
-        if work[ARRIVES + k] > ZERO:
-            work[ARRIVES + k] *= penumbra.lit(
-                spheres, capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k],
-                work[LZ + k], work[REACH + k], skin, lights[i, 12], lights[i, 0],
-            )  # fmt: skip
 
 
 @function

@@ -16,8 +16,9 @@ from . import finish, occlusion, percentage_closer, seams, solids
 from .batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
 from .light import around
 from .raster import EMPTY, LOW, SHIFT
-from .shade_strands import aim, hide, soften
+from .shade_strands import aim, hide
 from .shadow import transmittance
+from .soften import soften
 from .surface_batch import ARRIVED, COAT, COSINE, DISTANCE, LEFT, NX, NY, NZ, PIXEL, PX, ROWS, SX, SY, THERE, UNDER
 
 ZERO = np.float32(0.0)

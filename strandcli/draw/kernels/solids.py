@@ -10,8 +10,9 @@ import math
 
 import numpy as np
 
-from ...jit import function, inner, parallel, prange
-from . import seams
+from ...constants import W
+from ...jit import function, inlined, inner, parallel, prange
+from . import marching, seams
 from .raster import EMPTY, LOW, SHIFT
 
 ZERO = np.float32(0.0)
@@ -42,7 +43,7 @@ def sphere(p, m, ox, oy, oz, dx, dy, dz):
     return hit if (left >= ZERO) & (t >= ZERO) else INF
 
 
-@inner
+@inlined
 def capsule(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a capsule: the open cylinder, then its two ends; without branches."""
     cx = ox - p[m, 0]
@@ -72,7 +73,7 @@ def capsule(p, m, ox, oy, oz, dx, dy, dz):
     return min(side, min(begin, end_of(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
 
 
-@inner
+@inlined
 def end_of(r, cx, cy, cz, dx, dy, dz, dd):
     """Distance to a capsule's end, a ball from whose centre the ray begins at c."""
     t = -(cx * dx + cy * dy + cz * dz) / dd
@@ -188,10 +189,9 @@ def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     return ZERO if (t > ZERO) & (p[m, 3] > skin) & (left > ZERO) & (near < reach) else ONE
 
 
-@inner
-def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
-    """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
-    # the ball about it
+@inlined
+def passes(p, m, x, y, z, lx, ly, lz):
+    """Whether a ray passes the ball about a capsule for sure; without a root."""
     hx = HALF * p[m, 3]
     hy = HALF * p[m, 4]
     hz = HALF * p[m, 5]
@@ -201,7 +201,13 @@ def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     t = cx * lx + cy * ly + cz * lz
     # (a + b)² <= 2 (a² + b²)
     square = hx * hx + hy * hy + hz * hz + p[m, 6] * p[m, 6]
-    if cx * cx + cy * cy + cz * cz - t * t > square + square:
+    return cx * cx + cy * cy + cz * cz - t * t > square + square
+
+
+@inner
+def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
+    if passes(p, m, x, y, z, lx, ly, lz):
         return ONE
     t = capsule(p, m, x, y, z, lx, ly, lz)
     return ZERO if (skin < t) & (t < reach) else ONE
@@ -248,10 +254,15 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
             part = row[frames[m, 0] : frames[m, 1]]
             begin = np.float32(frames[m, 0]) + HALF - view[15]
             if seams.blends(spheres, capsules, m):
-                for x in range(part.shape[0]):
-                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
-                    t = seams.meet(spheres, capsules, ox, oy, oz, dx, dy, dz)
-                    part[x] = min(part[x], key_at(t, view, flat, far, identity))
+                work = np.zeros(marching.ROWS * W, np.float32)
+                for low in range(0, part.shape[0], W):
+                    count = min(part.shape[0] - low, W)
+                    for x in range(count):
+                        aim(work, x, view, (begin + np.float32(low + x)) / view[13], up)
+                    marching.meet(work, count, spheres, capsules)
+                    for x in range(count):
+                        key = key_at(work[marching.MET + x], view, flat, far, identity)
+                        part[low + x] = min(part[low + x], key)
             elif m < spheres.shape[0]:
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
@@ -295,6 +306,18 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     if m < planes.shape[0]:
         return plane(planes, m, ox, oy, oz, dx, dy, dz)
     return box(boxes, m - planes.shape[0], ox, oy, oz, dx, dy, dz)
+
+
+@inner
+def aim(work, j, view, right, up):
+    """`ray`, as number j of a batch of `marching`."""
+    ox, oy, oz, dx, dy, dz = ray(view, right, up)
+    work[marching.OX + j] = ox
+    work[marching.OY + j] = oy
+    work[marching.OZ + j] = oz
+    work[marching.DX + j] = dx
+    work[marching.DY + j] = dy
+    work[marching.DZ + j] = dz
 
 
 @inner
