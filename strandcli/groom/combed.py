@@ -21,6 +21,8 @@ from .tie import Floats, paths
 
 AT_ONCE = 1 << 16
 """Strands that are combed at once, which bounds what that takes."""
+CLEAR = 0.06
+"""Ways of blending by which strands are kept clear of what blends: it is drawn a little thicker than it is."""
 FEW = 6
 """Power of an even number that tells how far a strand bows: half of them less than a sixtieth of the most."""
 
@@ -70,8 +72,7 @@ class Combed:
                 grown=groom.grown[some],
             )  # fmt: skip
             found.append(paths(emitter, part, bows[some], over).astype(np.float32))
-        points = np.concatenate(found)
-        return np.concatenate([2 * points[:, :1] - points[:, 1:2], points], 1)
+        return np.concatenate(found)
 
 
 class _Over:
@@ -89,6 +90,7 @@ class _Over:
             numbers = solids.numbers(solid, Pose((a, b, c), tuple(turn.T @ (pose.translation - centre))))
             if solid.kind == "sphere":
                 numbers = [*numbers[:3], 0.0, 0.0, 0.0, numbers[3], 0.0]
+            numbers[6] += CLEAR * solid.blend
             rows.append([*numbers[:8], float(solid.blend > 0)])
         self.rows = np.array(rows, np.float64).reshape(-1, 9)
         self.way = next((solid.blend for solid in named if solid.blend > 0), 1.0)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Over = Callable[[Floats, Floats], Floats]
 
-ON_SURFACE = 8
+ON_SURFACE = 14
 """Points of a path along the surface; the rest of `TIED` are where it turns up into the bundle."""
 TURN = 1.2
 """Heights of the tie, beyond the bundle's radius, from which on strands turn up."""
@@ -131,8 +131,8 @@ def bind(emitter: Emitter, roots: Floats) -> tuple[Floats, Floats]:
 
 
 def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
-    """The ways of tied strands from where they grow to where they are bound, (N, `TIED`, 3) metres in the emitter's
-    frame, the root first and the end left out.
+    """The ways of tied strands from where they grow to where they are bound, (N, 1 + `TIED`, 3) metres in the emitter's
+    frame: a point before the root, in whose direction from there they begin, the root, and on, the end left out.
 
     ``bows`` (N, 2): how far each departs from its way at the most, up and aside, metres. ``over``: how far up points
     (N, 3) have to be moved along normals (N, 3).
@@ -155,10 +155,11 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
         height += bows[:, 0] * bow + over(bare, normals)
         return np.asarray(bare + height[:, None] * normals + (bows[:, 1] * bow)[:, None] * aside)
 
-    found = [on(d + (last - d) * (k / ON_SURFACE)) for k in range(ON_SURFACE)]
+    step = 1e-3 * np.maximum(d, NEAR)
+    found = [on(d + step)]
+    found += [on(d + (last - d) * (k / ON_SURFACE)) for k in range(ON_SURFACE)]
     start = on(last)
-    way = start - on(last + 1e-3 * np.maximum(last, NEAR))
-    way /= np.maximum(np.linalg.norm(way, axis=1), 1e-30)[:, None]
+    way = _unit(start - on(last + step))
     # a cubic by Hermite up into the bundle
     size = np.linalg.norm(ends - start, axis=1)[:, None]
     normals = chart.point(last, ways, 0 * last)[1]
@@ -170,7 +171,13 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
             + t * t * (3 - 2 * t) * ends - t * t * (1 - t) * size * directions
         )  # fmt: skip
         found.append(there + over(there, normals)[:, None] * normals)
+    # so far before the root as the next point is behind it
+    found[0] = found[1] + np.linalg.norm(found[2] - found[1], axis=1)[:, None] * _unit(found[0] - found[1])
     return np.stack(found, 1)
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-30)[:, None])
 
 
 def _axis(emitter: Emitter, chart: Chart) -> Floats:

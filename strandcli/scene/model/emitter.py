@@ -39,7 +39,7 @@ class PlaneShape:
     depth: float = number(2.0, above=0, unit="m", doc="extent along z")
 
 
-TIED = 14
+TIED = 20
 """Points at which a strand that is tied lies, from its root on, before it is where it is bound."""
 
 
