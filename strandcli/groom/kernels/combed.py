@@ -9,7 +9,7 @@ import numpy as np
 from ...constants import W
 from ...jit import inner, parallel, prange
 
-STEPS = 64
+STEPS = 128
 """At the most, to leave a solid: a way out at right angles takes one."""
 ENOUGH = 1e-7
 """Metres that a point may be inside."""
