@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import DiscShape, Emitter, SphereShape
+from ..scene.model import DiscShape, Emitter, PlaneShape, SphereShape
 from ..scene.model.emitter import TIED
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ NEAR = 1e-9
 class Chart:
     """An emitter's surface in polar coordinates about the place below its tie."""
 
-    shape: object
+    shape: SphereShape | DiscShape | PlaneShape
     foot: Floats
     """(3,) metres."""
     normal: Floats
@@ -97,7 +97,7 @@ class Chart:
         with np.errstate(divide="ignore", invalid="ignore"):
             sides = [
                 (half - np.sign(way) * at) / np.abs(way)
-                for half, at, way in ((shape.width / 2, u, x), (shape.depth / 2, w, z))  # type: ignore[attr-defined]
+                for half, at, way in ((shape.width / 2, u, x), (shape.depth / 2, w, z))
             ]
         return np.asarray(np.nanmin(sides, axis=0))
 
