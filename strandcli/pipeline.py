@@ -17,6 +17,7 @@ from .errors import SimulationError, UsageError
 from .frame import Frame
 from .groom.arrange import arranged
 from .groom.children import Children
+from .groom.combed import Combed
 from .groom.emit import emit
 from .plan import needed_strands, pictures_that_fit
 from .rehearsal import Rehearsal
@@ -162,6 +163,9 @@ class _Film:
         self.scene = scene
         self.groom = arranged(emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None))
         self.children = Children(scene, self.groom) if draw and scene.children is not None else None
+        self.combed = None
+        if draw and scene.emitter.tie is not None:
+            self.combed = Combed(scene, self.groom if self.children is None else self.children.every)
         self.solver = solver_of(scene)(scene, self.groom)
         self.given = given
         self.draw = draw
@@ -260,7 +264,7 @@ class _Draughtsman:
 
         self._film = film
         before = rehearsal.wait if rehearsal is not None else lambda part: None
-        self._renderer = Renderer(film.scene, film.groom, before, film.children)
+        self._renderer = Renderer(film.scene, film.groom, before, film.children, film.combed)
 
     def __call__(self, begun: _Begun) -> Frame:
         import numba

@@ -13,6 +13,7 @@ from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, PORT
 from .draw.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
+from .scene.model.emitter import TIED
 from .simulate.rules import idle, registry
 
 if TYPE_CHECKING:
@@ -143,6 +144,10 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
         skip(Stage("children", "the strands that are simulated are drawn"))
     else:
         use(Stage("children", f"{scene.drawn_strands} strands are drawn about {plan.strands}"))
+    if scene.emitter.tie is None:
+        skip(Stage("combed parts", "strands are not tied"))
+    else:
+        use(Stage("combed parts", f"{TIED} points a strand from its root to the tie, which are not simulated"))
     plan.segments_max = _drawn(plan, scene) * (drawn_particles(scene) - 1) * pieces
     width, height = scene.image.drawn
     plan.pixels = width * height
@@ -240,7 +245,9 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
 def drawn_particles(scene: Scene) -> int:
     """Particles of a strand as it is drawn."""
     n = scene.emitter.particles
-    return n if scene.children is None else (n - 1) * scene.children.steps(scene.emitter.segment) + 1
+    if scene.children is not None:
+        n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
+    return n if scene.emitter.tie is None else n + TIED
 
 
 def _drawn(plan: Plan, scene: Scene) -> int:
@@ -290,6 +297,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
         total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
+    if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
+        total += strands * 12 * (2 * (TIED + 1) + n)
     # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
     # piece is usual, and one the least
     total += traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))

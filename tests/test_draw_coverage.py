@@ -165,6 +165,20 @@ def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
     np.testing.assert_array_equal(mixed, one)
 
 
+def test_strands_that_crowd_in_one_place_are_one_layer_where_there_is_room_for_all() -> None:
+    """The tasks of two workers and more share the room alike, and one of them has every strand here."""
+    rng = np.random.default_rng(8)
+    lines = [np.array([[1.0, y, 0.5], [6.0, y, 0.5]]) for y in rng.uniform(1, 6, 300)]
+    first, screen = np.arange(0, 601, 2), np.concatenate(lines).astype(np.float32)
+    wide = np.full(600, 0.3, np.float32)
+    for workers in (1, 4):
+        coverage = Coverage((40, 30), 0.01, None, 8_000)
+        for _ in range(2):  # and the next frame knows
+            found = coverage.layers(Polylines(first, screen), screen, wide, None, workers, Scratch())
+            assert len(list(found)) == 1
+    assert coverage.fragments > 2 * 8_000 / 64
+
+
 def test_equal_depths_go_to_the_lower_index() -> None:
     line = np.array([[0.0, 5.5, 0.5], [20.0, 5.5, 0.5]])
     colours = np.repeat(np.eye(3), 2, axis=0)

@@ -106,6 +106,8 @@ class Coverage:
         """Fragments in each row of the last frame."""
         self.fragments = 0
         """In the last frame."""
+        self._tasks = TASKS_A_WORKER
+        """For each worker: fewer where strands crowd, for each task has an equal share of the room."""
         self.most = 0
         """Bytes that the fragments of its fullest layer took, with the parts of strands that they come from."""
 
@@ -237,7 +239,7 @@ class Coverage:
         if used.max() >= blocks // workers:
             return None, max(int(used.sum()), int(used.max()) * workers) * parts.BLOCK
         # tasks that come to less than others leave room unused, which is never touched
-        tasks = 1 if workers == 1 else TASKS_A_WORKER * workers
+        tasks = 1 if workers == 1 else self._tasks * workers
         room = self.room if workers == 1 else 2 * self.room
         begin = scratch.take("tiles_begin", tiles, np.int64)
         kept = scratch.take("kept", tiles * PIXELS, np.uint32)
@@ -257,6 +259,12 @@ class Coverage:
         )  # fmt: skip
         held = int(np.abs(found).sum())
         if found.min() < 0:
+            if tasks > workers and held < self.room:  # there is room, but not for each alike
+                self._tasks = max(self._tasks // 4, 1)
+                marks.fill(0)
+                return self._layer(
+                    lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer, masked
+                )
             return None, held
         marks[lines.stride :] |= marks[: -lines.stride]  # light comes from the lit vertex after a fragment as well
         self._note(found, top, bottom)

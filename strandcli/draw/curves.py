@@ -53,7 +53,7 @@ def greatest_pieces(curves: Curves) -> int:
 
 def flatten(
     positions: NDArray[np.float32],
-    lengths: NDArray[np.float32],
+    lengths: NDArray[np.float32] | None,
     strands: int,
     curves: Curves,
     view: View,
@@ -63,9 +63,10 @@ def flatten(
 ) -> Polylines:
     """Polylines of the first ``strands`` strands.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W); ``keep_unseen``: strands off the screen are kept, coarsely,
-    because a light's shadow map needs them; otherwise adaptive curves leave them out. ``kept`` (strands,): strands with
-    0 are left out in any case.
+    positions (blocks, n + 1, 3 W), lengths (blocks, W), or None where segments of a strand differ: then each has the
+    length of its chord, and tangents are those of the circle through three particles. ``keep_unseen``: strands off the
+    screen are kept, coarsely, because a light's shadow map needs them; otherwise adaptive curves leave them out.
+    ``kept`` (strands,): strands with 0 are left out in any case.
     """
     n = positions.shape[1] - 1
     first = scratch.take("first", strands + 1, np.int64)
@@ -95,4 +96,5 @@ def flatten(
     )
     if pieces is not None or kept is not None:
         return Polylines(first, world, error)
-    return Polylines(first, world, None, (n - 1) * most + 1, float(lengths.max()), most, max(most // LIT_PIECES, 1))
+    longest = kernel.longest(positions) if lengths is None else lengths.max()
+    return Polylines(first, world, None, (n - 1) * most + 1, float(longest), most, max(most // LIT_PIECES, 1))

@@ -38,11 +38,12 @@ class Portion:
 
 @dataclass(frozen=True)
 class Portions:
-    """Positions (blocks, n + 1, 3 W) and rest lengths (blocks, W) of so many strands, and how to look at them."""
+    """Positions (blocks, n + 1, 3 W) of so many strands, and how to look at them; rest lengths (blocks, W) of their
+    segments, or None where those of a strand differ."""
 
     scene: Any
     positions: NDArray[np.float32]
-    lengths: NDArray[np.float32]
+    lengths: NDArray[np.float32] | None
     strands: int
     level: Level | None
     view: View
@@ -88,8 +89,8 @@ class Portions:
         blocks, level = slice(begin // W, -(-end // W)), self.level
         fade = None if level is None else level.fade[begin:end]
         lines = flatten(
-            self.positions[blocks], self.lengths[blocks], end - begin, self.scene.curves, self.view, self.shaded,
-            self.scratch, fade,
+            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin,
+            self.scene.curves, self.view, self.shaded, self.scratch, fade,
         )  # fmt: skip
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])

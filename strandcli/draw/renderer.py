@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..groom.children import Children
+from ..groom.combed import Combed
 from ..groom.emit import Groom
 from ..plan import needs_counts
 from . import lens, occlusion, portions
@@ -38,10 +39,10 @@ class Renderer:
 
     def __init__(
         self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None,
-        children: Children | None = None,
+        children: Children | None = None, combed: Combed | None = None,
     ) -> None:  # fmt: skip
         """``before`` is called in each frame ahead of its "coverage", where strands are sorted, and of its "light";
-        ``children``: of this scene and groom, where somebody has them already."""
+        ``children``, ``combed``: of this scene and groom, where somebody has them already."""
         self.scene = scene
         self._before = before
         self.tones = groom.tones
@@ -50,6 +51,9 @@ class Renderer:
         if children is None and scene.children is not None:
             children = Children(scene, groom)
         self.children = children
+        if combed is None and scene.emitter.tie is not None:
+            combed = Combed(scene, groom if children is None else children.every)
+        self.combed = combed
         self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -134,6 +138,10 @@ class Renderer:
         if self.children is not None:
             positions, lengths = self.children.grow(positions, lengths, at, strands, scratch, self.ids)
             drawing.lap("children")
+        if self.combed is not None:
+            ids = None if self.children is None else self.ids  # without children both stand as the groom does
+            positions = self.combed.join(positions, at, strands, scratch, ids)
+            drawing.lap("combed")
         level = level_of(scene, at, positions, strands, self.ids, self._thins)
         bounds = bounds_of(positions, strands, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
@@ -155,8 +163,8 @@ class Renderer:
         ranges = [(0, strands)] if whole else portions.cut(strands, positions.shape[1] - 1, scene.curves)
         shaded = maps is not None or bool(self.traced)
         feed = Portions(
-            scene, positions, lengths, strands, level, view, self._thins, ranges, shaded, len(self.traced), drawing,
-            scratch,
+            scene, positions, None if self.combed is not None else lengths, strands, level, view, self._thins, ranges,
+            shaded, len(self.traced), drawing, scratch,
         )  # fmt: skip
         lines = next(feed.lines()) if len(ranges) == 1 else None
         if maps is not None and made is None:

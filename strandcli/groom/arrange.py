@@ -27,6 +27,7 @@ def arranged(groom: Groom) -> Groom:
         directions=groom.directions[order],
         lengths=groom.lengths[order],
         tones=groom.tones[order],
+        grown=None if groom.grown is None else groom.grown[order],
         places=order if groom.places is None else groom.places[order],
     )
 

@@ -127,12 +127,16 @@ class Children:
         return [solids.pack(kind, list(met.values()), self.scene.emitter, at) for kind in solids.COLUMNS]
 
     @cached_property
+    def every(self) -> Groom:
+        """The children as the emitter makes them."""
+        return emit(dataclasses.replace(self.scene.emitter, strands=self.count), self.scene.seed)
+
+    @cached_property
     def family(self) -> _Family:
         """What does not move, made when it is first asked for."""
         scene, settings, count = self.scene, self.settings, self.count
         seed: int = scene.seed
-        emitter = dataclasses.replace(scene.emitter, strands=count)
-        every = emit(emitter, seed)
+        emitter, every = scene.emitter, self.every
         where = _places(emitter, every.roots)
         parents, weights = self._parents(where)
         lots = stream(seed, RANDOM, count)
@@ -230,8 +234,10 @@ def _places(emitter: Emitter, roots: NDArray[np.float32]) -> NDArray[np.float32]
 
 
 def _area(emitter: Emitter) -> float:
-    """Of the surface that bears the roots, m²."""
+    """Of the surface that strands are simulated from, m²."""
     shape = emitter.shape
+    if emitter.tie is not None:
+        return math.pi * emitter.tie.radius**2
     if isinstance(shape, DiscShape):
         return math.pi * shape.radius**2
     if isinstance(shape, PlaneShape):

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DiscShape, Emitter, SphereShape
+from .tie import bind
 
 PLASTIC = 1.3247179572447460260  # the real root of x³ = x + 1
 
@@ -37,6 +38,8 @@ class Groom:
     """Angle in radians between a strand and its own axis, and the turns about it from root to tip."""
     places: NDArray[np.int32] | None = None
     """(strands,) of each its place in the order of emission; None: they stand in it."""
+    grown: NDArray[np.float64] | None = None
+    """(strands, 3) metres: where strands grow that are tied, whose `roots` are where they are bound; else None."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """(strands, 3) unit vectors: the direction at the middle of edge j of so many, root to tip. Curled strands are
@@ -80,7 +83,11 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
     u = (start[0] + index / PLASTIC) % 1.0
     v = (start[1] + index / PLASTIC**2) % 1.0
     roots, normals = _surface(emitter, u, v, seed)
-    if emitter.direction is None:
+    grown = None
+    if emitter.tie is not None:
+        grown = roots
+        roots, directions = bind(emitter, grown)
+    elif emitter.direction is None:
         directions = normals
     else:
         given = np.array(emitter.direction, np.float64)
@@ -98,6 +105,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
         lengths.astype(np.float32),
         (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32),
         (float(np.radians(emitter.curl_angle)), emitter.curl_turns) if emitter.curl_turns > 0 else (0.0, 0.0),
+        grown,
     )
 
 

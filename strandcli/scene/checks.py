@@ -7,8 +7,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from .faults import hint, shown
-from .fields import Vector
-from .model import AOVS, Camera, CameraKey, Children, Emitter, Image, PoseKey, Scene, Solid
+from .fields import SMALLEST, Vector
+from .model import (
+    AOVS,
+    Camera,
+    CameraKey,
+    Children,
+    DiscShape,
+    Emitter,
+    Image,
+    PlaneShape,
+    PoseKey,
+    Scene,
+    Solid,
+    Tie,
+)
 from .motion import camera_key
 
 CLOSEST_PARTICLES = 1e-6
@@ -33,6 +46,7 @@ class Finding(NamedTuple):
 def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
     yield from _spacing(scene.emitter)
+    yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
     yield from _times(scene.emitter.keys, "emitter.keys")
     yield from _solid_names(scene.solids)
@@ -56,6 +70,45 @@ def _spacing(emitter: Emitter) -> Iterator[Finding]:
             f"precision (at least {CLOSEST_PARTICLES:g} m); take fewer particles or longer strands",
             ("emitter.length", "emitter.particles"),
         )
+
+
+def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
+    """Strands can be combed to the tie: it is above the surface that bears them, and nothing else leads them."""
+    tie = emitter.tie
+    if tie is None:
+        return
+    own = ("emitter.tie.position", "emitter.tie", "emitter.shape")
+    normal = _normal(tie, emitter)
+    if normal is None:
+        message = "the tie is above no place of the emitter's surface that strands grow from; move it there"
+        yield Finding(own, message, own)
+    elif tie.direction is not None and _dot(tie.direction, normal) <= 1e-3 * math.hypot(*tie.direction):
+        path = "emitter.tie.direction"
+        yield Finding((path,), "leads into the emitter's surface; turn it outward", (path, *own))
+    for key in ("direction", "comb", "parting"):
+        if getattr(emitter, key) is not None:
+            places = (f"emitter.{key}", "emitter.tie")
+            yield Finding(places, "strands that are tied are combed to their tie; take one of the two out", places)
+    known = {solid.name: solid for solid in solids if solid.name}
+    for index, name in enumerate(tie.over):
+        places = (f"emitter.tie.over.{index}", "emitter.tie.over")
+        if name not in known:
+            yield Finding(places, f"no solid has the name {shown(name)}; {hint(name, known, 'the names are')}", places)
+        elif known[name].kind not in ("sphere", "capsule"):
+            message = f"{shown(name)} is a {known[name].kind}; strands lie over spheres and capsules alone"
+            yield Finding(places, message, places)
+
+
+def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
+    """The emitter's normal below the tie; None where no strands grow there."""
+    shape, (x, y, z) = emitter.shape, tie.position
+    if isinstance(shape, DiscShape):
+        return (0.0, 1.0, 0.0) if math.hypot(x, z) < shape.radius else None
+    if isinstance(shape, PlaneShape):
+        return (0.0, 1.0, 0.0) if abs(x) < shape.width / 2 and abs(z) < shape.depth / 2 else None
+    away = math.hypot(x, y, z)
+    beyond = shape.cap < 180 and math.atan2(math.hypot(x, z), y) >= math.radians(shape.cap)
+    return None if beyond or away < SMALLEST else (x / away, y / away, z / away)
 
 
 def _locks(children: Children | None) -> Iterator[Finding]:
@@ -166,6 +219,10 @@ def _least(a: Vector, b: Vector) -> float:
 
 def _minus(a: Vector, b: Vector) -> Vector:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

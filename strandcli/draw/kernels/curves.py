@@ -37,6 +37,27 @@ def difference(block, lane, i, n):
 
 
 @inner
+def circle(block, lane, i, n):
+    """The same where segments differ in length: the tangent of the circle through three particles, e₁ / |e₁|² +
+    e₂ / |e₂|² with the segments before and after."""
+    if i == 0 or i == n - 1:
+        return difference(block, lane, i, n)
+    ax = block[i + 1, lane] - block[i, lane]
+    ay = block[i + 1, W + lane] - block[i, W + lane]
+    az = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
+    bx = block[i + 2, lane] - block[i + 1, lane]
+    by = block[i + 2, W + lane] - block[i + 1, W + lane]
+    bz = block[i + 2, 2 * W + lane] - block[i + 1, 2 * W + lane]
+    f = bx * bx + by * by + bz * bz
+    g = ax * ax + ay * ay + az * az
+    x = f * ax + g * bx
+    y = f * ay + g * by
+    z = f * az + g * bz
+    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
+
+
+@inner
 def printed(block, lane, i, n):
     """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
     t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
@@ -73,11 +94,11 @@ def count(
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
     difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W); view (26,) as in `project.points`; most: greatest number of
-    pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves their strands out); kept
-    (strands,): 0 for strands that are left out, or None; as_printed: array or None, a switch for the source's tangents;
-    out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left out; error
-    (strands,) float32: bound in pixels that is left.
+    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `project.points`;
+    most: greatest number of pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves
+    their strands out); kept (strands,): 0 for strands that are left out, or None; as_printed: array or None, a switch
+    for the source's tangents; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it
+    is left out; error (strands,) float32: bound in pixels that is left.
     """
     n = positions.shape[1] - 1
     per = ONE / tolerance
@@ -89,7 +110,7 @@ def count(
             continue
         block = positions[s // W]
         lane = s % W
-        third = lengths[s // W, lane] * THIRD
+        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
         tx, ty, tz = difference(block, lane, 0, n)
         ax = block[1, lane]
         ay = block[1, W + lane]
@@ -99,13 +120,17 @@ def count(
         seen = False
         total = 1
         for i in range(1, n):
-            if as_printed is None:
-                sx, sy, sz = difference(block, lane, i, n)
-            else:
+            if as_printed is not None:
                 sx, sy, sz = printed(block, lane, i, n)
+            elif lengths is None:
+                sx, sy, sz = circle(block, lane, i, n)
+            else:
+                sx, sy, sz = difference(block, lane, i, n)
             bx = block[i + 1, lane]
             by = block[i + 1, W + lane]
             bz = block[i + 1, 2 * W + lane]
+            if lengths is None:
+                third = chord(bx - ax, by - ay, bz - az) * THIRD
             u1, v1, z1 = into(bx, by, bz, view)
             pieces = np.int64(unseen)
             scale = reach(u0, v0, z0, u1, v1, z1, third, view)
@@ -192,9 +217,9 @@ def into(x, y, z, view):
 def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):
     """Write each strand's polyline.
 
-    pieces (strands, n − 1) uint16, or None with `fixed` pieces for every segment; as_printed, straight: array or None
-    switches for the source's tangents and for no smoothing; first (strands + 1,) int64 vertex offsets;
-    world (V, 3) float32 metres.
+    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; pieces (strands, n − 1) uint16, or
+    None with `fixed` pieces for every segment; as_printed, straight: array or None switches for the source's tangents
+    and for no smoothing; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
     """
     n = positions.shape[1] - 1
     for s in prange(strands):
@@ -209,7 +234,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
         world[v, 0] = ax
         world[v, 1] = ay
         world[v, 2] = az
-        third = lengths[s // W, lane] * THIRD
+        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
         tx, ty, tz = difference(block, lane, 0, n)
         for i in range(1, n):
             m = fixed if pieces is None else np.int64(pieces[s, i - 1])
@@ -221,10 +246,14 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             ez = bz - az
             per = ONE / np.float32(m)
             if straight is None:
-                if as_printed is None:
-                    sx, sy, sz = difference(block, lane, i, n)
-                else:
+                if as_printed is not None:
                     sx, sy, sz = printed(block, lane, i, n)
+                elif lengths is None:
+                    sx, sy, sz = circle(block, lane, i, n)
+                else:
+                    sx, sy, sz = difference(block, lane, i, n)
+                if lengths is None:
+                    third = chord(ex, ey, ez) * THIRD
                 # a + t (c1 + t (c2 + t c3)) from the Bernstein form with a, a + t0 L/3, b − t1 L/3, b
                 gx = tx * third
                 gy = ty * third
@@ -253,6 +282,28 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             ax = bx
             ay = by
             az = bz
+
+
+@inner
+def chord(x, y, z):
+    """A vector's length."""
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@parallel
+def longest(positions):
+    """The longest segment of positions (blocks, n + 1, 3 W), metres."""
+    found = np.zeros(positions.shape[0], np.float32)
+    for block in prange(positions.shape[0]):
+        most = ZERO
+        for i in range(2, positions.shape[1]):
+            for k in range(W):
+                x = positions[block, i, k] - positions[block, i - 1, k]
+                y = positions[block, i, W + k] - positions[block, i - 1, W + k]
+                z = positions[block, i, 2 * W + k] - positions[block, i - 1, 2 * W + k]
+                most = max(most, chord(x, y, z))
+        found[block] = most
+    return found.max()
 
 
 @inner

@@ -12,7 +12,7 @@ string "#rrggbb" which is read as sRGB.
 from __future__ import annotations
 
 from .camera import AOVS, Camera, CameraKey, Image
-from .emitter import DiscShape, Emitter, PlaneShape, SphereShape
+from .emitter import DiscShape, Emitter, PlaneShape, SphereShape, Tie
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .pose import PoseKey
 from .rod import Rod
@@ -53,6 +53,7 @@ __all__ = [
     "Solid",
     "SphereShape",
     "SphereSolid",
+    "Tie",
     "Time",
     "Wave",
 ]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Vector, choice, integer, items, number, union, vector
+from ..fields import Vector, choice, integer, items, names, number, optional, union, vector
 from .pose import PoseKey
 
 
@@ -39,6 +39,30 @@ class PlaneShape:
     depth: float = number(2.0, above=0, unit="m", doc="extent along z")
 
 
+TIED = 20
+"""Points at which a strand that is tied lies, from its root on, before it is where it is bound."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Tie:
+    """Strands bound together, as a ponytail: each lies along the surface from its root to the tie, moves with the
+    emitter as if it were a part of it, and hangs from there. The emitter's length, particles and jitter are those of
+    what hangs.
+    """
+
+    position: Vector = vector((0.0, 1.0, 0.0), unit="m", doc="where; the tie is above the nearest point of the surface")
+    radius: float = number(0.018, above=0, unit="m", doc="of the bundle, which tells how thick the hair lies elsewhere")
+    lift: float = number(0.012, low=0, unit="m", doc="height of the tie above the surface")
+    direction: Vector | None = vector(
+        None, unit="1", nonzero=True, doc="of the bundle, away from the surface; absent: the surface normal"
+    )
+    spread: float = number(10.0, low=0, high=85, unit="deg", doc="angle to that at which strands leave the rim")
+    slack: float = number(
+        0.0, low=0, unit="m", doc="how far some strands bow off their way, up and aside; most do so much less"
+    )
+    over: tuple[str, ...] = names(doc="names of spheres and capsules that it is combed over, as they stand at first")
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
@@ -67,6 +91,9 @@ class Emitter:
         unit="m",
         doc="x of a parting that ends at the middle: in front of that, strands to its left are combed the other way "
         "along x, and behind it none along x; absent: none",
+    )
+    tie: Tie | None = optional(
+        Tie, doc="strands are combed to one place and hang from there; absent: they hang from their roots"
     )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(

@@ -1,0 +1,104 @@
+"""Of tied strands what is not simulated: their ways from root to tie, which move with the emitter.
+
+All of it is worked out once, in the emitter's frame; a frame takes a rigid motion and a copy. From here on a strand is
+one line from root to tip, for curves, shadow, light and layers alike.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..blocks import pack
+from ..constants import W
+from ..scene.motion import Pose, emitter_pose, solid_pose
+from .emit import Groom, stream
+from .tie import Floats, paths
+
+AT_ONCE = 1 << 16
+"""Strands that are combed at once, which bounds what that takes."""
+CLEAR = 0.06
+"""Ways of blending by which strands are kept clear of what blends: it is drawn a little thicker than it is."""
+FEW = 6
+"""Power of an even number that tells how far a strand bows: half of them less than a sixtieth of the most."""
+
+
+class Combed:
+    """The combed parts of the strands of one scene, whose emitter has a tie."""
+
+    def __init__(self, scene: Any, groom: Groom) -> None:
+        """``groom``: all strands that are drawn, children included."""
+        self.scene = scene
+        self.groom = groom
+        self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+
+    def join(
+        self, hanging: NDArray[np.float32], at: float, strands: int, scratch: Any, ids: NDArray[np.int32] | None = None
+    ) -> NDArray[np.float32]:
+        """The first ``strands`` strands at a time in seconds, or of those called ``ids``, from root to tip: positions
+        (blocks, rows, 3 W), from what ``hanging`` in the same layout has of them."""
+        from .kernels import combed as kernel
+
+        combed = self.packed if ids is None else pack(self.points[ids[:strands]])
+        rotation, shift = emitter_pose(self.scene.emitter, at if self._carried else 0.0)
+        blocks = -(-strands // W)
+        out = scratch.take("combed", (blocks, combed.shape[1] + hanging.shape[1] - 1, 3 * W), np.float32)
+        kernel.join(combed, hanging, np.array(rotation, np.float32).ravel(), np.array(shift, np.float32), out)
+        return out
+
+    @cached_property
+    def packed(self) -> NDArray[np.float32]:
+        """(blocks, 1 + `TIED`, 3 W) metres in the emitter's frame."""
+        return pack(self.points)
+
+    @cached_property
+    def points(self) -> NDArray[np.float32]:
+        """(strands, 1 + `TIED`, 3) metres in the emitter's frame: the row before the root, and from there to the
+        tie."""
+        groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
+        assert groom.grown is not None
+        far = emitter.tie.slack * stream(seed, 9, groom.strands) ** FEW
+        bows = groom.placed(np.stack([far, far * (2.0 * stream(seed, 10, groom.strands) - 1.0)], 1))
+        over = _Over(self.scene)
+        found = []
+        for begin in range(0, groom.strands, AT_ONCE):
+            some = slice(begin, begin + AT_ONCE)
+            part = Groom(
+                groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some],
+                grown=groom.grown[some],
+            )  # fmt: skip
+            found.append(paths(emitter, part, bows[some], over).astype(np.float32))
+        return np.concatenate(found)
+
+
+class _Over:
+    """The solids that combed strands lie over, as they stand at first."""
+
+    def __init__(self, scene: Any) -> None:
+        named = [solid for solid in scene.solids if solid.name and solid.name in scene.emitter.tie.over]
+        named.sort(key=lambda solid: solid.kind != "sphere")  # the first that blends tells how far: as they are drawn
+        outer = emitter_pose(scene.emitter, 0.0)
+        turn, centre = np.array(outer.rotation), np.array(outer.translation)
+        rows = []
+        for solid in named:
+            pose = solid_pose(solid, scene.emitter, 0.0, outer)
+            a, b, c = (tuple(row) for row in turn.T @ np.array(pose.rotation))
+            numbers = solids.numbers(solid, Pose((a, b, c), tuple(turn.T @ (pose.translation - centre))))
+            if solid.kind == "sphere":
+                numbers = [*numbers[:3], 0.0, 0.0, 0.0, numbers[3], 0.0]
+            numbers[6] += CLEAR * solid.blend
+            rows.append([*numbers[:8], float(solid.blend > 0)])
+        self.rows = np.array(rows, np.float64).reshape(-1, 9)
+        self.way = next((solid.blend for solid in named if solid.blend > 0), 1.0)
+
+    def __call__(self, points: Floats, normals: Floats) -> Floats:
+        out = np.zeros(len(points))
+        if len(self.rows):
+            from .kernels import combed as kernel
+
+            kernel.clear(points, np.ascontiguousarray(normals), self.rows, float(self.way), out)
+        return out

@@ -1,0 +1,296 @@
+"""Tied strands: shortest ways over the emitter, hair that keeps its volume, out of what it lies over, carried rigidly;
+and one line from root to tip for everything that draws."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from scene_kit import complaint
+from strand_kit import frames_of, scene_of
+
+from strandcli.blocks import lanes, pack, unpack
+from strandcli.draw.camera import camera_view
+from strandcli.draw.curves import flatten
+from strandcli.draw.scratch import Scratch
+from strandcli.groom.children import Children
+from strandcli.groom.combed import Combed
+from strandcli.groom.emit import emit
+from strandcli.groom.tie import chart_of
+from strandcli.plan import make_plan
+from strandcli.scene.model import Camera, Curves, DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
+from strandcli.scene.model.emitter import TIED
+from strandcli.scene.motion import emitter_pose
+
+SPHERE = SphereShape(radius=0.1, cap=110)
+TIE = Tie(position=(0.01, 0.09, -0.04), radius=0.016, lift=0.012)
+SCENE = """
+emitter: {strands: 300, particles: 6, length: 0.3, shape: {kind: sphere, radius: 0.1, cap: 110},
+  tie: {position: [0.01, 0.09, -0.04], radius: 0.016, lift: 0.012},
+  keys: [{time: 0, rotation: [10, 0, 0]}, {time: 1, position: [0.1, 0.2, 0.3], rotation: [40, 120, 30], ease: linear}]}
+rules: [emitter_motion, gravity, elasticity]
+"""
+
+
+def emitter_of(**settings: Any) -> Emitter:
+    return dataclasses.replace(Emitter(strands=4000, length=0.3, shape=SPHERE, tie=TIE), **settings)
+
+
+def combed(emitter: Emitter, scene: Scene | None = None) -> np.ndarray:
+    """(strands, 1 + TIED, 3) in the emitter's frame, the point before the root first."""
+    scene = dataclasses.replace(scene or Scene(), emitter=emitter)
+    return Combed(scene, emit(emitter, scene.seed)).points.astype(np.float64)
+
+
+def test_ways_over_a_sphere_are_great_circles_of_the_shortest_length() -> None:
+    """A bundle so thin that hair has no height: a way is then on the sphere, in the plane of root, tie and centre."""
+    emitter = emitter_of(tie=dataclasses.replace(TIE, radius=1e-6, lift=0.0))
+    groom, points = emit(emitter, 0), combed(emitter)[:, 1:]
+    assert groom.grown is not None
+    foot = np.array(TIE.position) / np.linalg.norm(TIE.position)
+    np.testing.assert_allclose(points[:, 0], groom.grown, atol=1e-8)
+    np.testing.assert_allclose(groom.roots, np.broadcast_to(0.1 * foot, groom.roots.shape), atol=2e-6)
+    planes = np.cross(groom.grown, foot)
+    planes /= np.linalg.norm(planes, axis=1, keepdims=True)
+    assert np.abs((points * planes[:, None]).sum(2)).max() < 1e-6
+    # as far as the last turn, which is so small here that only half the way of the nearest is in it
+    np.testing.assert_allclose(np.linalg.norm(points[:, :14], axis=2), 0.1, atol=1e-6)
+    angles = np.arccos(np.clip((points[:, :14] @ foot) / np.linalg.norm(points[:, :14], axis=2), -1, 1))
+    passed = np.arccos(np.clip((points[:, :13] * points[:, 1:14]).sum(2) / 0.01, -1, 1)).sum(1)
+    np.testing.assert_allclose(passed, angles[:, 0] - angles[:, -1], atol=2e-3)
+    assert (np.diff(angles, axis=1) < 0).all()
+
+
+@pytest.mark.parametrize("shape", [DiscShape(radius=0.1), PlaneShape(width=0.3, depth=0.2)])
+def test_ways_over_a_plane_are_straight(shape: Any) -> None:
+    emitter = emitter_of(shape=shape, tie=Tie(position=(0.03, 5.0, -0.02), radius=1e-6, lift=0.0))
+    points = combed(emitter)[:, 1:]
+    to = np.array([0.03, 0.0, -0.02]) - points[:, 0]
+    off = np.cross(points - points[:, :1], (to / np.linalg.norm(to, axis=1, keepdims=True))[:, None])
+    assert np.linalg.norm(off, axis=2).max() < 2e-6
+
+
+@pytest.mark.parametrize(
+    "emitter",
+    [
+        emitter_of(strands=40_000),
+        emitter_of(strands=40_000, shape=SphereShape(radius=0.1)),
+        emitter_of(strands=40_000, shape=PlaneShape(width=0.3, depth=0.2), tie=dataclasses.replace(TIE, radius=0.01)),
+        emitter_of(strands=40_000, shape=DiscShape(radius=0.1), tie=dataclasses.replace(TIE, radius=0.01)),
+    ],
+)
+def test_a_bundle_is_as_wide_as_asked_and_evenly_full_along_each_direction(emitter: Emitter) -> None:
+    """In each direction from the tie, whose own rim may be near or far, strands are even by area."""
+    groom, chart, tie = emit(emitter, 0), chart_of(emitter), emitter.tie
+    assert tie is not None
+    across = groom.roots.astype(float) - chart.foot - tie.lift * chart.normal
+    assert np.abs(across @ chart.normal).max() < 1e-7
+    away = np.linalg.norm(across, axis=1) / tie.radius
+    assert 0.98 < away.max() <= 1 + 1e-5
+    around = np.arctan2(across @ np.cross(chart.normal, [1.0, 0, 0]), across[:, 0])
+    for begin in np.linspace(-np.pi, np.pi, 9)[:-1]:
+        here = away[(around >= begin) & (around < begin + np.pi / 4)]
+        assert (here < 0.5).mean() == pytest.approx(0.25, abs=0.025)
+
+
+def test_hair_keeps_its_volume_and_lies_on_what_is_rooted_nearer() -> None:
+    """All round, at any distance from the tie, strands are from the surface up to the thickness that what crosses there
+    has in the bundle: height · arc over all directions is the bundle's area times the share rooted farther."""
+    emitter = emitter_of(strands=20_000, shape=SphereShape(radius=0.1, cap=110), tie=Tie(position=(0, 1, 0), lift=0.01))
+    tie = emitter.tie
+    assert tie is not None
+    groom, points = emit(emitter, 0), combed(emitter)[:, 1:]
+    assert groom.grown is not None
+    own = np.arccos(groom.grown[:, 1] / 0.1)
+    for at in (0.6, 1.0, 1.4):
+        angle = np.arccos(points[..., 1] / np.linalg.norm(points, axis=2))
+        height = np.linalg.norm(points, axis=2) - 0.1
+        crossing = own > at
+        there = np.array([np.interp(-at, -a, h) for a, h in zip(angle[crossing], height[crossing], strict=True)])
+        order = np.argsort(own[crossing])
+        assert (np.diff(there[order]) > -2e-5).all()
+        share = crossing.mean()
+        ring = 2 * np.pi * 0.1 * np.sin(at)
+        assert there.max() * ring == pytest.approx(np.pi * tie.radius**2 * share, rel=0.02)
+        assert there.min() == pytest.approx(0, abs=2e-5)
+
+
+def test_strands_leave_the_tie_along_its_direction_and_fan_out() -> None:
+    leaning = (0.0, 0.5, -1.0)
+    groom = emit(emitter_of(tie=dataclasses.replace(TIE, direction=leaning, spread=20.0)), 0)
+    axis = np.array(leaning) / np.linalg.norm(leaning)
+    off = np.degrees(np.arccos(np.clip(groom.directions @ axis, -1, 1)))
+    middle = groom.roots.astype(float).mean(0)
+    away = np.linalg.norm(groom.roots - chart_of(emitter_of()).foot - 0.012 * axis, axis=1)
+    np.testing.assert_allclose(off, 20.0 * away / TIE.radius, atol=0.02)
+    outer = away > 0.5 * TIE.radius
+    assert (((groom.roots - middle) * groom.directions).sum(1)[outer] > 0).all()
+    assert combed(emitter_of(tie=dataclasses.replace(TIE, direction=leaning)))[:, 1:].shape == (4000, TIED, 3)
+
+
+SOLIDS = """
+solids: [{kind: sphere, name: skull, radius: 0.09, follow: emitter, blend: 0.014},
+  {kind: capsule, name: face, radius: 0.06, length: 0.07, position: [0, -0.05, 0.03], rotation: [25, 0, 0],
+   follow: emitter, blend: 0.014}, {kind: sphere, name: bump, radius: 0.02, position: [0.1, 0.03, 0], follow: emitter}]
+"""
+
+
+def test_strands_are_outside_of_all_that_they_lie_over() -> None:
+    def inside(points: np.ndarray) -> np.ndarray:
+        """Depth in what blends, by the formula it is drawn by, and in the ball that does not."""
+        turn = np.array(emitter_pose(Emitter(rotation=(25.0, 0.0, 0.0)), 0.0).rotation)
+        along = np.clip((points - [0, -0.05, 0.03]) @ turn[:, 1], -0.035, 0.035)[..., None] * turn[:, 1]
+        both = np.stack([np.linalg.norm(points, axis=-1) - 0.09,
+                         np.linalg.norm(points - [0, -0.05, 0.03] - along, axis=-1) - 0.06])  # fmt: skip
+        smooth = -0.014 * np.log(np.exp(-both / 0.014).sum(0))
+        return -np.minimum(smooth, np.linalg.norm(points - [0.1, 0.03, 0], axis=-1) - 0.02)
+
+    scene = scene_of(SCENE.replace("lift: 0.012", "lift: 0.012, over: [skull, face, bump]") + SOLIDS)
+    free = combed(dataclasses.replace(scene.emitter, tie=dataclasses.replace(scene.emitter.tie, over=())), scene)
+    kept = combed(scene.emitter, scene)
+    assert inside(free[:, 1:]).max() > 5e-3
+    assert inside(kept[:, 1:]).max() < 5e-6  # where a way out grazes the surface, the last micrometres take many steps
+    # on it, not far above: by what keeps it from being drawn into the surface
+    roots = inside(free[:, 1]) > 0
+    assert inside(kept[roots, 1]).min() > -0.001
+    # where nothing is in the way, nothing moves
+    clear = (inside(free[:, 1:]) < -2e-3).all(1)
+    assert clear.sum() > 10
+    np.testing.assert_allclose(kept[clear], free[clear], atol=1e-7)
+
+
+def test_slack_is_of_few_strands_and_never_more_than_asked() -> None:
+    tight, loose = combed(emitter_of()), combed(emitter_of(tie=dataclasses.replace(TIE, slack=0.01)))
+    off = np.linalg.norm(loose - tight, axis=2).max(1)
+    assert 0.008 < off.max() < 0.01 * np.sqrt(2) * 1.02
+    assert np.median(off) < 0.001
+    np.testing.assert_array_equal(loose[:, 1], tight[:, 1])
+
+
+def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> None:
+    scene = scene_of(SCENE)
+    groom = emit(scene.emitter, scene.seed)
+    whole = Combed(scene, groom)
+    hanging = np.random.default_rng(1).normal(size=(300, 7, 3)).astype(np.float32)
+    for at in (0.0, 0.4, 1.0):
+        joined = unpack(whole.join(pack(hanging), at, 300, Scratch()), 300)
+        rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, at))
+        np.testing.assert_allclose((joined[:, : 1 + TIED] - shift) @ rotation, whole.points, atol=2e-7)
+        np.testing.assert_array_equal(joined[:, 1 + TIED :], hanging[:, 1:])
+    some = np.array([250, 3, 17], np.int32)
+    part = unpack(whole.join(pack(hanging[some]), 1.0, 3, Scratch(), some), 3)
+    np.testing.assert_array_equal(part, joined[some])
+
+
+def test_a_strand_does_not_depend_on_how_many_there_are_nor_on_threads() -> None:
+    tie = dataclasses.replace(TIE, slack=0.01)
+    many = combed(emitter_of(tie=tie))
+    np.testing.assert_array_equal(combed(emitter_of(tie=tie, strands=100)), many[:100])
+    scene = scene_of(SCENE.replace("lift: 0.012", "lift: 0.012, over: [skull, face, bump]") + SOLIDS)
+    before = numba.get_num_threads()
+    all_threads = combed(scene.emitter, scene)
+    try:
+        numba.set_num_threads(1)
+        np.testing.assert_array_equal(combed(scene.emitter, scene), all_threads)
+    finally:
+        numba.set_num_threads(before)
+
+
+def test_curves_through_uneven_points_of_a_circle_stay_on_it() -> None:
+    """Segments of which each is a third longer than the one before: by their chords the curve is on the circle, and
+    with one length for all it is not."""
+    angles = np.cumsum([0.0, *(0.02 * 1.35 ** np.arange(9))])
+    ring = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1)
+    before = ring[0] - 0.1 * np.array([0.0, 1.0, 0.0])
+    positions = pack(np.concatenate([before[None], ring])[None])
+    view = camera_view(Camera(position=(0.0, 0.0, 3.0)), 0.0, 400, 400, np.array([[-1.0] * 3, [1.0] * 3]))
+    curves = Curves(mode="fixed", level=4)
+
+    def off(lengths: np.ndarray | None) -> float:
+        world = flatten(positions, lengths, 1, curves, view, True, Scratch()).world[: -(2**4)].astype(float)
+        return float(np.abs(np.linalg.norm(world, axis=1) - 1).max())
+
+    assert off(None) < 3e-4
+    assert off(lanes(np.array([[0.1]]))) > 1e-3
+    # and where points are even, both are the same curve
+    even = np.stack([np.cos(0.1 * np.arange(9)), np.sin(0.1 * np.arange(9)), np.zeros(9)], 1)
+    positions = pack(np.concatenate([[even[0] - even[1] + even[0]], even])[None])
+    chord = float(np.linalg.norm(even[1] - even[0]))
+    for mode in ("fixed", "adaptive"):
+        first, second = (
+            flatten(positions, lengths, 1, Curves(mode=mode, level=4), view, True, Scratch()).world.copy()
+            for lengths in (None, lanes(np.array([[chord]])))
+        )
+        np.testing.assert_allclose(first, second, atol=1e-6)
+    lines = flatten(positions, None, 1, curves, view, True, Scratch())
+    assert lines.segment == pytest.approx(chord, rel=1e-5)
+
+
+def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_hangs() -> None:
+    text = SCENE + "image: {size: [80, 60], resolver: sorted, aovs: [mask]}\nmaterial: {width: 0.002}\n"
+    camera = Camera(position=(0.1, 0.2, 0.8), target=(0.1, 0.2, 0.3), fov=40)
+    tied = dataclasses.replace(scene_of(text), camera=camera)
+    (frame,) = frames_of(tied, 25)
+    bound = emit(tied.emitter, tied.seed)
+    rotation, shift = (np.array(part) for part in emitter_pose(tied.emitter, 1.0))
+    assert frame.positions is not None
+    assert frame.positions.shape == (300, 6, 3)
+    np.testing.assert_allclose(frame.positions[:, 0], bound.roots @ rotation.T + shift, atol=1e-6)
+    assert frame.report["counts"]["particles"] == 300 * (TIED + 6)
+    assert "combed" in frame.report["seconds"]
+    assert frame.report["error"]["stretch_max"] < 1e-3
+    assert frame.aovs is not None
+    # the front of the head, which nothing hangs over, is covered
+    ball = frame.aovs["mask"][20:40, 30:50]
+    assert (ball > 0.3).mean() > 0.5
+    children = dataclasses.replace(tied, children=dataclasses.replace(scene_of("children: {}").children, count=4))
+    (more,) = frames_of(children, 25)
+    assert more.report["counts"]["strands"] == 1200
+    assert more.aovs is not None
+    assert more.aovs["mask"][20:40, 30:50].mean() > ball.mean()
+
+
+def test_children_hang_from_the_tie_and_lie_on_ways_of_their_own() -> None:
+    scene = scene_of(SCENE + "children: {count: 5, clumps: [{size: 0.004}]}\n")
+    children = Children(scene, emit(scene.emitter, scene.seed))
+    points = Combed(scene, children.every).points
+    np.testing.assert_array_equal(points[:300], Combed(scene, children.groom).points)
+    assert len(np.unique(points[:, 1].round(6), axis=0)) == 1500
+    # locks are as wide as asked in the bundle, where they hang from
+    assert len(np.unique(children.family.middles[0])) == round(np.pi * 0.016**2 / 0.004**2)
+
+
+def test_a_plan_tells_of_what_is_combed() -> None:
+    stages = {one.stage: one.why for one in make_plan(scene_of(SCENE), [1]).used}
+    assert str(TIED) in stages["combed parts"]
+    left = {one.stage for one in make_plan(scene_of("emitter: {strands: 10}"), [1]).left_out}
+    assert "combed parts" in left
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("tie: {position: [0, -1, 0]}, shape: {kind: sphere, cap: 90}",
+         "the tie is above no place of the emitter's surface that strands grow from; move it there"),
+        ("tie: {position: [0, 0, 0]}", "p.yaml:1:27: emitter.tie.position: the tie is above no place"),
+        ("tie: {position: [0.6, 0, 0]}, shape: {kind: disc, radius: 0.5}", "emitter.tie.position: the tie is above no"),
+        ("tie: {position: [0, 0, 3]}, shape: {kind: plane}", "emitter.tie.position: the tie is above no place"),
+        ("tie: {direction: [1, -0.1, 0]}",
+         "p.yaml:1:28: emitter.tie.direction: leads into the emitter's surface; turn it outward"),
+        ("tie: {}, comb: [1, 0, 0]", "strands that are tied are combed to their tie; take one of the two out"),
+        ("tie: {}, parting: 0.1", "emitter.parting: strands that are tied are combed to their tie"),
+        ("tie: {}, direction: [1, 0, 0]", "emitter.direction: strands that are tied are combed to their tie"),
+        ("tie: {over: [skul]}", "emitter.tie.over.0: no solid has the name 'skul'"),
+        ("tie: {radius: 0}", "emitter.tie.radius: must be a number above 0"),
+    ],
+)  # fmt: skip
+def test_refused(text: str, says: str) -> None:
+    assert says in complaint(f"emitter: {{{text}}}")
+
+
+def test_boxes_and_planes_are_not_combed_over() -> None:
+    text = "emitter: {tie: {over: [floor]}}\nsolids: [{kind: plane, name: floor}]"
+    assert complaint(text).endswith("'floor' is a plane; strands lie over spheres and capsules alone")
