@@ -23,6 +23,7 @@ material: {width: 0.01}
 time: {fps: 10, frames: 3}
 """
 CHILDREN = "children: {count: 5, clumps: [{size: 0.2, strength: 0.8}]}\n"
+TIED = SCENE.replace("jitter: 9", "jitter: 9, tie: {position: [0.1, 0.45, 0.2], radius: 0.08, slack: 0.02}")
 NEAR = "detail: {near: 1, fraction: 0.01}\n"
 
 
@@ -90,9 +91,9 @@ def test_positions_are_taken_in_the_order_of_emission() -> None:
 
 
 def test_pictures_are_the_same() -> None:
-    """With all strands, with those that level of detail draws, and where strands guide others."""
-    for more in ("", NEAR, CHILDREN, CHILDREN + NEAR):
-        scene = scene_of(SCENE + more)
+    """With all strands, with those that level of detail draws, where strands guide others, and where they are tied."""
+    for text in (SCENE, SCENE + NEAR, SCENE + CHILDREN, SCENE + CHILDREN + NEAR, TIED, TIED + NEAR, TIED + CHILDREN):
+        scene = scene_of(text)
         frame = frames_of(scene, 2)[0]
         with patch("strandcli.pipeline.arranged", lambda groom: groom):
             plain = frames_of(scene, 2)[0]

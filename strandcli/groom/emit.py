@@ -105,7 +105,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
         lengths.astype(np.float32),
         (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32),
         (float(np.radians(emitter.curl_angle)), emitter.curl_turns) if emitter.curl_turns > 0 else (0.0, 0.0),
-        grown,
+        grown=grown,
     )
 
 
