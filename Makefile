@@ -19,7 +19,7 @@ help:
 	@echo "make study      every solver against exact solutions: out/study"
 	@echo "make bench      time every stage of a frame"
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
-	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own"
+	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)

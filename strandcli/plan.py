@@ -303,7 +303,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     # piece is usual, and one the least
     total += traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
     if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
-        total += vertices * (4 + 204 * (1 + traced) + 128 * traced)
+        marked = scene.image.resolver != "zbuffer"  # which of their places are seen
+        total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
     if scene.occluded and scene.ambient_occlusion is not None:
         total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
     for one in scene.lights:

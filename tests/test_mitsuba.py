@@ -4,8 +4,8 @@ What is the same: strands (see `path_tracer`), camera, directional light of a gi
 absorption, roughness and tilt. What differs, and is part of the figures here: Mitsuba's `hair` is evaluated at the
 offset h where a ray meets the strand, here light is averaged over the width unless shadows are exact; opacity maps hold
 the mean of the shadows of single strands; strands narrower than half a sample hide each other in it independently; and
-Mitsuba's shadow rays begin a little off the surface (see `path_tracer.SCALE`), so that it misses shadows where strands
-touch. All are right on average but the last.
+where LLVM is not at hand Mitsuba's shadow rays begin a little off the surface (see `path_tracer`), so that it misses
+shadows where strands touch. All are right on average but the last.
 
 Mitsuba's logarithm of I₀ is somewhat too small just below 12, where it changes over to the asymptote: R is up to half a
 per cent too dark where β_m is .3, and nothing is where it is .6.
@@ -127,8 +127,8 @@ def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direc
 
 @pytest.mark.parametrize(("direction", "most"), [(FRONT, 0.1), (BACK, 0.12)], ids=["from above", "from behind"])
 def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: float) -> None:
-    """A twelfth of a pixel wide. With a light from behind most of the light is on few strands, each of it bright: .105
-    there, ± .007, and .09 from above."""
+    """A twelfth of a pixel wide. With a light from behind most of the light is on few strands, each of it bright: .107
+    there, ± .007, and .083 from above; with 3 samples along a side .13 and .10."""
     wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 5}
     subject = subject_of(HAIR, tmp_path, wide)
     traced = trace(subject, tmp_path, 768)  # 192 leave the error uncertain by a fifth
@@ -146,9 +146,8 @@ def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: f
 def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     """A hemisphere of 10,000 bent strands, at 800×600 .7 to 1.2 pixels wide: a pixel sees a part of one strand's width,
     where R is a streak and the shadows of others have their edges. With light and shadow averaged over the width the
-    error is above .7 and the picture 8 % too dark. What is left is .16, .14, .13 with 2 to 4 samples along a side, and
-    .115 with 6 of curves four times as fine: polylines here and splines there make some .05, and Mitsuba's shadow rays,
-    a twentieth of a radius off the surface, some of the rest: twice as far off they make .149 of .137 with 3."""
+    error is above .8 and the picture 8 % too dark. What is left is .115, .095, .087 (± .004) with 2 to 4 samples along
+    a side. Mitsuba's own shadow rays, a twentieth of a radius off the surface, make .132, .114, .107 of it."""
     subject = hemisphere(tmp_path)
     traced = trace(subject, tmp_path, 48)
     picture = subject.draw(subject.scene)
@@ -158,7 +157,7 @@ def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     flat = figures(subject.draw(changed(subject.scene, {"material.rounded": False}), draws=1).image, traced)
     print(f"\n{found}; {seconds:.3f} s, the path tracer {slow:.0f} s: {slow / seconds:.0f} times; averaged {flat}")
     assert abs(found.brightness - 1) < 0.02
-    assert found.rmse < 0.15
+    assert found.rmse < (0.1 if traced.exact else 0.125)
     assert flat.rmse > 0.7
 
 

@@ -5,9 +5,7 @@ in front of it darkens a part of its length, of which three pairs of linear ineq
 band's width, between the band's ends, nearer to the light than the line. A piece of the line has a bit for each of
 many places along it, so many that a band as wide as the line is covers two, and what is dark is set.
 
-Bands are listed in the cells of a grid over the light's view (`grid`), nearest first. A line is followed from cell to
-cell. Within a cell the list ends for it where bands lie behind it, and the inequalities are one loop over the bands,
-which becomes vector code.
+`darkening` follows a line through the bands.
 """
 
 from __future__ import annotations
@@ -17,25 +15,9 @@ import math
 import numpy as np
 
 from ...jit import inlined, inner, parallel, prange
-from .bits import ALL, NONE, WORD, add_up, all_dark, darken
+from .bits import ALL, NONE, add_up
+from .darkening import BATCH, piece
 from .ends import STEEPEST
-from .grid import (
-    ALONG,
-    ALONG_X,
-    ALONG_Y,
-    ASIDE,
-    ASIDE_X,
-    ASIDE_Y,
-    DEPTH,
-    GROWS,
-    LOW,
-    ROWS,
-    WIDENS,
-    WIDTH,
-    columns,
-    nearness,
-    whole,
-)
 from .lit import LINES
 from .masks import ones
 
@@ -51,8 +33,6 @@ MOST = np.int64(32)
 """Pieces to each side of a vertex that its light is averaged over, at most."""
 STRANDS = 32
 """Strands a task."""
-BATCH = 64
-"""Bands that are held against a line at once."""
 UNSEEN = np.float32(-1.0)
 
 
@@ -98,28 +78,12 @@ def visibility(
                 if slots is not None:  # noqa: SIM102  a branch of its own is left out where there are none
                     if slots[a + p] >= 0:
                         half = HALF * width * (ONE if scale is None else scale[s])
-                        thin = half * taper / np.float32(n)
-                        together = shared(half, screen[a + p, 2], eye)
-                        left = np.int64(0)
-                        places = np.int64(0)
-                        for j in range(0, LINES, together):
-                            need = ALL if shown is None else together_shown(shown, slots[a + p], j, together)
-                            single[0] = ~need
-                            if need != NONE:
-                                h = np.float32(2 * j + together) / np.float32(LINES) - ONE
-                                for end in range(2):
-                                    surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
-                                for one in range(views.shape[0]):
-                                    piece(
-                                        pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys,
-                                        lines, low, high, veil, bias, cuts, single,
-                                    )  # fmt: skip
-                                left += np.int64(ones(~single[0]))
-                                places += np.int64(ones(need))
-                            shades[slots[a + p], j : j + together] = single[0]
-                        # what no sample shows is of no account to the mean
-                        sums[2 * p] = np.float32(left) / np.float32(places) if places > 0 else UNSEEN
-                        sums[2 * p + 1] = HALF * sums[2 * p]
+                        lit = across(
+                            world, a, n, p, slots[a + p], half, taper, screen[a + p, 2], eye, shown, views, sizes,
+                            cells, begin, keys, lines, low, high, veil, bias, cuts, single, pair, shades,
+                        )  # fmt: skip
+                        sums[2 * p] = lit
+                        sums[2 * p + 1] = HALF * lit
                         continue
                 dark[:] = NONE
                 for one in range(views.shape[0]):
@@ -131,6 +95,36 @@ def visibility(
             for v in range(0, n + 1, stride):
                 if marks[a + v] != 0:
                     out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
+
+
+@inner
+def across(
+    world, a, n, p, slot, half, taper, q, eye, shown, views, sizes, cells, begin, keys, lines, low, high, veil, bias,
+    cuts, single, pair, shades,
+):  # fmt: skip
+    """Into shades: what is dark of the lines across piece p of a strand of n pieces, which begins with vertex a and is
+    `half` a width wide at its root; q: the depth number there. Returns the share that is lit of what is shown, which
+    alone is of account, or `UNSEEN`."""
+    thin = half * taper / np.float32(n)
+    together = shared(half, q, eye)
+    left = np.int64(0)
+    places = np.int64(0)
+    for j in range(0, LINES, together):
+        need = ALL if shown is None else together_shown(shown, slot, j, together)
+        single[0] = ~need
+        if need != NONE:
+            h = np.float32(2 * j + together) / np.float32(LINES) - ONE
+            for end in range(2):
+                surface(world, a, n, p + end, half - thin * np.float32(p + end), h, eye, pair, end)
+            for one in range(views.shape[0]):
+                piece(
+                    pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, veil,
+                    bias, cuts, single,
+                )  # fmt: skip
+            left += np.int64(ones(~single[0]))
+            places += np.int64(ones(need))
+        shades[slot, j : j + together] = single[0]
+    return np.float32(left) / np.float32(places) if places > 0 else UNSEEN
 
 
 @inner
@@ -259,125 +253,3 @@ def mean(sums, v, n, far):
         total += first * sums[2 * p] - per * sums[2 * p + 1]
         weights += first - HALF * per
     return total / weights if weights > ZERO else ONE
-
-
-@inner
-def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
-    """Darken the piece after vertex v, from point p of `world` to the next, by what one view shows in front of it, but
-    not by the pieces after the vertices from `low` to `high`."""
-    x0, y0, q0 = seen(world, p, views, one, bias)
-    x1, y1, q1 = seen(world, p + 1, views, one, bias)
-    if q0 <= ZERO or q1 <= ZERO:
-        return
-    dx = x1 - x0
-    dy = y1 - y0
-    dq = q1 - q0
-    # of a cube's sides none sees what is another's
-    edge = np.float32(1.5) if views.shape[0] > 1 else ZERO
-    since, until = between(ZERO, ONE, x0 - edge, dx)
-    since, until = between(since, until, np.float32(size) - edge - x0, -dx)
-    since, until = between(since, until, y0 - edge, dy)
-    since, until = between(since, until, np.float32(size) - edge - y0, -dy)
-    if since >= until:
-        return
-    for row in range(whole(min(y0, y1), 0, size), whole(max(y0, y1) + ONE, 0, size)):
-        left, right = columns(x0, y0, x1, y1, ZERO, row)
-        above, under = between(since, until, y0 - np.float32(row), dy)
-        above, under = between(above, under, np.float32(row + 1) - y0, -dy)
-        for column in range(whole(left, 0, size), whole(right + ONE, 0, size)):
-            a, b = between(above, under, x0 - np.float32(column), dx)
-            a, b = between(a, b, np.float32(column + 1) - x0, -dx)
-            cell = cells + row * size + column
-            if a < b and begin[cell] < begin[cell + 1]:
-                x = x0 - np.float32(column)
-                y = y0 - np.float32(row)
-                cross(
-                    x + a * dx, y + a * dy, q0 + a * dq, x + b * dx, y + b * dy, q0 + b * dq, a, b, begin[cell],
-                    begin[cell + 1], keys, lines, v, low, high, veil, cuts, dark,
-                )  # fmt: skip
-
-
-@inlined
-def seen(world, v, views, one, bias):
-    """Where a view shows a vertex, in cells, and its depth number; 0 where it does not."""
-    x = views[one, 0] * world[v, 0] + views[one, 1] * world[v, 1] + views[one, 2] * world[v, 2] + views[one, 3]
-    y = views[one, 4] * world[v, 0] + views[one, 5] * world[v, 1] + views[one, 6] * world[v, 2] + views[one, 7]
-    z = views[one, 8] * world[v, 0] + views[one, 9] * world[v, 1] + views[one, 10] * world[v, 2] + views[one, 11]
-    if not z >= views[one, 14]:
-        return ZERO, ZERO, ZERO
-    near = max(z - bias, views[one, 14])
-    if views[one, 12] > ZERO:
-        scale = views[one, 13] / z
-        q = ONE / near
-    else:
-        scale = views[one, 13]
-        q = max(ONE - (near - views[one, 14]) / views[one, 19], TINY)
-    return views[one, 15] + scale * x, views[one, 16] - scale * y, q
-
-
-@inlined
-def between(a, b, value, slope):
-    """The part of a <= t <= b where value + slope · t >= 0; where there is none it ends before it
-    begins, or there."""
-    root = -value / slope  # where the slope is 0 this is not used
-    low = max(a, root) if slope > ZERO else a
-    high = min(b, root) if slope < ZERO else b
-    return low, low if (slope == ZERO) & (value < ZERO) else high
-
-
-@inner
-def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil, cuts, dark):
-    """Darken a line, the piece after vertex v, between its places a and b, points (xa, ya) and (xb, yb) of one cell, by
-    the bands in front of it there: those of the keys from i to before last."""
-    n = last - i
-    behind = nearness(min(qa, qb))
-    bits = np.float32(WORD * dark.shape[0])
-    begin = a * bits + HALF
-    size = (b - a) * bits
-    if all_dark(dark, np.int64(begin), np.int64(begin + size)):
-        return
-    for k in range(0, n, BATCH):
-        if keys[i + k] >= behind:
-            return
-        count = min(n - k, BATCH)
-        cut(lines, ROWS * i + k, n, count, xa, ya, qa, xb, yb, qb, cuts)
-        covered = False
-        for m in range(count):
-            if cuts[m] < cuts[BATCH + m]:
-                w = keys[i + k + m] & LOW
-                if w < low or w > high:
-                    since = np.int64(begin + cuts[m] * size)
-                    covered |= darken(dark, since, np.int64(begin + cuts[BATCH + m] * size), veil, v, w)
-        if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):
-            return
-
-
-@inner
-def cut(lines, at, n, count, xa, ya, qa, xb, yb, qb, cuts):
-    """From where to where each of some bands covers a line, whose ends are 0 and 1: the ends' rows in `cuts`."""
-    for k in range(count):
-        here = np.uint64(at + k)
-        x = lines[here + np.uint64(ASIDE_X * n)]
-        y = lines[here + np.uint64(ASIDE_Y * n)]
-        c = lines[here + np.uint64(ASIDE * n)]
-        sa = c + x * xa + y * ya
-        sb = c + x * xb + y * yb
-        x = lines[here + np.uint64(ALONG_X * n)]
-        y = lines[here + np.uint64(ALONG_Y * n)]
-        c = lines[here + np.uint64(ALONG * n)]
-        ua = c + x * xa + y * ya
-        ub = c + x * xb + y * yb
-        half = lines[here + np.uint64(WIDTH * n)]
-        widens = lines[here + np.uint64(WIDENS * n)]
-        q = lines[here + np.uint64(DEPTH * n)]
-        grows = lines[here + np.uint64(GROWS * n)]
-        half += ua * widens
-        widens *= ub - ua
-        low, high = between(ZERO, ONE, half - sa, widens + sa - sb)
-        low, high = between(low, high, half + sa, widens + sb - sa)
-        low, high = between(low, high, ua, ub - ua)
-        low, high = between(low, high, ONE - ua, ua - ub)
-        da = q + ua * grows - qa
-        low, high = between(low, high, da, q + ub * grows - qb - da)
-        cuts[k] = low
-        cuts[BATCH + k] = high
