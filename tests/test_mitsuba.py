@@ -17,6 +17,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -28,7 +29,7 @@ import strandcli
 from strandcli.blocks import lanes, pack
 from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Subject, changed, silhouette
+from strandcli.study.pictures.subject import Picture, Subject, changed, silhouette
 
 APART = """\
 title: strands that stand apart
@@ -92,6 +93,12 @@ def subject_of(text: str, folder: Path, settings: dict[str, Any]) -> Subject:
     return found
 
 
+def on_all_cores(subject: Subject, scene: Any) -> Picture:
+    """As the path tracer works, so that times compare."""
+    numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+    return subject.draw(scene)
+
+
 @pytest.mark.parametrize("direction", [(0, -0.2, -1), (0.5, -0.3, 0.8)], ids=["from the eye", "from behind"])
 def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
     """Strands stand apart. They shade each other all the same: without that they are 2.7 % and 4.5 % too bright."""
@@ -114,7 +121,7 @@ def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
 def test_ten_thousand_hairs_have_the_same_light_and_shadow(tmp_path: Path, direction: Any) -> None:
     subject = subject_of(HAIR, tmp_path, {"lights.0.direction": direction})
     traced = trace(subject, tmp_path, 256)
-    picture = subject.draw(subject.scene)
+    picture = on_all_cores(subject, subject.scene)
     found = figures(picture.image, traced)
     seconds = sum(picture.seconds.values())
     slow = seconds_to(found.rmse, found, traced)
@@ -132,7 +139,7 @@ def test_hairs_whose_single_shadows_show(tmp_path: Path, direction: Any, most: f
     wide = {"lights.0.direction": direction, "material.width": 0.00016, "curves.level": 3, "image.supersample": 5}
     subject = subject_of(HAIR, tmp_path, wide)
     traced = trace(subject, tmp_path, 768)  # 192 leave the error uncertain by a fifth
-    picture = subject.draw(changed(subject.scene, {"lights.0.shadow.model": "traced"}))
+    picture = on_all_cores(subject, changed(subject.scene, {"lights.0.shadow.model": "traced"}))
     found = figures(picture.image, traced)
     seconds = sum(picture.seconds.values())
     slow = seconds_to(found.rmse, found, traced)
@@ -150,7 +157,7 @@ def test_strands_as_wide_as_a_pixel(tmp_path: Path) -> None:
     a side. Mitsuba's own shadow rays, a twentieth of a radius off the surface, make .132, .114, .107 of it."""
     subject = hemisphere(tmp_path)
     traced = trace(subject, tmp_path, 48)
-    picture = subject.draw(subject.scene)
+    picture = on_all_cores(subject, subject.scene)
     found = figures(picture.image, traced)
     seconds = sum(picture.seconds.values())
     slow = seconds_to(found.rmse, found, traced)
