@@ -117,6 +117,17 @@ def test_nothing_but_ends_moves_and_they_by_half_a_piece_at_most() -> None:
         assert (went > 0).all()
 
 
+def test_strands_of_one_vertex_or_none_have_no_ends_to_move() -> None:
+    view, lines = seen_from("perspective"), straight(2)
+    world = np.concatenate([lines[0], lines[1], lines[0, :1]]).astype(np.float32)
+    flat = Polylines(np.array([0, 0, 5, 5, 10, 11, 11]), world)
+    screen = to_screen(flat, view, Scratch())
+    plain = screen.copy()
+    ends.rims(flat.first, flat.world, view.pack(), np.float32(2 * RADIUS), np.float32(0), None, screen)
+    np.testing.assert_array_equal(screen[:10], moved(view, lines).reshape(-1, 3).astype(np.float32))
+    np.testing.assert_array_equal(screen[10], plain[10])
+
+
 @function
 def put_surface(world: Any, radius: Any, h: Any, eye: Any, pair: Any) -> None:
     """Vertex 2 of 4 pieces, into the second row of a pair."""

@@ -136,6 +136,19 @@ def test_neither_workers_nor_portions_of_marks_nor_the_grid_change_a_bit(monkeyp
     assert np.abs(visible(coarse, lines) - one).max() < 0.02
 
 
+def test_strands_without_vertices_are_as_if_they_were_not() -> None:
+    """As those are that level of detail leaves out: first, last, and in between."""
+    lines = bent(50)
+    first = lines.first
+    holes = Polylines(np.concatenate([[0, 0], first[:20], first[19:20], first[20:], first[-1:], first[-1:]]), lines.world)
+    one, two = grid(SUN, lines), grid(SUN, holes)
+    np.testing.assert_array_equal(one.sizes, two.sizes)
+    np.testing.assert_array_equal(visible(one, lines), visible(two, holes))
+    alone = Polylines(np.array([0, 0, 0]), np.zeros((0, 3), np.float32))
+    thin = grid_of(SUN, alone, WIDE, 1.0, np.array([[-1.0] * 3, [1.0] * 3]), 2, Scratch())
+    assert visible(thin, alone).shape == (0,)
+
+
 def test_what_has_no_length_or_width_shades_nothing_and_is_lit() -> None:
     world = np.array([[0, 0, 0]] * 3 + [[0, 1, 0]] * 3 + [[0, 0.5, 0], [0, 0.5, 1e-7], [1e-7, 0.5, 0]], np.float32)
     lines = Polylines(np.array([0, 3, 6, 9]), world)

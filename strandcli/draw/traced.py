@@ -128,7 +128,8 @@ def _mean_piece(lines: Polylines) -> float:
     """Mean length of a piece, metres, of the first `SOME` strands."""
     first = lines.first[: SOME + 1]
     steps = np.diff(lines.world[: int(first[-1])], axis=0)
-    steps[first[1:-1] - 1] = 0
+    last = first[1:-1] - 1
+    steps[last[(last >= 0) & (last < len(steps))]] = 0  # strands that fade may have no vertices at all
     total = float(np.sqrt((steps**2).sum(1)).sum(dtype=np.float64))
     return total / max(int(first[-1]) - int(np.count_nonzero(np.diff(first))), 1)
 

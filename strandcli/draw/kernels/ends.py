@@ -38,7 +38,7 @@ def rims(first, world, view, width, taper, scale, screen):
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
             root = first[s]
             tip = first[s + 1] - 1
-            if tip == root:
+            if tip <= root:
                 continue
             radius = MEAN * HALF * width * (ONE if scale is None else scale[s])
             rim(world, root, root, root + 1, view, radius, screen)
