@@ -140,7 +140,8 @@ def test_strands_without_vertices_are_as_if_they_were_not() -> None:
     """As those are that level of detail leaves out: first, last, and in between."""
     lines = bent(50)
     first = lines.first
-    holes = Polylines(np.concatenate([[0, 0], first[:20], first[19:20], first[20:], first[-1:], first[-1:]]), lines.world)
+    begin = np.concatenate([[0, 0], first[:20], first[19:20], first[20:], first[-1:], first[-1:]])
+    holes = Polylines(begin, lines.world)
     one, two = grid(SUN, lines), grid(SUN, holes)
     np.testing.assert_array_equal(one.sizes, two.sizes)
     np.testing.assert_array_equal(visible(one, lines), visible(two, holes))

@@ -50,6 +50,8 @@ class Canvas:
     workers: int
     drawing: Drawing
     scratch: Scratch
+    everywhere: bool = False
+    """Whether exact shadows are wanted all about lit vertices, and not only where a sample shows strands."""
     segments: int = 0
     fragments: int = 0
     """Samples in which a strand is seen; of sorted strands, all that they cover before the solids."""
@@ -88,7 +90,9 @@ class Canvas:
                 light.shade_surfaces(self.keys, *self.size, self.image)
                 edges.lay(light.shade_surfaces, self.image, self.backdrop)
             portion = self._embodied(portion, layer.marks)
-            shown = layer.shown(portion.body, self.scratch) if exact and portion.body is not None else None
+            shown = None
+            if exact and portion.body is not None and not self.everywhere:
+                shown = layer.shown(portion.body, self.scratch)
             colours = self._shade(portion, layer.marks, shown)
             layer.compose(colours, self.image)
             if portion.body is not None:

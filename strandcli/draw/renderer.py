@@ -37,6 +37,9 @@ from .traced import grid_of
 class Renderer:
     """Draws frames of one scene; holds what stays the same from frame to frame."""
 
+    everywhere = False
+    """Whether exact shadows are wanted all about lit vertices, and not only where a sample shows strands."""
+
     def __init__(
         self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None,
         children: Children | None = None, combed: Combed | None = None,
@@ -180,7 +183,7 @@ class Renderer:
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids)
         canvas = Canvas(
             self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, self._before, recorder,
-            workers, drawing, scratch,
+            workers, drawing, scratch, self.everywhere,
         )  # fmt: skip
         for portion in feed.seen(1.0 if self.coverage is None else 0.0, lines):
             if self.coverage is None:

@@ -110,7 +110,8 @@ def across(
     left = np.int64(0)
     places = np.int64(0)
     for j in range(0, LINES, together):
-        need = ALL if shown is None else together_shown(shown, slot, j, together)
+        # of narrow ones, which may count in part, the mean over all of them is of account too
+        need = ALL if shown is None or together > 2 else together_shown(shown, slot, j, together)
         single[0] = ~need
         if need != NONE:
             h = np.float32(2 * j + together) / np.float32(LINES) - ONE

@@ -188,7 +188,7 @@ class Subject:
                 f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
             )
         renderer = renderer or LinearRenderer(scene, self.groom)
-        renderer.keep_shading = keep_shading
+        renderer.keep_shading = renderer.everywhere = keep_shading
         if tables is not None:
             renderer.palette.take(tables)
         seconds: dict[str, float] = {}
