@@ -262,7 +262,7 @@ def test_studies_measure_strands_from_where_they_grow() -> None:
     subject.move()
     positions, lengths = subject.whole()
     assert lengths is None
-    assert positions.shape[1] == 1 + TIED + 6 - 1
+    assert positions.shape[1] == 1 + TIED + 6
     rotation, shift = (np.array(part) for part in emitter_pose(subject.scene.emitter, 0.0))
     assert subject.groom.grown is not None
     np.testing.assert_allclose(subject.points()[:, 1], subject.groom.grown @ rotation.T + shift, atol=1e-5)
