@@ -16,6 +16,7 @@ from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.camera import camera_view
 from strandcli.draw.curves import flatten
 from strandcli.draw.scratch import Scratch
+from strandcli.draw.shadow import strand_spacing
 from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
@@ -24,6 +25,8 @@ from strandcli.plan import make_plan
 from strandcli.scene.model import Camera, Curves, DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
+from strandcli.study.axes import Request
+from strandcli.study.pictures.subject import Subject
 
 SPHERE = SphereShape(radius=0.1, cap=110)
 TIE = Tie(position=(0.01, 0.09, -0.04), radius=0.016, lift=0.012)
@@ -251,6 +254,21 @@ def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_han
     assert more.report["counts"]["strands"] == 1200
     assert more.aovs is not None
     assert more.aovs["mask"][20:40, 30:50].mean() > ball.mean()
+
+
+def test_studies_measure_strands_from_where_they_grow() -> None:
+    scene = scene_of(SCENE + "image: {size: [80, 60], resolver: sorted}\nmaterial: {width: 0.002}\n")
+    subject = Subject(Request(scene, "tied", size=(80, 60), strands=300))
+    subject.move()
+    positions, lengths = subject.whole()
+    assert lengths is None
+    assert positions.shape[1] == 1 + TIED + 6
+    rotation, shift = (np.array(part) for part in emitter_pose(subject.scene.emitter, 0.0))
+    assert subject.groom.grown is not None
+    np.testing.assert_allclose(subject.points()[:, 1], subject.groom.grown @ rotation.T + shift, atol=1e-5)
+    low, high = subject.bounds()
+    assert (high - low).min() > 0.15  # the ball, of .2 across, and not what hangs from its tie alone
+    assert subject.spacing() > 3 * strand_spacing(subject.groom.roots)
 
 
 def test_children_hang_from_the_tie_and_lie_on_ways_of_their_own() -> None:

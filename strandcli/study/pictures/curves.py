@@ -47,7 +47,7 @@ class CurveStudy(Pictures):
         self.finest = self.subject.draw(finest, draws=1)
         # the source's printed tangents make other curves: there distances are not told
         self.traced: NDArray[np.float64] | None = None
-        if self.scene.curves.tangents == "difference":
+        if self.scene.curves.tangents == "difference" and self.scene.emitter.tie is None:  # tied ones are uneven
             lengths = self.subject.lengths.reshape(-1)[: self.subject.groom.strands].astype(np.float64)
             self.traced = bezier(self.subject.points()[:TRACED], lengths[:TRACED], PLACES)
         return {"what": f"level {LEVEL}, and curves in double precision", "mean": float(self.finest.image.mean()),

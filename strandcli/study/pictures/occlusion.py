@@ -16,7 +16,7 @@ from ...draw import occlusion
 from ...draw.curves import Polylines, flatten
 from ...draw.kernels import solids
 from ...draw.scratch import Scratch
-from ...draw.shadow import Thickness, strand_spacing
+from ...draw.shadow import Thickness
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
 from ..axes import Axis
@@ -69,10 +69,9 @@ class OcclusionStudy(Pictures):
             raise UsageError(f"{subject.name}: no strand is seen, and so no occlusion to be studied")
         chosen = rng.permutation(sum(map(len, points)))[:PROBES]
         self.points = np.concatenate(points)[chosen]
-        lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene),
-                        True, Scratch())  # fmt: skip
+        lines = flatten(*subject.whole(), subject.groom.strands, scene.curves, subject.view(scene), True, Scratch())
         thickness = Thickness(scene.material.width, scene.material.taper)
-        spacing = strand_spacing(subject.groom.roots)
+        spacing = subject.spacing()
         halves = seen_of_sky(
             lines, thickness, self._packed(), self.points, np.concatenate(strands)[chosen],
             bundle(RAYS, spacing, rng), 0.01 * scene.emitter.length,
@@ -96,7 +95,7 @@ class OcclusionStudy(Pictures):
         if settings is not None:
             scene, subject = self.scene, self.subject
             made = occlusion.build(
-                settings, subject.positions, subject.groom.strands, subject.bounds(),
+                settings, subject.whole()[0], subject.groom.strands, subject.bounds(),
                 Thickness(scene.material.width, scene.material.taper), None, self._packed(), Scratch(),
             )  # fmt: skip
             found = made.at(self.points)

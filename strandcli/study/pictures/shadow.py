@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...draw.curves import Polylines, flatten
 from ...draw.scratch import Scratch
-from ...draw.shadow import Thickness, strand_spacing
+from ...draw.shadow import Thickness
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene
@@ -53,7 +53,7 @@ class ShadowStudy(Pictures):
         self.light = int(np.argmax(power))
         self.path = f"lights.{self.light}.shadow"
         self.title += f" of light {self.light}"
-        self.spacing = strand_spacing(self.subject.groom.roots)
+        self.spacing = self.subject.spacing()
 
     def choices(self) -> list[Knobs]:
         """Every model, coarse to fine; of deep maps the layers as well."""
@@ -142,9 +142,8 @@ class ShadowStudy(Pictures):
     ) -> NDArray[np.float64]:
         scene = self.scene
         lines = flatten(
-            self.subject.positions, self.subject.lengths, self.subject.groom.strands, scene.curves,
-            self.subject.view(scene), True, Scratch(),
-        )  # fmt: skip
+            *self.subject.whole(), self.subject.groom.strands, scene.curves, self.subject.view(scene), True, Scratch()
+        )
         thickness = Thickness(scene.material.width, scene.material.taper)
         return transmittance(lines, thickness, scene.lights[self.light], points, own, jitter)
 

@@ -18,8 +18,10 @@ from ...draw.marschner import MarschnerTables
 from ...draw.portions import Portion
 from ...draw.renderer import Renderer
 from ...draw.scratch import Scratch
+from ...draw.shadow import strand_spacing
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
+from ...groom.combed import Combed
 from ...groom.emit import emit
 from ...plan import available_memory, make_plan, require_memory
 from ...scene.fields import ChoiceSpec, settings_of
@@ -117,6 +119,7 @@ class Subject:
         self.positions: NDArray[np.float32] = np.empty(0, np.float32)
         self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
         self.widened = scene.material.width == 0
+        self._joined: NDArray[np.float32] | None = None
 
     def move(self) -> None:
         """Simulate up to the frame. Raises `SimulationError` where strands cannot be drawn."""
@@ -136,6 +139,9 @@ class Subject:
             self.positions, self.lengths = children.grow(
                 solver.positions, solver.lengths, self.at, strands, Scratch()
             )
+        if self.scene.emitter.tie is not None:
+            combed = Combed(self.scene, self.groom)
+            self._joined = combed.join(self.positions, self.at, self.groom.strands, Scratch())
         if self.widened:
             view = self.view(self.scene)
             low, high = self.bounds()
@@ -143,11 +149,20 @@ class Subject:
             width = depth / view.focal / self.scene.image.supersample
             self.scene = changed(self.scene, {"material.width": width, "material.taper": 0.0})
 
+    def whole(self) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        """Positions (blocks, rows, 3 W) and segment lengths (blocks, W) as they are drawn: of tied strands with what is
+        combed, whose segments differ, so that there are no lengths."""
+        return (self.positions, self.lengths) if self._joined is None else (self._joined, None)
+
+    def spacing(self) -> float:
+        """Metres from strand to strand where they grow."""
+        return strand_spacing(self.groom.roots if self.groom.grown is None else self.groom.grown.astype(np.float32))
+
     def points(self) -> NDArray[np.float64]:
         """(strands, particles + 1, 3) metres: the row before the root, then the particles."""
         from ...blocks import unpack
 
-        return np.asarray(unpack(self.positions, self.groom.strands), np.float64)
+        return np.asarray(unpack(self.whole()[0], self.groom.strands), np.float64)
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) box of the strands."""
