@@ -14,7 +14,7 @@ from strandcli.draw.kernels import opacity
 from strandcli.draw.kernels import shadow as minmax
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
-from strandcli.draw.shadow import ShadowMaps, Thickness, plan_maps, strand_spacing
+from strandcli.draw.shadow import ShadowMaps, Thickness, plan_maps
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance
 
@@ -161,13 +161,6 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
         x, y, z = point.astype(np.float32)
         here = opacity.optical_depth(x, y, z, packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
-
-
-def test_spacing_is_the_side_of_a_strands_own_square() -> None:
-    x, z = np.meshgrid(np.arange(40) * 0.1, np.arange(40) * 0.1)
-    roots = np.stack([x.ravel(), 0 * x.ravel(), z.ravel()], 1).astype(np.float32)
-    assert strand_spacing(roots) == pytest.approx(0.1, rel=0.25)
-    assert strand_spacing(roots[:1]) == 0
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])

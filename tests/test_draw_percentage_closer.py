@@ -81,7 +81,7 @@ def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], 
     left = np.zeros((len(probes), 2))
     cylinders.transmittance(
         LINES.first, LINES.world.astype(np.float64), radii_of(), probes, np.full(len(probes), -1), frames_along(ways),
-        np.full(len(probes), np.inf), np.zeros((2, 2)), left,
+        np.full(len(probes), np.inf), np.zeros((2, 2)), np.ones(len(probes)), left,
     )  # fmt: skip
     return np.asarray(left.mean(1).reshape(rays, -1).mean(0))
 

@@ -94,7 +94,10 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     jitter = np.stack([np.zeros(400), np.linspace(-0.5, 0.5, 400)], 1)
     frames = np.broadcast_to(np.eye(3), (2, 3, 3)).copy()
     out = np.empty((2, 2))
-    cylinders.transmittance(first, world, radii, probes, np.array([-1, 0]), frames, np.full(2, 5.0), jitter, out)
+    wide = np.array([1.0, 0.5])
+    cylinders.transmittance(
+        first, world, radii, probes, np.array([-1, 0]), frames, np.full(2, 5.0), jitter, wide, out
+    )  # fmt: skip
     assert out[0] == pytest.approx(1 - 0.2, abs=0.01)
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
 

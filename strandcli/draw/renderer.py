@@ -29,8 +29,9 @@ from .lighting import Lighting
 from .portions import Portion, Portions
 from .scratch import Scratch
 from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, is_traced, plan_maps, strand_spacing, wants_map
+from .shadow import ShadowMaps, is_traced, plan_maps, wants_map
 from .solids import packed as pack_solids
+from .spacing import STEADY, spacing_of
 from .traced import grid_of
 
 
@@ -57,7 +58,7 @@ class Renderer:
         if combed is None and scene.emitter.tie is not None:
             combed = Combed(scene, groom if children is None else children.every)
         self.combed = combed
-        self._spacing = strand_spacing(groom.roots) * math.sqrt(groom.strands / self._most(groom)) if deep else 0.0
+        self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
         self.ids = groom.places
@@ -151,7 +152,7 @@ class Renderer:
         solids = self.solids(at)
         thickness = thickness_of(scene.material, view, bounds)
         if made is None:
-            spacing = self._spacing if level is None else self._spacing / math.sqrt(level.share)
+            spacing = self._spacing(positions, strands, level)
             maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing, self._counts)
             hidden = None
             if scene.occluded:
@@ -258,7 +259,10 @@ class Renderer:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
-    def _most(self, groom: Groom) -> int:
-        """Strands that are drawn of a groom."""
-        return groom.strands if self.children is None else self.children.count
-
+    def _spacing(self, positions: NDArray[np.float32], strands: int, level: Any) -> float:
+        """Metres from strand to strand, for opacity maps: of those that level of detail leaves, though ever fewer of
+        the rest be there."""
+        if not self._deep:
+            return 0.0
+        spacing = spacing_of(positions, strands, STEADY if self.ids is None else None)
+        return spacing if level is None else spacing * math.sqrt(strands / self._most / level.share)

@@ -1,9 +1,9 @@
 """Shadow maps of all lights that have one: min/max maps, and deep opacity maps.
 
-The resolution of an opacity map follows from the groom. A texel much finer than the distance between strands holds one
-strand or none, and shades what is behind it fully or not at all, where it should shade everything near it by a part;
-one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli study PRESET
---axis shadow`.
+The resolution of an opacity map follows from how far strands lie from each other (`spacing`). A texel much finer than
+that holds one strand or none, and shades what is behind it fully or not at all, where it should shade everything near
+it by a part; one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli
+study PRESET --axis shadow`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,6 @@ from .scratch import Scratch
 
 TEXEL = 2.0
 """Strand spacings a texel of an opacity map."""
-SAMPLED = 64
-NEIGHBOURS = 8
 
 
 @dataclass(frozen=True)
@@ -209,21 +207,6 @@ def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
         return 0.5 * (view.near + view.far) / view.focal
     centre, radius = ball(bounds)
     return max(float(np.linalg.norm(centre - view.eye)), radius) / view.focal
-
-
-def strand_spacing(roots: NDArray[np.floating[Any]]) -> float:
-    """Metres between neighbouring strands, from their ``roots`` (strands, 3): the side of the square that each has for
-    itself, by the eighth nearest neighbours of some; 0 for a single strand."""
-    count = len(roots)
-    if count < 2:
-        return 0.0
-    neighbours = min(NEIGHBOURS, count - 1)
-    some = roots[:: max(count // SAMPLED, 1)][:SAMPLED].astype(np.float64)
-    areas = []
-    for root in some:
-        square = ((roots - root) ** 2).sum(1)
-        areas.append(math.pi * float(np.partition(square, neighbours)[neighbours]) / neighbours)
-    return math.sqrt(float(np.median(areas)))
 
 
 def coarseness(lines: Polylines, view: View) -> int:

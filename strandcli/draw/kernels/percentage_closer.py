@@ -241,7 +241,7 @@ def sink(work, n, start, layers, stacks):
             passed = opacity.depth_at(work[DEPTH + k], base, layers, stacks)
             if passed > ZERO:
                 front = stacks[base]
-                back = front + np.float32(layers) / stacks[base + np.uint64(1)]
+                back = front + np.float32(layers * layers) / stacks[base + np.uint64(1)]
         work[PASSED + k] = passed
         work[FRONT + k] = front
         work[BACK + k] = back

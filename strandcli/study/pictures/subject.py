@@ -18,7 +18,7 @@ from ...draw.marschner import MarschnerTables
 from ...draw.portions import Portion
 from ...draw.renderer import Renderer
 from ...draw.scratch import Scratch
-from ...draw.shadow import strand_spacing
+from ...draw.spacing import spacing_at, spacing_of
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
 from ...groom.combed import Combed
@@ -122,9 +122,11 @@ class Subject:
         self._joined: NDArray[np.float32] | None = None
 
     def move(self) -> None:
-        """Simulate up to the frame. Raises `SimulationError` where strands cannot be drawn."""
+        """Simulate up to the frame, once. Raises `SimulationError` where strands cannot be drawn."""
         from ...simulate import solver_of
 
+        if self.positions.size:
+            return
         scene = self._guiding
         guides = self.groom if scene.children is None else emit(scene.emitter, scene.seed)
         solver = solver_of(scene)(scene, guides)
@@ -155,8 +157,12 @@ class Subject:
         return (self.positions, self.lengths) if self._joined is None else (self._joined, None)
 
     def spacing(self) -> float:
-        """Metres from strand to strand where they grow."""
-        return strand_spacing(self.groom.roots if self.groom.grown is None else self.groom.grown.astype(np.float32))
+        """Metres from strand to strand: of the groom."""
+        return spacing_of(self.whole()[0], self.groom.strands)
+
+    def spacing_at(self, points: NDArray[np.float64], own: NDArray[np.int64]) -> NDArray[np.float64]:
+        """The same at points (P, 3) on the strands ``own`` (P,)."""
+        return spacing_at(self.whole()[0], self.groom.strands, points.astype(np.float32), own)
 
     def points(self) -> NDArray[np.float64]:
         """(strands, particles + 1, 3) metres: the row before the root, then the particles."""

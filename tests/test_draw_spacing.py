@@ -1,0 +1,87 @@
+"""How far strands lie from each other, against grids of known spacing and against all pairs of strands."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from strandcli.blocks import pack
+from strandcli.draw.kernels import spacing as kernel
+from strandcli.draw.spacing import NEIGHBOURS, spacing_at, spacing_of
+
+
+def upright(side: int, apart: float, rows: int = 6) -> np.ndarray:
+    """(side², rows, 3): strands of length 1 on a square grid, in an order that tells nothing, the row before the root
+    included."""
+    x, z = (axis.ravel() * apart for axis in np.meshgrid(np.arange(side), np.arange(side)))
+    out = np.empty((side * side, rows, 3))
+    out[:, :, 0], out[:, :, 2] = x[:, None], z[:, None]
+    out[:, :, 1] = np.linspace(-1 / (rows - 2), 1, rows)
+    return np.random.default_rng(0).permutation(out)
+
+
+def crooked(strands: int, rows: int = 5) -> np.ndarray:
+    return np.cumsum(np.random.default_rng(1).normal(size=(strands, rows, 3)), 1)
+
+
+def distances(strand: np.ndarray, point: np.ndarray) -> float:
+    """Of a point from a strand, from its root on, by ten thousand places along it."""
+    t = np.linspace(1, len(strand) - 1, 10_001)
+    places = np.stack([np.interp(t, np.arange(len(strand)), axis) for axis in strand.T], 1)
+    return float(np.linalg.norm(places - point, axis=1).min())
+
+
+def test_a_square_grid_has_its_own_spacing() -> None:
+    """The eighth neighbour is √2 sides away: √(π / 8) · √2 = .886."""
+    strands = upright(40, 0.1)
+    assert spacing_of(pack(strands), 1600) == pytest.approx(0.1 * math.sqrt(math.pi / 4), rel=1e-4)
+
+
+def test_nearest_strands_are_those_of_all_pairs() -> None:
+    strands = crooked(150)
+    rng = np.random.default_rng(2)
+    points, own = rng.normal(size=(20, 3)).astype(np.float32), rng.integers(-1, 150, 20)
+    found = np.empty((20, 5), np.float32)
+    kernel.nearest(pack(strands), 150, points, own, found)
+    for point, one, mine in zip(points, own, found, strict=True):
+        others = sorted(distances(strand, point) for s, strand in enumerate(strands) if s != one)
+        np.testing.assert_allclose(mine, others[:5], atol=2e-3)
+
+
+def test_padding_and_the_strand_itself_do_not_count() -> None:
+    packed = pack(crooked(3))
+    found = np.empty((1, 4), np.float32)
+    kernel.nearest(packed, 3, crooked(3)[:1, 1].astype(np.float32), np.array([0]), found)
+    assert np.isfinite(found[0]).tolist() == [True, True, False, False]
+    assert found[0, 0] > 0
+    assert spacing_of(packed, 1) == 0
+
+
+@pytest.mark.parametrize("factor", [0.01, 3.0, 1000.0])
+def test_spacing_grows_with_the_groom(factor: float) -> None:
+    strands = crooked(300)
+    assert spacing_of(pack(factor * strands), 300) == pytest.approx(factor * spacing_of(pack(strands), 300), rel=1e-4)
+
+
+def test_it_is_taken_where_strands_are_and_not_where_they_grow() -> None:
+    """Strands that draw together to a hundredth of the width: at their tips they are so much closer."""
+    strands = upright(20, 0.1)
+    middle = strands[:, :, [0, 2]].mean((0, 1))
+    draw = np.linspace(1.25, 0.01, 6)[:, None]
+    strands[:, :, [0, 2]] = middle + (strands[:, :, [0, 2]] - middle) * draw
+    own = np.argsort(np.abs(strands[:, 1, [0, 2]] - middle).max(1))[:4]  # in the middle, with neighbours all about
+    roots, tips = (
+        spacing_at(pack(strands), 400, strands[own, row].astype(np.float32), own.astype(np.int64)) for row in (1, -1)
+    )
+    assert roots.mean() == pytest.approx(0.1 * draw[1, 0] * math.sqrt(math.pi / 4), rel=0.02)
+    assert tips.mean() == pytest.approx(0.001 * math.sqrt(math.pi / 4), rel=0.02)
+
+
+def test_the_first_strands_speak_for_all_that_follow_them() -> None:
+    """Asked for at the same places, it changes by no more than the strands that come."""
+    packed = pack(upright(40, 0.1))
+    some = [spacing_of(packed, count, 256) for count in (1500, 1501, 1502, 1503)]
+    assert np.ptp(some) < 0.03 * some[0]
+    assert NEIGHBOURS < 256
