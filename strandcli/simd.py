@@ -127,7 +127,7 @@ def _define(
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = next(one for one in sig.args if isinstance(one, Lanes))
         wide = (_wide(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True))
-        return (fused if fused is not None and kind.fused and _fuses(context) else emit)(builder, *wide)
+        return (fused if fused is not None and kind.fused and fuses(context) else emit)(builder, *wide)
 
     kinds = [(Lanes,)] if count == 1 else [(Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)]
     for kind in kinds:
@@ -138,7 +138,7 @@ def _either(sign: str) -> Callable[..., Any]:
     return lambda b, x, y: b.select(b.fcmp_ordered(sign, y, x), y, x)
 
 
-def _fuses(context: Any) -> bool:
+def fuses(context: Any) -> bool:
     """Whether the processor that is compiled for multiplies and adds in one operation, as all do since 2013."""
     machine, _, features = context.codegen().magic_tuple()
     return machine.startswith(("aarch64", "arm64")) or "+fma" in features.split(",")

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from llvmlite.binding import get_host_cpu_features
 from numba import njit
+from numba.core.registry import cpu_target
 
 from strandcli.constants import VECTOR
 from strandcli.simd import (
     ask3,
     deal_out,
+    fuses,
     get,
     get3,
     greatest,
@@ -150,7 +151,7 @@ def fused(kind, address):
     put(pile, 5, z)
 
 
-@pytest.mark.skipif("+fma" not in get_host_cpu_features().flatten().split(","), reason="all are rounded there")
+@pytest.mark.skipif(not fuses(cpu_target.target_context), reason="all are rounded there")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
