@@ -33,6 +33,8 @@ GROWTH = {
     ),
 }
 """Strands and particles a strand that `time_growth` measures, by what grows."""
+PARTICLE_STEPS = 5_000_000
+"""What is timed of each size, in 5 to 50 steps: those of a thousand strands are over before a processor is awake."""
 FEWEST = 10
 """Particles from which on their exponent is fitted: of fewer, much of the cost is that of the strand itself."""
 
@@ -136,9 +138,7 @@ def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, flo
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
 
 
-def time_growth(
-    solver: str, overrides: Sequence[str] = (), notify: Notify | None = None, repeats: int = 5
-) -> dict[str, Any]:
+def time_growth(solver: str, overrides: Sequence[str] = (), notify: Notify | None = None) -> dict[str, Any]:
     """How the cost of a particle and step grows with strands, of 10 particles each, and with the particles of a strand,
     at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place.
     ``growth`` has a row a size, ``exponents`` what `exponent` tells of a step's cost by the strands, and of a strand's
@@ -150,6 +150,7 @@ def time_growth(
         for strands, particles in sizes:
             if notify is not None:
                 notify(f"{strands:,} strands x {particles:,} particles")
+            repeats = min(max(PARTICLE_STEPS // (strands * particles), 5), 50)
             steps = time_steps(solver, strands, particles, repeats, overrides)
             mine.append({"strands": strands, "particles": particles, **steps})
         rows += mine
