@@ -8,7 +8,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = strip(array)         the same, and vectors of half as many: where most loops are short
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
     rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address, and
-    rows = strip_at(np.float32, a); pile = stack_at(np.float32, a)   with vectors of half as many
+    rows = strip_at(np.float32, a); pile = stack_at(np.float32, a)   with vectors of half as many; these are fused
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
@@ -21,12 +21,17 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     some(x < y)                 whether it holds in any lane
     pattern(x < y)              in which, as bits of a number, the first the lowest
     greatest(x), spread(x, 2.0)
+    rounded(x * y) + z          the product is rounded, where it would be fused
     ask3(rows, o, stride)       has the processor fetch what `get3` is going to read; a place that is none does no harm
 
 Whole numbers can be got and put, and no more. Numbers that are not vectors stand for lanes that are all equal. max and
 min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
 handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places are not
 checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
+
+Vectors of numbers at an address are fused: a product that is added or subtracted where it is written is not rounded
+before, as IEEE 754's fusedMultiplyAdd, of two products the second. That is one operation where it was two, and which
+products it is, is settled here and not by LLVM: bits are the same on all processors that have it.
 """
 
 from __future__ import annotations
@@ -50,12 +55,12 @@ FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 
 
 class Lanes(types.Type):
-    """A vector of numbers, ``size`` bytes of them."""
+    """A vector of numbers, ``size`` bytes of them; ``fused``: products that are terms of a sum are not rounded."""
 
-    def __init__(self, dtype: Any, size: int) -> None:
-        self.dtype, self.size = dtype, size
+    def __init__(self, dtype: Any, size: int, fused: bool) -> None:
+        self.dtype, self.size, self.fused = dtype, size, fused
         self.mask = Mask(size * 8 // dtype.bitwidth)
-        super().__init__(f"Lanes({dtype}, {size})")
+        super().__init__(f"{'Fused' * fused}Lanes({dtype}, {size})")
 
 
 class Mask(types.Type):
@@ -67,11 +72,11 @@ class Mask(types.Type):
 
 
 class Rows(types.Type):
-    """Numbers in memory, or vectors of them where ``whole``; vectors have ``size`` bytes."""
+    """Numbers in memory, or vectors of them where ``whole``; vectors have ``size`` bytes, and are ``fused`` or not."""
 
-    def __init__(self, dtype: Any, whole: bool, size: int) -> None:
-        self.dtype, self.whole, self.size = dtype, whole, size
-        super().__init__(f"{'Heap' if whole else 'Rows'}({dtype}, {size})")
+    def __init__(self, dtype: Any, whole: bool, size: int, fused: bool) -> None:
+        self.dtype, self.whole, self.size, self.fused = dtype, whole, size, fused
+        super().__init__(f"{'Fused' * fused}{'Heap' if whole else 'Rows'}({dtype}, {size})")
 
 
 @register_model(Lanes)
@@ -103,8 +108,11 @@ def _wide(context: Any, builder: Any, value: Any, given: Any, kind: Lanes) -> An
     return builder.shuffle_vector(first, none, ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None))
 
 
-def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, compares: bool = False) -> None:
-    """Teach Numba what a Python function is of vectors, or of vectors and numbers."""
+def _define(
+    function: Callable[..., Any], emit: Callable[..., Any], count: int, compares: bool = False, fused: Any = None
+) -> None:
+    """Teach Numba what a Python function is of vectors, or of vectors and numbers; ``fused`` is what is emitted for
+    those that are, where the processor has that."""
 
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
@@ -118,7 +126,8 @@ def _define(function: Callable[..., Any], emit: Callable[..., Any], count: int, 
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = next(one for one in sig.args if isinstance(one, Lanes))
-        return emit(builder, *(_wide(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)))
+        wide = (_wide(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True))
+        return (fused if fused is not None and kind.fused and fuses(context) else emit)(builder, *wide)
 
     kinds = [(Lanes,)] if count == 1 else [(Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)]
     for kind in kinds:
@@ -129,25 +138,57 @@ def _either(sign: str) -> Callable[..., Any]:
     return lambda b, x, y: b.select(b.fcmp_ordered(sign, y, x), y, x)
 
 
-def _call(name: str) -> Callable[..., Any]:
-    def emit(builder: Any, x: Any) -> Any:
-        width = "f32" if x.type.element == ir.FloatType() else "f64"
-        kind = ir.FunctionType(x.type, [x.type])
-        return builder.call(get_or_insert_function(builder.module, kind, f"{name}.v{x.type.count}{width}"), [x])
+def fuses(context: Any) -> bool:
+    """Whether the processor that is compiled for multiplies and adds in one operation, as all do since 2013."""
+    machine, _, features = context.codegen().magic_tuple()
+    return machine.startswith(("aarch64", "arm64")) or "+fma" in features.split(",")
+
+
+def _factors(x: Any) -> list[Any]:
+    """Of what is a product, else nothing."""
+    return x.operands if isinstance(x, ir.Instruction) and x.opname == "fmul" else []
+
+
+def _call(name: str, count: int = 1) -> Callable[..., Any]:
+    """What LLVM has by a name, of so many vectors."""
+
+    def emit(builder: Any, *args: Any) -> Any:
+        wide = args[0].type
+        width = "f32" if wide.element == ir.FloatType() else "f64"
+        kind = ir.FunctionType(wide, [wide] * count)
+        return builder.call(get_or_insert_function(builder.module, kind, f"{name}.v{wide.count}{width}"), args)
 
     return emit
 
 
-for _functions, _emit in (
-    ((operator.add, operator.iadd), lambda b, x, y: b.fadd(x, y)),
-    ((operator.sub, operator.isub), lambda b, x, y: b.fsub(x, y)),
-    ((operator.mul, operator.imul), lambda b, x, y: b.fmul(x, y)),
-    ((operator.truediv, operator.itruediv), lambda b, x, y: b.fdiv(x, y)),
-    ((max,), _either(">")),
-    ((min,), _either("<")),
+_fuse = _call("llvm.fma", 3)
+
+
+def _fused_sum(b: Any, x: Any, y: Any) -> Any:
+    """x + y, of two products the second one not rounded."""
+    if _factors(y):
+        return _fuse(b, *_factors(y), x)
+    return _fuse(b, *_factors(x), y) if _factors(x) else b.fadd(x, y)
+
+
+def _fused_difference(b: Any, x: Any, y: Any) -> Any:
+    """x - y, likewise."""
+    if _factors(y):
+        first, second = _factors(y)
+        return _fuse(b, b.fneg(first), second, x)
+    return _fuse(b, *_factors(x), b.fneg(y)) if _factors(x) else b.fsub(x, y)
+
+
+for _functions, _emit, _fused in (
+    ((operator.add, operator.iadd), lambda b, x, y: b.fadd(x, y), _fused_sum),
+    ((operator.sub, operator.isub), lambda b, x, y: b.fsub(x, y), _fused_difference),
+    ((operator.mul, operator.imul), lambda b, x, y: b.fmul(x, y), None),
+    ((operator.truediv, operator.itruediv), lambda b, x, y: b.fdiv(x, y), None),
+    ((max,), _either(">"), None),
+    ((min,), _either("<"), None),
 ):
     for _function in _functions:
-        _define(_function, _emit, 2)
+        _define(_function, _emit, 2, fused=_fused)
 _SIGNS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
 for _function, _sign in _SIGNS.items():
     _define(_function, lambda b, x, y, _sign=_sign: b.fcmp_ordered(_sign, x, y), 2, compares=True)
@@ -179,7 +220,7 @@ def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return context.make_array(sig.args[0])(context, builder, value=args[0]).data
 
-        return Rows(array.dtype, whole, size)(array), emit
+        return Rows(array.dtype, whole, size, fused=False)(array), emit
 
     return typed
 
@@ -200,7 +241,7 @@ def _addressed(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
 
-        return Rows(kind.instance_type, whole, size)(kind, address), emit
+        return Rows(kind.instance_type, whole, size, fused=True)(kind, address), emit
 
     return typed
 
@@ -230,7 +271,7 @@ def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 def _lanes(rows: Rows | Lanes) -> Lanes:
     """The kind of vectors that these rows hold, or that this one is."""
-    return Lanes(rows.dtype, rows.size)
+    return Lanes(rows.dtype, rows.size, rows.fused)
 
 
 def _here(context: Any, builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
@@ -399,6 +440,19 @@ root = _of_each("llvm.sqrt", "Square root.")
 whole = _of_each("llvm.floor", "The greatest whole number that is no greater.")
 sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
 cosine = _of_each("llvm.cos", "Cosine likewise.")
+
+
+@intrinsic
+def rounded(typingctx: Any, x: Any) -> Any:
+    """A product as a number of its own, which is not fused."""
+    if not isinstance(x, Lanes):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = args[0].type
+        return builder.fadd(args[0], ir.Constant(kind, [-0.0] * kind.count))  # which changes no number
+
+    return x(x), emit
 
 
 @intrinsic

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -229,15 +231,31 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
 
 
 def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench, "GROWTH", ((20, 4), (10, 8)))
+    sizes = {"strands": ((20, 4), (40, 4)), "particles": ((20, 4), (10, 16), (10, 32))}
+    monkeypatch.setattr(bench, "GROWTH", sizes)
     data = json.loads(run("bench", "--growth", "--json").out)
-    assert [(row["strands"], row["particles"]) for row in data["growth"]] == [(20, 4), (10, 8)]
-    for row in data["growth"]:
-        assert row["particle_step_ns"] == pytest.approx(row["ms"] * 1e6 / 80)
+    rows = data["growth"]
+    assert [(row["strands"], row["particles"]) for row in rows] == [*sizes["strands"], *sizes["particles"]]
+    for row in rows:
+        assert row["particle_step_ns"] == pytest.approx(row["ms"] * 1e6 / (row["strands"] * row["particles"]))
+    grown = [rows[1]["ms"] / rows[0]["ms"], rows[4]["ms"] / rows[3]["ms"]]  # in both, by twice
+    assert list(data["exponents"].values()) == pytest.approx([math.log2(times) for times in grown])
     assert run("bench", "--growth", "--set", "wind.strenght=1").code == 2
     table = run("bench", "--growth").out.splitlines()
     assert table[0].startswith("thesis, ")
     assert table[3].split()[:2] == ["20", "4"]
+    assert re.fullmatch(r"cost grows as strands \*\* \S+ and as particles \*\* \S+; \*\* 1 is linear", table[-1])
+
+
+def test_the_exponent_of_a_cost_is_that_of_the_power_law_beside_it() -> None:
+    sizes = [10.0, 20.0, 50.0, 1000.0]
+    assert bench.exponent(sizes, [3 * size for size in sizes]) == pytest.approx(1)
+    assert bench.exponent(sizes, [0.2 * size**1.5 for size in sizes]) == pytest.approx(1.5)
+    # of a law that bends, the straight line through logarithms: by 10, 100 and 1,000 the slope of the outer two
+    assert bench.exponent([10, 100, 1000], [10, 500, 1000]) == pytest.approx(1)
+    assert bench.exponent([10, 100, 1000], [10, 100, 10_000]) == pytest.approx(1.5)
+    assert bench.exponent([10], [1]) is None
+    assert bench.exponent([10, 10], [1, 2]) is None
 
 
 def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

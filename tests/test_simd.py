@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.registry import cpu_target
 
 from strandcli.constants import VECTOR
 from strandcli.simd import (
     ask3,
     deal_out,
+    fuses,
     get,
     get3,
     greatest,
     heap,
+    heap_at,
     lay,
     pattern,
     put,
     put3,
     root,
+    rounded,
     some,
     spread,
     stack_at,
@@ -130,6 +135,42 @@ def test_half_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
     expected = np.arange(3 * count)
     expected[count : 2 * count] = 2 * (1 + np.arange(count))
     np.testing.assert_array_equal(numbers, expected)
+
+
+@njit(error_model="numpy")
+def fused(kind, address):
+    """In place of six vectors, sums and differences of products of the first three."""
+    pile = heap_at(kind, address)
+    x, y, z = get3(pile, 0, 1)
+    put(pile, 0, x * y + z)
+    put(pile, 1, z - x * y)
+    put(pile, 2, x * y - z)
+    put(pile, 3, x * x + y * y)
+    put(pile, 4, rounded(x * y) + z)
+    z += x * y
+    put(pile, 5, z)
+
+
+@pytest.mark.skipif(not fuses(cpu_target.target_context), reason="all are rounded there")
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize
+    given = np.random.default_rng(7).normal(size=(6, count)).astype(dtype)
+    given[2] = -given[0] * given[1]  # nothing is left but what rounding took
+    out = given.copy()
+    fused(dtype, out.ctypes.data)
+    x, y, z = ([Fraction(float(value)) for value in row] for row in given[:3])
+    square = given[0] * given[0]
+    expected = [
+        [float(a * b + c) for a, b, c in zip(x, y, z, strict=True)],
+        [float(c - a * b) for a, b, c in zip(x, y, z, strict=True)],
+        [float(a * b - c) for a, b, c in zip(x, y, z, strict=True)],
+        [float(Fraction(float(q)) + b * b) for q, b in zip(square, y, strict=True)],
+        [0.0] * count,
+    ]
+    np.testing.assert_array_equal(out[:5], np.array(expected, dtype))
+    np.testing.assert_array_equal(out[5], out[0])
+    assert (out[0] != 0).any()
 
 
 @njit

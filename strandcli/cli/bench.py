@@ -75,8 +75,8 @@ def command(
         from ..study import bench
 
         if growth:
-            rows = bench.time_growth(solver, overrides, progress.note)
-            data = {"solver": solver, "growth": rows, "machine": runtime.machine()}
+            grown = bench.time_growth(solver, overrides, progress.note)
+            data = {"solver": solver, **grown, "machine": runtime.machine()}
         else:
             data = bench.run(
                 strands=strands,
@@ -129,13 +129,14 @@ def table(data: Mapping[str, Any]) -> str:
 
 
 def growth_table(data: Mapping[str, Any]) -> str:
-    """A row a size: what a step takes, and a particle of it."""
+    """A row a size: what a step takes, and a particle of it; then the exponents of the cost."""
     lines = [f"{data['solver']}, {data['machine']['threads']} threads", ""]
     lines.append(f"{'strands':>10}{'particles':>12}{'ms a step':>12}{'ns a particle':>16}")
     for row in data["growth"]:
-        lines.append(
-            f"{row['strands']:>10,}{row['particles']:>12,}{row['ms']:>12.2f}{row['particle_step_ns']:>16.1f}"
-        )
+        lines.append(f"{row['strands']:>10,}{row['particles']:>12,}{row['ms']:>12.2f}{row['particle_step_ns']:>16.1f}")
+    found = [f"{grows} ** {power:.3f}" for grows, power in data["exponents"].items() if power is not None]
+    if found:
+        lines += ["", f"cost grows as {' and as '.join(found)}; ** 1 is linear"]
     return "\n".join(lines)
 
 

@@ -56,8 +56,13 @@ def emitter_pose(emitter: Emitter, time: float) -> Pose:
 def solid_pose(solid: Solid, emitter: Emitter, time: float, outer: Pose | None = None) -> Pose:
     """A solid's pose in the world at ``time`` (seconds); where it follows the emitter, its own is in that frame, whose
     pose then may be given as ``outer``."""
-    own = _pose(solid.position, solid.rotation, solid.keys, time)
+    own = own_pose(solid, time)
     return compose(outer or emitter_pose(emitter, time), own) if solid.follow == "emitter" else own
+
+
+def own_pose(solid: Solid, time: float) -> Pose:
+    """A solid's pose at ``time`` (seconds) in the world, or in the frame of the emitter that it follows."""
+    return _pose(solid.position, solid.rotation, solid.keys, time)
 
 
 def camera_at(camera: Camera, time: float) -> View:
@@ -128,6 +133,11 @@ def rotation_matrix(degrees: Vector) -> Matrix:
     )
 
 
+TAYLOR = tuple((float(n * (n - 1)), float((n - 1) * (n - 2))) for n in range(17, 1, -2))
+"""Quotients of one term of a sine's series and of a cosine's to the next, the last ones first; at pi / 4 the first term
+left out is below 1e-17."""
+
+
 def sine_cosine(degrees: float) -> tuple[float, float]:
     """Sine and cosine of an angle in degrees, to 1e-15, the same bits on every machine."""
     if degrees == 0.0:  # as most are
@@ -136,11 +146,10 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
     # the difference is exact for all angles that a preset may hold; |x| <= pi / 4
     x = (degrees - 90.0 * quarter) * (math.pi / 180.0)
     square = x * x
-    # Taylor series; at pi / 4 the first term left out is below 1e-17
     sine, cosine = 1.0, 1.0
-    for n in range(17, 1, -2):
-        sine = 1.0 - square * sine / (n * (n - 1))
-        cosine = 1.0 - square * cosine / ((n - 1) * (n - 2))
+    for odd, even in TAYLOR:
+        sine = 1.0 - square * sine / odd
+        cosine = 1.0 - square * cosine / even
     sine *= x
     turn = quarter % 4
     if turn == 0:

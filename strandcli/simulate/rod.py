@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from itertools import chain
 from operator import sub
 from typing import Any
 
@@ -92,6 +91,7 @@ class RodSolver(Solver):
         self.own_lengths = self._packed(lengths[:, None])
         self.surroundings = Surroundings(scene, self.dtype)
         self.carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self._still = emitter_pose(scene.emitter, 0.0)
         self.pose = self._pose(0.0)
         self.edges = aligned((len(self.own_lengths), n, 3 * PACK), self.dtype)
         edges, mended = unit_edges(groom, n)
@@ -147,7 +147,8 @@ class RodSolver(Solver):
         )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
         self._numbers = np.zeros(14 + 24, self.dtype)
-        self._burden = self.mass.copy()
+        self._burden, self._resisted = self.mass.copy(), 0.0
+        self._code: int | None = None
         size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
         self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
@@ -166,7 +167,9 @@ class RodSolver(Solver):
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
-        return emitter_pose(self.scene.emitter, max(time, 0.0) if self.carried else 0.0)
+        if self.carried and self.scene.emitter.keys:
+            return emitter_pose(self.scene.emitter, max(time, 0.0))
+        return self._still
 
     def step(self, time: float, dt: float) -> None:
         """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
@@ -196,15 +199,23 @@ class RodSolver(Solver):
 
     def _share_out(self, pose: Pose, *numbers: float) -> None:
         """Run the step with the first of its numbers, on all threads that there is work for."""
-        now, past = (*chain(*pose.rotation), *pose.translation), (*chain(*self.pose.rotation), *self.pose.translation)
+        now, past = _flat(pose), _flat(self.pose)
         self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
-        np.multiply(self.mass, 1 + self._numbers[0] * self._numbers[7], out=self._burden)  # with what drag resists
+        resisted = self._numbers[0] * self._numbers[7]
+        if resisted != self._resisted:
+            np.multiply(self.mass, 1 + resisted, out=self._burden)  # with what drag resists
+            self._resisted = resisted
         self._book[tickets.NEXT] = 0
+        if self._code is None:  # not compiled before anything moves, which need not be
+            self._code = _code(self.dtype == np.float64, self.long)
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
-        code = _code(self.dtype == np.float64, self.long)  # not compiled before anything moves, which need not be
-        tickets.share_out(code, self._book, min(len(self.scratch), numba.get_num_threads()))
+        workers = len(self.scratch)
+        if workers > 1:
+            workers = min(workers, numba.get_num_threads())
+        tickets.share_out(self._code, self._book, workers)
         idle, last = self._padding
-        idle[...] = last
+        if idle.size:
+            np.copyto(idle, last)
 
     def _put_outside(self, time: float) -> None:
         """Turn edges off solids at a time, and leave all at rest: what begins inside of one would leave it the faster
@@ -295,6 +306,12 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.groom.emitted(self.residuals.reshape(-1)[: self.strands])
+
+
+def _flat(pose: Pose) -> tuple[float, ...]:
+    """(12,) a pose's rotation by rows and its translation."""
+    a, b, c = pose.rotation
+    return (*a, *b, *c, *pose.translation)
 
 
 def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..constants import W
-from ..scene.motion import Pose, emitter_pose, multiply, rotate, solid_pose
+from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
 from .rules import collision, wind
 
 
@@ -29,7 +29,9 @@ class Surroundings:
         self.scene, self.dtype = scene, dtype
         self.gravity = gravity(scene)
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
-        self._phases = wind.phases(scene.seed).tolist()
+        self._travelling = [one for one in self.winds if wind.travels(one)]
+        phases = wind.phases(scene.seed).tolist()
+        self._phases, self._swings = phases[:3], phases[3:]
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
         self.any_solids = bool(touched)
@@ -37,7 +39,11 @@ class Surroundings:
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
         self._packed = *packed.values(), bool(touched) and any(one.segments for one in contacts)
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
-        self._moving = [(packed[kind][-len(mine) :], mine) for kind, mine in moving.items() if mine]
+        self._moving = [
+            (row, one, None if one.keys else own_pose(one, 0.0))
+            for kind, mine in moving.items() if mine
+            for row, one in zip(packed[kind][-len(mine) :], mine, strict=True)
+        ]  # fmt: skip
         self._poses: tuple[float, Pose | None, dict[int, Pose]] = (-1.0, None, {})
 
     def air(self, time: float) -> tuple[float, float, float]:
@@ -45,25 +51,24 @@ class Surroundings:
         x = y = z = 0.0
         for one in self.winds:
             speed = one.strength
-            if not wind.travels(one):
-                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases[:3]))
-            way = wind.downwind(one, time, self._phases[3:])
+            if one not in self._travelling:
+                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases))
+            way = wind.downwind(one, time, self._swings)
             x, y, z = x + speed * way[0], y + speed * way[1], z + speed * way[2]
         return x, y, z
 
     def gust(self, time: float, positions: NDArray[Any]) -> NDArray[Any] | None:
         """(blocks, W) factor of the air's velocity at strands whose ``positions`` (blocks, rows, 3 W) have the root in
         row 1; None where it is 1 for all."""
-        travelling = [one for one in self.winds if wind.travels(one)]
-        if not travelling:
+        if not self._travelling:
             return None
-        one = travelling[0]
+        one = self._travelling[0]
         roots = positions[:, 1].reshape(-1, 3, W).astype(np.float64)
         way = np.array(one.direction) / np.linalg.norm(one.direction)
         along = np.einsum("bck,c->bk", roots, way) / one.wavelength
         wave = sum(
             a * wind.waves(time / (one.period * scale) + phase - along / scale)
-            for (scale, a), phase in zip(wind.WAVES, self._phases[:3], strict=True)
+            for (scale, a), phase in zip(wind.WAVES, self._phases, strict=True)
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
@@ -78,16 +83,15 @@ class Surroundings:
             inner, before = None, {}
         carried: Pose | None = None
         after: dict[int, Pose] = {}
-        for rows, mine in self._moving:
-            for row, one in zip(rows, mine, strict=True):
+        for row, one, own in self._moving:
+            if own is None:
                 pose = after[id(one)] = solid_pose(one, emitter, now, outer)
-                if one.keys:
-                    last = before.get(id(one)) or solid_pose(one, emitter, past)
-                    motion = _between(last, pose)
-                else:  # carried along by the emitter, as others may be
-                    motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
-                (a, b, c), moved = motion
-                row[:] = (*solids.numbers(one, pose), *a, *b, *c, *moved)
+                motion = _between(before.get(id(one)) or solid_pose(one, emitter, past), pose)
+            else:  # carried along by the emitter, as others may be
+                pose = compose(outer, own)
+                motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
+            (a, b, c), moved = motion
+            row[:] = (*solids.numbers(one, pose), *a, *b, *c, *moved)
         self._poses = now, outer, after
         return self._packed
 

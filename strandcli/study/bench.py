@@ -26,11 +26,17 @@ from ..scene.model import Scene
 
 Notify = Callable[[str], None]
 
-GROWTH = (
-    *((strands, 10) for strands in (1_000, 10_000, 100_000, 1_000_000)),
-    *((max(100_000 // particles, 512), particles) for particles in (5, 10, 20, 21, 50, 100, 200, 500, 1_000)),
-)
-"""Strands and particles a strand that `time_growth` measures."""
+GROWTH = {
+    "strands": tuple((strands, 10) for strands in (1_000, 10_000, 100_000, 1_000_000)),
+    "particles": tuple(
+        (max(100_000 // particles, 512), particles) for particles in (5, 10, 20, 21, 50, 100, 200, 500, 1_000)
+    ),
+}
+"""Strands and particles a strand that `time_growth` measures, by what grows."""
+PARTICLE_STEPS = 5_000_000
+"""What is timed of each size, in 5 to 50 steps: those of a thousand strands are over before a processor is awake."""
+FEWEST = 10
+"""Particles from which on their exponent is fitted: of fewer, much of the cost is that of the strand itself."""
 
 
 def run(
@@ -132,18 +138,35 @@ def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, flo
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
 
 
-def time_growth(
-    solver: str, overrides: Sequence[str] = (), notify: Notify | None = None, repeats: int = 5
-) -> list[dict[str, float]]:
+def time_growth(solver: str, overrides: Sequence[str] = (), notify: Notify | None = None) -> dict[str, Any]:
     """How the cost of a particle and step grows with strands, of 10 particles each, and with the particles of a strand,
-    at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place."""
+    at 100,000 of them or more: the scene `headline`, simulated and not drawn, once strands have fallen into place.
+    ``growth`` has a row a size, ``exponents`` what `exponent` tells of a step's cost by the strands, and of a strand's
+    by its particles."""
     rows: list[dict[str, float]] = []
-    for strands, particles in GROWTH:
-        if notify is not None:
-            notify(f"{strands:,} strands x {particles:,} particles")
-        steps = time_steps(solver, strands, particles, repeats, overrides)
-        rows.append({"strands": strands, "particles": particles, **steps})
-    return rows
+    exponents: dict[str, float | None] = {}
+    for grows, sizes in GROWTH.items():
+        mine = []
+        for strands, particles in sizes:
+            if notify is not None:
+                notify(f"{strands:,} strands x {particles:,} particles")
+            repeats = min(max(PARTICLE_STEPS // (strands * particles), 5), 50)
+            steps = time_steps(solver, strands, particles, repeats, overrides)
+            mine.append({"strands": strands, "particles": particles, **steps})
+        rows += mine
+        fitted = [row for row in mine if grows == "strands" or row["particles"] >= FEWEST]
+        costs = [row["particle_step_ns"] * row[grows] for row in fitted]
+        exponents[grows] = exponent([row[grows] for row in fitted], costs)
+    return {"growth": rows, "exponents": exponents}
+
+
+def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float | None:
+    """The p of cost = c · size ** p, by least squares of logarithms: 1 is linear. None for fewer than two sizes."""
+    if len(set(sizes)) < 2:
+        return None
+    x, y = np.log(sizes), np.log(costs)
+    x = x - x.mean()
+    return float(x @ y / (x @ x))
 
 
 def time_steps(

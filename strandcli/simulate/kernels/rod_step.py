@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
-from ...simd import get, get3, heap_at, lay_at, put, put3, root, some, spread, stack_at, strip_at, where, width
+from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, spread, stack_at, strip_at, where, width
 from . import rod, rod_curl, rod_newton, rod_sweep
 from .rod import AXES, FIRST, HARD, PACK, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
 from .rod_sweep import ROW
@@ -170,11 +170,11 @@ def run(
 
 @inner
 def rotated(turn, k, x, y, z):
-    """A vector turned by a matrix, given by rows from place k on."""
+    """A vector turned by a matrix, given by rows from place k on, to the bits that NumPy finds."""
     return (
-        turn[k] * x + turn[k + 1] * y + turn[k + 2] * z,
-        turn[k + 3] * x + turn[k + 4] * y + turn[k + 5] * z,
-        turn[k + 6] * x + turn[k + 7] * y + turn[k + 8] * z,
+        rounded(turn[k] * x) + rounded(turn[k + 1] * y) + rounded(turn[k + 2] * z),
+        rounded(turn[k + 3] * x) + rounded(turn[k + 4] * y) + rounded(turn[k + 5] * z),
+        rounded(turn[k + 6] * x) + rounded(turn[k + 7] * y) + rounded(turn[k + 8] * z),
     )
 
 

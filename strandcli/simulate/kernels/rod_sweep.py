@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined, inner
-from ...simd import ask, ask3, get, get3, put, put3, root, some, spread, where
+from ...simd import ask, ask3, get, get3, put, put3, root, rounded, some, spread, where
 from . import contact
 from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, aim
 
@@ -37,7 +37,8 @@ def sweep(
     put(s, OVER, over)
     px, py, pz = get3(positions, place + ROW, W)
     ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
-    put3(positions, place, W, px - length * ex, py - length * ey, pz - length * ez)
+    # as `rod.place_roots` rounds it
+    put3(positions, place, W, px - rounded(length * ex), py - rounded(length * ey), pz - rounded(length * ez))
     put3(s, OFF, 1, 0.0, 0.0, 0.0)
     put(s, LOST, 0.0)
     put(s, HIT, 0.0)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numba.core import types
 from numba.core.extending import intrinsic
+from numpy.typing import NDArray
 
-from ...jit import parallel, prange
+from ...jit import function, parallel, prange
 
 BOOK = types.Array(types.int64, 1, "C")
 NEXT, ALL = 0, 1
@@ -45,11 +46,25 @@ def call(typingctx: Any, code: Any, book: Any, worker: Any) -> Any:
     return types.none(types.int64, BOOK, types.int64), emit
 
 
+def share_out(code: int, book: NDArray[np.int64], workers: int) -> None:
+    """Run code on so many threads, and wake none where that is one: it is given the ``workers``' numbers."""
+    if workers > 1:
+        on_threads(code, book, workers)
+    else:
+        on_this(code, book)
+
+
 @parallel
-def share_out(code, book, workers):
-    """Run code on so many threads: its ``workers`` differ in the last argument."""
+def on_threads(code, book, workers):
+    """`share_out` where there are several."""
     for worker in prange(workers):
         call(code, book, np.int64(worker))
+
+
+@function
+def on_this(code, book):
+    """`share_out` by the thread that calls."""
+    call(code, book, 0)
 
 
 def address(function: Any) -> int:

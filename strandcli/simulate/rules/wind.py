@@ -44,7 +44,10 @@ def wave(u: float) -> float:
 
 def gusts(time: float, period: float, phases: Any) -> float:
     """Gust factor between -1 and 1 at a time; ``phases`` holds one number in [0, 1) a wave."""
-    return sum(a * wave(time / (period * scale) + phase) for (scale, a), phase in zip(WAVES, phases, strict=True))
+    total = 0.0
+    for (scale, a), phase in zip(WAVES, phases, strict=True):
+        total += a * wave(time / (period * scale) + phase)
+    return total
 
 
 def phases(seed: int) -> Any:
