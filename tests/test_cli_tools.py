@@ -179,6 +179,20 @@ def test_the_plan_is_printed_and_given_as_data(run: Runner) -> None:
     assert not Path("out").exists()
 
 
+def test_a_plan_refuses_an_environment_that_cannot_be_drawn(run: Runner) -> None:
+    """As rendering does, in the same words; of panels, that of each."""
+    Path("notes.png").write_text("no picture")
+    told = run("render", "tiny.yaml", "--set", "environment.image=notes.png").error()
+    planned = run("plan", "tiny.yaml", "--set", "environment.image=notes.png")
+    assert planned.error() == told
+    assert (planned.code, planned.out) == (2, "")
+    Path("panels.yaml").write_text(TINY + "panels: [{label: a}, {label: b, set: {environment.image: notes.png}}]\n")
+    assert run("plan", "panels.yaml").error() == told
+    picture("sky.png")
+    assert run("plan", "tiny.yaml", "--set", "environment.image=sky.png").code == 0
+    assert "there is no file gone.png" in run("plan", "tiny.yaml", "--set", "environment.image=gone.png").error()
+
+
 BENCH = {
     "strands": 10_000,
     "particles": 10,

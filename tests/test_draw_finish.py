@@ -156,7 +156,7 @@ def test_a_pixel_of_a_solid_is_lit_alike_whichever_others_are() -> None:
             left = np.full_like(keys, EMPTY)
             left[part] = keys[part]
             alone.append(np.zeros((size[1], size[0], 3), np.float32))
-            lighting.shade_surfaces(left, *size, alone[-1])
+            lighting.shade_surfaces(left, alone[-1])
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(canvas, "clear", clear)

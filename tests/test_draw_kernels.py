@@ -66,7 +66,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "lit": (
         lit.lit,
         (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,
-         *[ONE] * 4),
+         *[ONE] * 4, ROW),
     ),
     "area": (lit.area, (ONE, ONE, ONE)),
     "rim": (ends.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 from typing import Any
+from unittest.mock import patch
 
 import numba
 import numpy as np
@@ -16,9 +17,11 @@ from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.camera import camera_view
 from strandcli.draw.curves import flatten
 from strandcli.draw.scratch import Scratch
+from strandcli.groom.arrange import arranged
 from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
+from strandcli.groom.kernels.combed import clear
 from strandcli.groom.tie import chart_of
 from strandcli.plan import make_plan
 from strandcli.scene.model import Camera, Curves, DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
@@ -172,6 +175,106 @@ def test_slack_is_of_few_strands_and_never_more_than_asked() -> None:
     np.testing.assert_array_equal(loose[:, 1], tight[:, 1])
 
 
+def test_slack_is_up_as_the_sixth_power_of_an_even_number_and_aside_by_any_share_of_that() -> None:
+    tight = combed(emitter_of(strands=20_000))
+    loose = combed(emitter_of(strands=20_000, tie=dataclasses.replace(TIE, slack=0.01)))
+    foot = np.array(TIE.position) / np.linalg.norm(TIE.position)
+    roots = tight[:, 1]
+    along = roots - (roots @ foot)[:, None] * foot
+    aside = np.cross(foot, along / np.linalg.norm(along, axis=1, keepdims=True))
+    most = np.linalg.norm(loose - tight, axis=2).argmax(1)
+    every = np.arange(len(roots))
+    off, normals = (loose - tight)[every, most], tight[every, most]
+    # of a bow over the whole way, which is greatest in its middle
+    ahead, whole = (np.arccos((one @ foot) / np.linalg.norm(one, axis=1)) for one in (normals, roots))
+    off /= np.sin(np.pi * ahead / whole)[:, None] ** 2
+    bowed = (off * aside).sum(1)
+    up = ((off - bowed[:, None] * aside) * normals).sum(1) / np.linalg.norm(normals, axis=1)
+    for share in (0.5, 0.75, 0.9):
+        assert np.quantile(up, share) == pytest.approx(0.01 * share**6, rel=0.1)
+    large = up > 1e-4
+    shares = bowed[large] / up[large]
+    for share in (0.1, 0.5, 0.9):
+        assert np.quantile(shares, share) == pytest.approx(2 * share - 1, abs=0.06)
+    assert abs(np.corrcoef(shares, up[large])[0, 1]) < 0.1
+
+
+def test_the_combed_parts_of_many_are_those_of_each() -> None:
+    """Whatever order they stand in, and however many are combed at once."""
+    scene = scene_of(SCENE.replace("lift: 0.012", "lift: 0.012, slack: 0.01, spread: 20"))
+    groom = emit(scene.emitter, scene.seed)
+    points = Combed(scene, groom).points
+    near = arranged(groom)
+    assert near.places is not None
+    assert not np.array_equal(near.places, np.arange(300))
+    np.testing.assert_array_equal(Combed(scene, near).points, points[near.places])
+    with patch("strandcli.groom.combed.AT_ONCE", 77):
+        np.testing.assert_array_equal(Combed(scene, groom).points, points)
+
+
+CHIN = """
+solids:
+- {kind: capsule, name: face, radius: 0.05, length: 0.1, position: [0, 0.02, 0.07], follow: emitter, blend: 0.03}
+- {kind: sphere, name: skull, radius: 0.11, follow: emitter, blend: 0.014}
+"""
+
+
+def test_strands_lie_on_what_is_wider_than_the_emitter() -> None:
+    """On a ball that blends they are .06 of its way of blending above it; of several, the first ball's way counts."""
+    def on(solids: str, over: str, **emitter: Any) -> np.ndarray:
+        scene = scene_of(SCENE.replace("lift: 0.012", f"lift: 0.012, over: {over}") + solids)
+        one = dataclasses.replace(scene.emitter, **emitter)
+        return combed(one, scene)[:, 1:]
+
+    for blend, high in ((0.0, 0.0), (0.02, 0.0012)):
+        one = on(f"solids: [{{kind: sphere, name: a, radius: 0.13, follow: emitter, blend: {blend}}}]\n", "[a]")
+        away = np.linalg.norm(one, axis=2)  # no hair is below that at its own root
+        np.testing.assert_allclose(away[:, 0], 0.13 + high, atol=2e-7)
+    both = on(CHIN, "[face, skull]")
+    middle = both - np.array([0, 0.02, 0.07])
+    middle[..., 1] -= np.clip(middle[..., 1], -0.05, 0.05)
+    apart = np.stack([np.linalg.norm(both, axis=2) - 0.11 - 0.06 * 0.014,
+                      np.linalg.norm(middle, axis=2) - 0.05 - 0.06 * 0.03])  # fmt: skip
+    joined = -0.014 * np.log(np.exp(-apart / 0.014).sum(0))
+    # at the root, whose way out is the ball's own normal, and which nothing else lifts
+    assert np.abs(joined[:, 0]).max() < 2e-6
+    assert (np.abs(apart).min(0)[:, 0] > 0.004).sum() > 10
+    # as the emitter stands at first nothing is otherwise
+    keys = tuple(dataclasses.replace(key, position=(0.5, -0.2, 0.1)) for key in scene_of(SCENE).emitter.keys)
+    np.testing.assert_allclose(on(CHIN, "[face, skull]", keys=keys), both, atol=1e-7)
+
+
+def test_the_way_out_is_the_first_one() -> None:
+    """Of balls and capsules that blend, and of such that do not, for points and directions at random."""
+    rng = np.random.default_rng(3)
+    rows = np.zeros((6, 9))
+    rows[:, :3] = rng.uniform(-0.1, 0.1, (6, 3))
+    rows[:4, 3:6] = rng.uniform(-0.1, 0.1, (4, 3))
+    rows[:4, 7] = 1 / (rows[:4, 3:6] ** 2).sum(1)
+    rows[:, 6] = rng.uniform(0.03, 0.06, 6)
+    rows[[0, 2, 4], 8] = 1
+    k = 0.01
+
+    def apart(points: np.ndarray) -> np.ndarray:
+        from_ends = points[..., None, :] - rows[:, :3]
+        along = np.clip((from_ends * rows[:, 3:6]).sum(-1) * rows[:, 7], 0, 1)
+        each = np.linalg.norm(from_ends - along[..., None] * rows[:, 3:6], axis=-1) - rows[:, 6]
+        blended = -k * np.log(np.exp(-each[..., [0, 2, 4]] / k).sum(-1))
+        return np.asarray(np.minimum(blended, each[..., [1, 3, 5]].min(-1)))
+
+    points, normals = rng.uniform(-0.15, 0.15, (400, 3)), rng.normal(size=(400, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    up = np.zeros(400)
+    clear(points, normals, rows, k, up)
+    outside = apart(points) >= 0
+    assert 50 < outside.sum() < 350
+    np.testing.assert_array_equal(up[outside], 0)
+    assert up[~outside].min() > 0
+    np.testing.assert_allclose(apart(points + up[:, None] * normals)[~outside], 0, atol=1.1e-7)
+    before = np.linspace(0, 0.999, 200)[:, None] * up[~outside]
+    assert apart(points[~outside] + before[..., None] * normals[~outside]).max() < 0
+
+
 def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> None:
     scene = scene_of(SCENE)
     groom = emit(scene.emitter, scene.seed)
@@ -182,6 +285,10 @@ def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> No
         rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, at))
         np.testing.assert_allclose((joined[:, : 1 + TIED] - shift) @ rotation, whole.points, atol=2e-7)
         np.testing.assert_array_equal(joined[:, 1 + TIED :], hanging[:, 1:])
+    still = dataclasses.replace(scene, rules=scene.rules[1:])  # nothing carries the emitter along
+    stays = unpack(Combed(still, groom).join(pack(hanging), 1.0, 300, Scratch()), 300)
+    first = unpack(whole.join(pack(hanging), 0.0, 300, Scratch()), 300)
+    np.testing.assert_array_equal(stays, first)
     some = np.array([250, 3, 17], np.int32)
     part = unpack(whole.join(pack(hanging[some]), 1.0, 3, Scratch(), some), 3)
     np.testing.assert_array_equal(part, joined[some])

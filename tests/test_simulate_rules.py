@@ -8,6 +8,7 @@ from reference.rules import depth
 from strand_kit import moved, scene_of, solver_of, twin_of
 
 from strandcli.constants import W
+from strandcli.simulate.surroundings import Surroundings
 
 SCENE = """
 emitter:
@@ -220,6 +221,15 @@ def test_the_last_of_collision_and_elasticity_wins() -> None:
         errors = solver.errors(4)
         assert (errors["penetration_max"] < 1e-6) == outside
         assert (errors["stretch_max"] < 1e-5) == kept
+
+
+def test_a_rule_that_is_listed_twice_is_applied_twice() -> None:
+    """In either solver: pulls add up."""
+    once = scene_of(ONE % (4, 0.3, "[0, 1, 0]", "gravity: {acceleration: [1, -4, 4]}"))
+    pulls = "gravity: {acceleration: [1, 2, 3]}, gravity: {acceleration: [0, -6, 1]}"
+    twice = scene_of(ONE % (4, 0.3, "[0, 1, 0]", pulls))
+    np.testing.assert_allclose(moved(twice, 3), moved(once, 3), atol=1e-6)
+    np.testing.assert_array_equal(Surroundings(twice, np.float64).gravity, [1, -4, 4])
 
 
 def test_a_mapping_of_rules_takes_the_default_order() -> None:

@@ -59,6 +59,10 @@ def test_the_command_lists_replays_and_tells(command: Runner) -> None:
     assert case["parameters"]["contact"] == "through"
     assert "pass" in command("stress", "--case", "thesis").out
     assert "no case has such a name" in command("stress", "--filter", "nothing").error()
+    for empty in ("", "  "):  # as of a shell's variable that is not set
+        told = command("stress", "--filter", empty)
+        assert told.code == 2
+        assert "--filter: the text is empty" in told.error()
     assert command("stress", "--accept", "--solver", "rod").code == 2
 
 

@@ -24,6 +24,11 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
     from ..plan import make_plan
 
+    for drawn in scene.panels or (scene,):
+        if drawn.environment is not None:
+            from ..draw.environment import read
+
+            read(drawn.environment.image)
     plan = make_plan(scene, numbers)
     if as_json:
         options.print_json(dataclasses.asdict(plan))

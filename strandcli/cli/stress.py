@@ -51,6 +51,8 @@ def command(
     case fails that was not expected to; each can be run again by its name with --case.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
+    if pattern is not None and not pattern.strip():
+        raise UsageError("--filter: the text is empty; leave it out to run all cases")
     if accept and (case or pattern or preset or solver == "rod"):
         raise UsageError("--accept: takes the whole matrix of the solver thesis, and none of --case, --filter, PRESET")
     from ..study.stress import run as stress

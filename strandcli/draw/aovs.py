@@ -64,7 +64,7 @@ class Recorder:
             self._shares = np.zeros(len(keys), np.float32)
         kernel.front(
             layer.begin, layer.kept, layer.place, layer.weight, layer.along, layer.stride, len(lines.world), screen,
-            width, layer.top, layer.bottom, np.float32(LEAST), keys, self._shares,
+            width, layer.top, np.float32(LEAST), keys, self._shares,
         )  # fmt: skip
 
     def strands(

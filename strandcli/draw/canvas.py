@@ -87,7 +87,7 @@ class Canvas:
             self.drawing.lap("raster")
             self.before("light")
             if edges is not None and layer.top == 0:
-                light.shade_surfaces(self.keys, *self.size, self.image)
+                light.shade_surfaces(self.keys, self.image)
                 edges.lay(light.shade_surfaces, self.image, self.backdrop)
             portion = self._embodied(portion, layer.marks)
             shown = None
@@ -132,7 +132,7 @@ class Canvas:
         """When the z-buffer holds all strands: light the solids that are seen in it."""
         if self._portions > 1:  # a later one may hide what an earlier one counted
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
-        self.lighting.shade_surfaces(self.keys, *self.size, self.image)
+        self.lighting.shade_surfaces(self.keys, self.image)
         self.drawing.lap("shade")
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)

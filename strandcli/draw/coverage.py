@@ -79,7 +79,7 @@ class Layer:
         bytes_.fill(0)
         expose(
             self.begin, self.kept, self.place, self.along, self.seen, None if self.seen is None else sides(),
-            body.screen, body.widths, body.slots, self.top, self.bottom, self.width, bytes_,
+            body.screen, body.widths, body.slots, self.top, self.width, bytes_,
         )  # fmt: skip
         return bytes_.view(np.uint64)[..., 0]
 
@@ -88,7 +88,7 @@ class Layer:
         over_fragments(
             self.begin, self.kept, self.place, self.weight, self.along, self.seen,
             None if self.seen is None else sides(), self.stride, body.screen, body.widths, body.samples, body.start,
-            body.full, body.slots, body.profile, body.shades, self.top, self.bottom, image,
+            body.full, body.slots, body.profile, body.shades, self.top, image,
         )  # fmt: skip
 
 

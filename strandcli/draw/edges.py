@@ -20,7 +20,7 @@ from .kernels import edges as kernel
 from .scratch import Scratch
 from .solids import frames_of
 
-Shade = Callable[[NDArray[np.uint64], int, int, NDArray[np.float32], NDArray[np.float32]], None]
+Shade = Callable[[NDArray[np.uint64], NDArray[np.float32], NDArray[np.float32]], None]
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class Edges:
     def lay(self, shade: Shade, image: NDArray[np.float32], backdrop: NDArray[np.float32]) -> None:
         """Put what solids show at edges behind that in front into the picture (height, width, 3).
 
-        ``shade`` lights surfaces: keys of a picture, its width and height, the picture itself, which holds the
-        background before, and its pixels' places on the screen (pixels, 2).
+        ``shade`` lights surfaces: keys of a picture, the picture itself, which holds the background before, and
+        its pixels' places on the screen (pixels, 2).
         """
         behind = backdrop.reshape(-1, 3)[self.pixels]
         colours = np.ascontiguousarray(np.repeat(behind[:, None], kernel.SLOTS, 1))
-        shade(self.keys.reshape(-1), kernel.SLOTS, len(self.pixels), colours, self.spots.reshape(-1, 2))
+        shade(self.keys.reshape(-1), colours, self.spots.reshape(-1, 2))
         image.reshape(-1, 3)[self.pixels] = behind
         kernel.lay(self.pixels, self.keys, self.counts, colours, self.light, image)
 

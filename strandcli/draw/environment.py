@@ -35,13 +35,17 @@ def sky_of(scene: Scene) -> NDArray[np.float32] | None:
     environment = scene.environment
     if environment is None:
         return None
-    path = Path(environment.image)
+    return coefficients(read(environment.image), environment.rotation) * np.float32(environment.intensity)
+
+
+def read(image: str) -> NDArray[np.floating]:
+    """(height, width, 3) linear, of the file ``environment.image``. Raises `UsageError` where it cannot be read."""
+    path = Path(image)
     try:
-        picture = read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
+        return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise UsageError(f"environment.image: {path}: {reason}; give a lat-long picture, PNG or .hdr") from None
-    return coefficients(picture, environment.rotation) * np.float32(environment.intensity)
 
 
 def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArray[np.float32]:

@@ -66,9 +66,8 @@ class Lighting:
         )  # fmt: skip
 
     def shade_surfaces(
-        self, keys: NDArray[np.uint64], width: int, height: int, image: NDArray[np.float32],
-        spots: NDArray[np.float32] = NO_SPOTS,
-    ) -> None:  # fmt: skip
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
+    ) -> None:
         """Light the solids that ``keys`` (height * width,) shows, into image (height, width, 3).
 
         spots (pixels, 2): places on the screen, where pixels do not lie where they belong.
@@ -78,7 +77,7 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            keys, width, height, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
+            keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
             *map_arrays(self.maps), *self.solids, paint, finish_of(seen), self.skin, self.sized, spots, image,
         )  # fmt: skip
 

@@ -42,7 +42,7 @@ def _light(renderer: Renderer) -> None:
         film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
     else:
         renderer.coverage.nothing().compose(colours, image)
-    lighting.shade_surfaces(keys, *size, image)
+    lighting.shade_surfaces(keys, image)
     renderer.develop(image, renderer.blank())
 
 

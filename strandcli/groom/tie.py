@@ -85,11 +85,12 @@ class Chart:
     def rim(self, ways: Floats) -> Floats:
         """D_rim (N,): how far roots reach on the paths that begin in ``ways``, from a foot that they surround."""
         shape, x, z = self.shape, ways[:, 0], ways[:, 2]
-        if isinstance(shape, SphereShape):  # the polar angle along a path: cos θ = a cos(d − δ)
+        if isinstance(shape, SphereShape):  # the polar angle θ along a path: cos θ = a cos(d − δ)
             a = np.hypot(self.normal[1], ways[:, 1])
             middle = np.arctan2(ways[:, 1], self.normal[1])
             open_ = np.arccos(np.clip(np.cos(np.radians(shape.cap)) / np.maximum(a, 1e-12), -1.0, 1.0))
-            return np.asarray(self.radius * np.clip(middle + open_, 1e-3, np.pi))
+            # a circle that leaves the cap nowhere is followed as far as there are shortest ways
+            return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
         u, w = self.foot[0], self.foot[2]
         if isinstance(shape, DiscShape):
             along = u * x + w * z

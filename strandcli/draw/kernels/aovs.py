@@ -11,7 +11,7 @@ from . import opacity, penumbra, solids
 from .light import toward
 from .raster import EMPTY, LOW, SHIFT
 from .shadow import transmittance
-from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
+from .tiles import PIXELS, TILE_WIDTH, corner
 from .weigh import OPAQUE
 
 ZERO = np.float32(0.0)
@@ -40,24 +40,22 @@ def nearest(keys, samples, width, y, x):
 
 
 @parallel
-def front(begin, kept, place, weight, along, stride, vertices, screen, width, top, bottom, least, keys, mask):
+def front(begin, kept, place, weight, along, stride, vertices, screen, width, top, least, keys, mask):
     """Put the strand that shows most in each pixel into a z-buffer of solids, where strands together show enough.
 
-    begin, kept, place, weight, along, stride: as `resolve.resolve` leaves them for the rows top <= y < bottom of a
+    begin, kept, place, weight, along, stride: as `resolve.resolve` leaves them for the rows from `top` on of a
     picture of this width; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
     strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
     """
-    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(begin.shape[0]):
         tile = np.int64(one)
         o = begin[tile]
-        left = tile % across * TILE_WIDTH
-        above = top + tile // across * TILE_HEIGHT
+        above, left = corner(tile, width, top)
         for p in range(PIXELS):
+            if kept[tile * PIXELS + p] == 0:
+                continue
             x = left + p % TILE_WIDTH
             y = above + p // TILE_WIDTH
-            if x >= width or y >= bottom or kept[tile * PIXELS + p] == 0:
-                continue
             total = ZERO
             strands_ = ZERO
             most = ZERO

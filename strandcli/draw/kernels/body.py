@@ -19,7 +19,7 @@ from .lit import COLUMNS, lit
 from .lobes import grown
 from .masks import WHOLE
 from .raster import LOW
-from .tiles import PIXELS, TILE_HEIGHT, TILE_WIDTH
+from .tiles import PIXELS, TILE_WIDTH, corner
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -193,9 +193,13 @@ def gathered(profile, slot, c, place):
 
 
 @inner
-def add(x, y, v, t, stride, weight, bits, table, screen, widths, samples, start, full, slots, profile, shades, image):
+def add(
+    x, y, v, t, stride, weight, bits, table, screen, widths, samples, start, full, slots, profile, shades, shares,
+    image,
+):  # fmt: skip
     """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
-    vertex v to the next, v + stride; bits: the points of the sample where it is seen, if table is not None. Departures
+    vertex v to the next, v + stride; bits: the points of the sample where it is seen, if table is not None; shares
+    (COLUMNS,) float32 to work with. Departures
     begin where a strand is `start` pixels wide, and count fully where it is `full`."""
     if slots[v] < 0 and slots[v + stride] < 0:
         return
@@ -226,8 +230,9 @@ def add(x, y, v, t, stride, weight, bits, table, screen, widths, samples, start,
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
         r, g, b = lit(
-            profile, shades, slots[v], after, t, HALF / size, bits, table, dx / size, dy / size, off, HALF * wide
-        )
+            profile, shades, slots[v], after, t, HALF / size, bits, table, dx / size, dy / size, off, HALF * wide,
+            shares,
+        )  # fmt: skip
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
@@ -243,6 +248,7 @@ def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slo
     last = np.uint64(max(screen.shape[0] - 1, 0))
     for row in prange(height):
         y = np.int64(row)
+        shares = np.empty(COLUMNS, np.float32)
         for x in range(width):
             number = (keys[y * width + x] & LOW) - np.uint64(base)
             if number >= last:
@@ -258,34 +264,32 @@ def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slo
                 t = (np.float32(past) + t) / np.float32(stride)
             add(
                 x, y, v, t, stride, ONE, WHOLE, None, screen, widths, samples, start, full, slots, profile, shades,
-                image,
+                shares, image,
             )  # fmt: skip
 
 
 @parallel
 def over_fragments(
     begin, kept, place, weight, along, bits, table, stride, screen, widths, samples, start, full, slots, profile,
-    shades, top, bottom, image,
+    shades, top, image,
 ):  # fmt: skip
     """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; bits (F,) uint64: the
     points of its sample that each shows, by the table of `masks.sides`; both may be None; the rest as above."""
-    width = image.shape[1]
-    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(begin.shape[0]):
         tile = np.int64(one)
-        i = begin[tile]
-        if i < 0:
+        f = begin[tile]
+        if f < 0:
             continue
-        y = top + tile // across * TILE_HEIGHT
-        x = tile % across * TILE_WIDTH
-        for row in range(y, min(y + TILE_HEIGHT, bottom)):
-            for column in range(x, min(x + TILE_WIDTH, width)):
-                n = np.int64(kept[tile * PIXELS + (row - y) * TILE_WIDTH + column - x])
-                for f in range(i, i + n):
-                    v = np.int64(place[f])
-                    if v < slots.shape[0]:  # beyond are the edges of solids
-                        add(
-                            column, row, v, along[f], stride, weight[f], WHOLE if bits is None else bits[f], table,
-                            screen, widths, samples, start, full, slots, profile, shades, image,
-                        )  # fmt: skip
-                i += n
+        y, x = corner(tile, image.shape[1], top)
+        shares = np.empty(COLUMNS, np.float32)
+        for p in range(PIXELS):
+            end = f + np.int64(kept[tile * PIXELS + p])
+            while f < end:
+                v = np.int64(place[f])
+                if v < slots.shape[0]:  # beyond are the edges of solids
+                    add(
+                        x + p % TILE_WIDTH, y + p // TILE_WIDTH, v, along[f], stride, weight[f],
+                        WHOLE if bits is None else bits[f], table, screen, widths, samples, start, full, slots, profile,
+                        shades, shares, image,
+                    )  # fmt: skip
+                f += 1

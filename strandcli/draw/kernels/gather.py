@@ -154,17 +154,20 @@ def part(
     start: where the run of the first piece began; hidden: depth number behind which nothing is seen; the rest as in
     `gather`. Returns how many cells are listed then, and how many fragments were found.
 
-    A thin piece waits for the next one, which tells whether its run goes on: points do not.
+    A thin piece waits for the next one, which tells whether its run goes on: points do not, nor does the strand's end.
     """
     run = RIBBON
     v = low - 1
     k = np.int64(0)
     base = low
-    while base < end:
+    while True:
         count = min(max(high + 1 - base, 0) + 1, min(end - base, PIECES))
         take(points, widths, base - 1, count + 1, pieces)
         look(pieces, count, opacity)
-        for i in range(1, count + 1):
+        ends = np.int64(base + count == end)
+        if ends:
+            pieces[WAY + count + 1] = BEHIND
+        for i in range(1, count + 1 + ends):
             way = pieces[WAY + i]
             if way == NO_WAY:
                 continue
@@ -190,14 +193,6 @@ def part(
         hold(pieces, k)
         k = np.int64(0)
         base += count
-    if widths is not None:  # noqa: SIM102
-        if (run != RIBBON) & (run != BEHIND):
-            # closing: always, which a literal would have compiled once more
-            n, m = thin(
-                pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, run != BEHIND, hidden,
-                top, bottom, left, right, veil, work, cells, n, found, counts, m,
-            )  # fmt: skip
-    return n, m
 
 
 @inlined

@@ -26,16 +26,48 @@ UPRIGHT = np.float32(0.01)
 
 
 @inner
-def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius):
+def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius, shares):
     """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light, over what a
-    sample shows of it: those of the sample's points that have a bit, or all of its area, and within `half` the piece's
-    length of its place t. The piece goes by (dx, dy), and passes the sample's middle `off` aside.
+    sample shows of it: of its columns what `columns` tells, and within `half` the piece's length of its place t.
     """
     since, until = places_of(t, half)
     mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
     per = ONE / np.float32(until - since)
-    begin, end, edge, column = columns_of(off, radius, dx, dy)
-    total = r = g = b = x = y = z = ZERO  # of the vertex before and the one after
+    begin, end, total = columns(bits, table, dx, dy, off, radius, shares)
+    r = g = b = x = y = z = ZERO  # of the vertex before and the one after
+    for i in range(begin, end):
+        if shares[i] == ZERO:
+            continue
+        for row in range(profile.shape[0]):
+            share = shares[i]
+            if row > 0:
+                share *= np.float32(ones(~shades[row - 1, slot, i] & mask)) * per
+            r += share * profile[row, slot, i + 1, 0]
+            g += share * profile[row, slot, i + 1, 1]
+            b += share * profile[row, slot, i + 1, 2]
+            x += share * profile[row, after, i + 1, 0]
+            y += share * profile[row, after, i + 1, 1]
+            z += share * profile[row, after, i + 1, 2]
+    per = ONE / total
+    return (r + t * (x - r)) * per, (g + t * (y - g)) * per, (b + t * (z - b)) * per
+
+
+@inner
+def columns(bits, table, dx, dy, off, radius, shares):
+    """How much a sample shows of each column of a strand along (dx, dy) that passes its middle `off` aside: as many of
+    the sample's points as have a bit, or all of the area, where none has or there is no `masks.sides` for a table.
+
+    shares (COLUMNS,) float32 is written from the first column that is shown to before the last. Returns which these
+    are, and the sum.
+    """
+    reach = HALF * (abs(dx) + abs(dy))
+    middle = HALF * np.float32(COLUMNS)
+    most = np.float32(COLUMNS - 1)
+    begin = np.int64(clamp(middle + (off - reach) * middle / radius, ZERO, most))
+    end = np.int64(clamp(middle + (off + reach) * middle / radius, ZERO, most)) + 1
+    edge = -radius - off  # of the first column, from the sample's middle
+    column = radius / middle
+    total = ZERO
     if table is not None:  # noqa: SIM102  a branch of its own is left out where there are none
         if bits != WHOLE:
             turn = ONE if dx >= ZERO else -ONE
@@ -43,40 +75,17 @@ def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius)
             lower = behind(table, way, turn, edge + np.float32(begin) * column)
             for i in range(begin, end):
                 upper = behind(table, way, turn, edge + np.float32(i + 1) * column)
-                here = ones(bits & upper & ~lower)
+                shares[i] = np.float32(ones(bits & upper & ~lower))
+                total += shares[i]
                 lower = upper
-                if here == 0:
-                    continue
-                total += np.float32(here)
-                for row in range(profile.shape[0]):
-                    share = np.float32(here)
-                    if row > 0:
-                        share = np.float32(here * ones(~shades[row - 1, slot, i] & mask)) * per
-                    r += share * profile[row, slot, i + 1, 0]
-                    g += share * profile[row, slot, i + 1, 1]
-                    b += share * profile[row, slot, i + 1, 2]
-                    x += share * profile[row, after, i + 1, 0]
-                    y += share * profile[row, after, i + 1, 1]
-                    z += share * profile[row, after, i + 1, 2]
     if total == ZERO:
         low = area(edge + np.float32(begin) * column, dx, dy)
         for i in range(begin, end):
             high = area(edge + np.float32(i + 1) * column, dx, dy)
-            here_ = max(high - low, TINY)
+            shares[i] = max(high - low, TINY)
+            total += shares[i]
             low = high
-            total += here_
-            for row in range(profile.shape[0]):
-                share = here_
-                if row > 0:
-                    share *= np.float32(ones(~shades[row - 1, slot, i] & mask)) * per
-                r += share * profile[row, slot, i + 1, 0]
-                g += share * profile[row, slot, i + 1, 1]
-                b += share * profile[row, slot, i + 1, 2]
-                x += share * profile[row, after, i + 1, 0]
-                y += share * profile[row, after, i + 1, 1]
-                z += share * profile[row, after, i + 1, 2]
-    per = ONE / total
-    return (r + t * (x - r)) * per, (g + t * (y - g)) * per, (b + t * (z - b)) * per
+    return begin, end, total
 
 
 @inlined
@@ -84,18 +93,6 @@ def places_of(t, half):
     """From which place on a line to before which a sample shows a piece, within `half` its length of its place t."""
     since = min(max(np.int64((t - half) * np.float32(PLACES)), 0), PLACES - 1)
     return since, max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
-
-
-@inlined
-def columns_of(off, radius, dx, dy):
-    """From which column to before which a sample shows a strand along (dx, dy) that passes its middle `off` aside; and
-    how far from the middle, in samples, the first of all columns begins, and how wide each is."""
-    reach = HALF * (abs(dx) + abs(dy))
-    middle = HALF * np.float32(COLUMNS)
-    most = np.float32(COLUMNS - 1)
-    begin = np.int64(clamp(middle + (off - reach) * middle / radius, ZERO, most))
-    end = np.int64(clamp(middle + (off + reach) * middle / radius, ZERO, most)) + 1
-    return begin, end, -radius - off, radius / middle
 
 
 @inner

@@ -10,7 +10,7 @@ from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
 from .prefetch import prefetch
-from .tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH
+from .tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH, corner
 from .weigh import OPAQUE, weigh, weigh_points
 
 ZERO = np.float32(0.0)
@@ -49,7 +49,6 @@ def resolve(
     pixel independently, or, with a table, by points (`weigh.weigh_points`).
     """
     tiles = begin.shape[0]
-    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     share = np.int64(place.shape[0] // tasks)
     for one in prange(tasks):
         task = np.int64(one)
@@ -70,8 +69,7 @@ def resolve(
         end = o + share
         for tile in range(task, tiles, tasks):
             base = tile * PIXELS
-            y = top + tile // across * TILE_HEIGHT
-            x = tile % across * TILE_WIDTH
+            y, x = corner(tile, width, top)
             below = min(y + TILE_HEIGHT, bottom)
             right = min(x + TILE_WIDTH, width)
             while True:  # in one place, for it is the greater part of what is compiled
@@ -215,12 +213,10 @@ def compose(begin, kept, place, weight, along, stride, vertex, light, top, botto
     `OPAQUE` of what is behind would show it does not, and the weights make up for it.
     """
     width = image.shape[1]
-    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
     for one in prange(tasks):
         for tile in range(np.int64(one), begin.shape[0], tasks):
             if begin[tile] >= 0:
-                y = top + tile // across * TILE_HEIGHT
-                x = tile % across * TILE_WIDTH
+                y, x = corner(tile, width, top)
                 compose_tile(
                     begin[tile], tile * PIXELS, kept, place, weight, along, stride, vertex, light,
                     y, min(y + TILE_HEIGHT, bottom), x, min(x + TILE_WIDTH, width), image,

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import function
+from ...jit import function, inlined
 
 TILE_WIDTH = 32
 TILE_HEIGHT = 32
@@ -39,3 +39,10 @@ def fixed(t, past, bits):
     2^(PLACES − bits) until the next."""
     most = np.int64(1) << bits
     return past << bits | min(np.int64(t * np.float32(most)), most - 1)
+
+
+@inlined
+def corner(tile, width, top):
+    """The first row and the first column of a tile, of those of a picture so wide from the row `top` on."""
+    across = (width + TILE_WIDTH - 1) // TILE_WIDTH
+    return top + tile // across * TILE_HEIGHT, tile % across * TILE_WIDTH

@@ -65,7 +65,8 @@ class Scene:
         Children, doc="strands drawn about the simulated ones, in locks and waves; absent: those alone are drawn"
     )
     rules: tuple[RuleUse, ...] = rules(
-        doc="what moves the strands: a list is applied in its own order, a mapping in the documented default order"
+        doc="what moves the strands: a list is applied in its own order, a rule as often as it is listed; a mapping in "
+        "the documented default order"
     )
     solids: tuple[Solid, ...] = items(SOLIDS, doc="things that are drawn, hide, cast shadows and can be collided with")
     camera: Camera = model(Camera, doc="the point of view")
