@@ -125,6 +125,14 @@ def machine() -> dict[str, Any]:
     }
 
 
+def entered_by_several() -> bool:
+    """Whether threads may run kernels side by side, once one has run: Numba's own threading layer aborts the process,
+    which is all that it has where there is neither OpenMP nor TBB."""
+    import numba
+
+    return bool(numba.threading_layer() != "workqueue")
+
+
 def source_hash() -> str:
     """A short hash over every source file that kernels are made of: kernels cached from other sources are never reused,
     because Numba itself does not notice that a function in another file has changed."""
