@@ -26,6 +26,11 @@ from .scene.model import Scene
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
 
+ONE_BY_ONE = (
+    "frames are drawn one by one: with OpenMP (on Debian and Ubuntu the package libgomp1) several are drawn at once"
+)
+"""What ``notify`` hears where that would take less time."""
+
 
 def render(
     scene: Scene,
@@ -116,6 +121,10 @@ def _frames(
         yield frame
     rest = frames[2:]
     at_once = _frames_at_once(scene, rest, seconds) if several and rest else 1
+    if at_once > 1 and not runtime.entered_by_several():
+        at_once = 1
+        if notify is not None:
+            notify(ONE_BY_ONE)
     if at_once == 1:
         for number in rest:
             yield draughtsman(film.begin(number))
@@ -129,8 +138,6 @@ def _frames(
 def _frames_at_once(scene: Scene, frames: Sequence[int], seconds: dict[str, float]) -> int:
     import numba
 
-    if numba.threading_layer() == "workqueue":  # it cannot be entered from two threads
-        return 1
     relay = seconds["simulate"] or 0.0
     rest = sum(took for stage, took in seconds.items() if stage != "simulate")
     return share_out(numba.get_num_threads(), len(frames), relay, rest, pictures_that_fit(scene, frames))

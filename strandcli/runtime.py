@@ -27,6 +27,9 @@ SPINS = "30000"
 another process could have run: beside a busy one, small frames took 3 to 40 times as long. Less than this and
 every step of a small simulation waits for a thread to wake up."""
 
+MOST_THREADS = 4096
+"""That NUMBA_NUM_THREADS may ask for; of a hundred thousand Numba crashes."""
+
 _state: dict[str, Any] = {
     "folder": None,
     "trouble": None,
@@ -41,19 +44,13 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
     """Choose the cache folder and the number of threads; safe to call again with another number.
 
     ``notify`` is handed a line of text each time that compiling begins. Raises `UsageError` for a number of threads
-    that this machine does not have.
+    that this machine does not have, and for settings of Numba's with which nothing can be drawn.
     """
-    _state["notify"] = notify
-    if _state["folder"] is None:
-        _state["folder"] = _writable_folder()
-        os.environ["NUMBA_CACHE_DIR"] = str(_state["folder"])
-        if "OMP_WAIT_POLICY" not in os.environ:  # read once, when OpenMP's library is loaded
-            os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
-        if "numba" in sys.modules:
-            sys.modules["numba"].config.CACHE_DIR = str(_state["folder"])
-        _watch()
+    _prepare(notify)
     import numba
 
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        raise UsageError("NUMBA_DISABLE_JIT is set, and strandcli does nothing without Numba's compiler: unset it")
     most = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
     if threads is None:
         threads = most
@@ -62,10 +59,40 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
     numba.set_num_threads(threads)
 
 
-def start_once() -> None:
-    """`start` with the defaults, for callers of the Python side who never said anything."""
+def _prepare(notify: Callable[[str], None] | None) -> None:
+    """What `start` does once, but for the message."""
+    _state["notify"] = notify
     if _state["folder"] is None:
-        start()
+        _check_threads_of_environment()
+        _state["folder"] = _writable_folder()
+        os.environ["NUMBA_CACHE_DIR"] = str(_state["folder"])
+        if "OMP_WAIT_POLICY" not in os.environ:  # read once, when OpenMP's library is loaded
+            os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
+        if "numba" in sys.modules:
+            sys.modules["numba"].config.CACHE_DIR = str(_state["folder"])
+        _watch()
+
+
+def _check_threads_of_environment() -> None:
+    """Raise `UsageError` for numbers of threads that Numba would take from its variable, and fail by."""
+    asked = os.environ.get("NUMBA_NUM_THREADS")
+    if asked is None:
+        return
+    try:
+        fine = 1 <= int(asked) <= MOST_THREADS
+    except ValueError:
+        fine = False
+    if not fine:
+        raise UsageError(
+            f"NUMBA_NUM_THREADS={asked!r}: must be a whole number from 1 to {MOST_THREADS}; where it is not set, each "
+            "core has a thread"
+        )
+
+
+def start_once() -> None:
+    """The same for callers of the Python side who never said anything; functions may be called without a compiler."""
+    if _state["folder"] is None:
+        _prepare(None)
 
 
 def cache_folder() -> Path:
@@ -123,6 +150,14 @@ def machine() -> dict[str, Any]:
         "llvm": ".".join(str(part) for part in llvmlite.binding.llvm_version_info),
         "llvmlite": llvmlite.__version__,
     }
+
+
+def entered_by_several() -> bool:
+    """Whether threads may run kernels side by side, once one has run: Numba's own threading layer aborts the process,
+    which is all that it has where there is neither OpenMP nor TBB."""
+    import numba
+
+    return bool(numba.threading_layer() != "workqueue")
 
 
 def source_hash() -> str:

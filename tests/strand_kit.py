@@ -9,9 +9,11 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from reference.rules import Twin
 
+from strandcli import runtime
 from strandcli.frame import Frame
 from strandcli.groom.emit import Groom, emit
 from strandcli.pipeline import render
@@ -60,6 +62,13 @@ def frames_of(scene: Scene, *frames: int, **options: Any) -> list[Frame]:
     """Rendered frames with their positions; on one thread, where nothing else is asked for: tests run side by side, and
     pictures so small are not worth a second."""
     return list(render(scene, frames or None, keep_positions=True, **({"threads": 1} | options)))
+
+
+def need_frames_at_once() -> None:
+    """Skip the test where frames cannot be drawn at once, which is known when a kernel has run."""
+    list(render(scene_of("emitter: {strands: 1, particles: 2}\n"), [1], threads=1, draw=False))
+    if not runtime.entered_by_several():
+        pytest.skip("Numba found neither OpenMP (the package libgomp1) nor TBB: frames are drawn one by one")
 
 
 def moved(scene: Scene, frame: int, plain: bool = True) -> NDArray[np.float32]:

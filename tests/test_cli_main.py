@@ -127,6 +127,7 @@ def test_a_preset_that_is_not_there_is_exit_code_2(run: Runner) -> None:
         (click.ClickException("words"), 2),
         (KeyboardInterrupt(), 130),
         (signals.Terminated(), 143),
+        (signals.HungUp(), 129),
         (BrokenPipeError(), 1),
     ],
 )
@@ -187,6 +188,34 @@ def test_a_swallowed_signal_is_raised_again() -> None:
             signals.check()
     with signals.handled():
         signals.check()
+
+
+@pytest.mark.parametrize(("earlier", "code"), [("pass", 0), ("os.kill(os.getpid(), signal.SIGINT)", 130)])
+def test_signals_while_python_ends_are_too_late_to_be_seen(run: Runner, earlier: str, code: int) -> None:
+    """In what runs at exit, where a ``KeyboardInterrupt`` would be printed with a traceback."""
+    program = (
+        "import atexit, os, signal, sys\n"
+        "from strandcli.cli import main as module\n"
+        "atexit.register(lambda: [os.kill(os.getpid(), number) for number in (signal.SIGINT, signal.SIGTERM)])\n"
+        f"def command(**options):\n    {earlier}\n"
+        "module.cli.main = command\n"
+        "sys.exit(module.main())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment(), cwd=run.folder, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
+
+
+def test_a_hangup_that_is_ignored_stays_so(run: Runner) -> None:
+    """As by nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with signals.handled():
+            os.kill(os.getpid(), signal.SIGHUP)
+            signals.check()
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
+import pty
+import select
 import signal
+import subprocess
+import sys
+import termios
+import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from cli_runs import TINY, Runner, child
+from cli_runs import TINY, Runner, child, environment
 from PIL import Image
 
 import strandcli
@@ -310,7 +318,7 @@ def test_a_report_that_cannot_be_written_does_not_hide_what_ended_the_run(
     assert run("render", "tiny.yaml", "-o", "b", "-f", "1").code == 130
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, number: int, code: int) -> None:
     process = child(run.folder, "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000")
     deadline = time.monotonic() + 120
@@ -331,3 +339,31 @@ def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, numbe
     assert names("a") == [*done, "report.json"]
     for entry in data["frames"]:
         assert png.pixels_sha256(png.read(Path("a", entry["file"]))) == entry["pixels_sha256"]
+
+
+def test_a_terminal_that_is_closed_keeps_finished_frames_and_writes_the_report(run: Runner) -> None:
+    """Nobody reads what is printed then, and to print it fails."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "strandcli", "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000"]
+    process = subprocess.Popen(
+        command, cwd=run.folder, env=environment(), stdout=theirs, stderr=theirs, start_new_session=True,
+        preexec_fn=lambda: fcntl.ioctl(1, termios.TIOCSCTTY, 0),
+    )  # fmt: skip
+    os.close(theirs)
+    reader = threading.Thread(target=drained, args=(ours, lambda: Path("a/frame_0004.png").exists()))
+    reader.start()
+    reader.join(120)
+    os.close(ours)  # which sends SIGHUP
+    assert process.wait(60) == 129
+    assert report("a")["status"] == "interrupted"
+    assert names("a") == [*(entry["file"] for entry in report("a")["frames"]), "report.json"]
+
+
+def drained(terminal: int, enough: Callable[[], bool]) -> None:
+    """Read what is printed, for the program not to wait."""
+    while not enough():
+        if select.select([terminal], [], [], 0.05)[0]:
+            try:
+                os.read(terminal, 65536)
+            except OSError:  # it has ended
+                return

@@ -99,7 +99,7 @@ def test_errors_raised_in_a_part_arrive_in_python() -> None:
 def test_a_loop_is_optimised_by_itself_and_not_again_in_its_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
     from numba.core.codegen import CPUCodeLibrary
 
-    @parallel
+    @numba.njit(parallel=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)  # `parallel`, never cached
     def doubled(values, out):
         for i in prange(values.shape[0]):
             out[i] = values[i] + values[i]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strand_kit import frames_of, scene_of
+from strand_kit import frames_of, need_frames_at_once, scene_of
 from test_pipeline_extremes import EVERYTHING
 
 from strandcli.crew import in_order, share_out
@@ -97,6 +97,7 @@ def test_shares_follow_threads_frames_memory_and_the_relay() -> None:
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="this machine has one core")  # type: ignore[attr-defined]
 def test_frames_drawn_side_by_side_are_those_drawn_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    need_frames_at_once()
     scene = scene_of(EVERYTHING)
     scene = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, strands=300))
     alone = frames_of(scene, *range(1, 9), threads=1)

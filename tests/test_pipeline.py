@@ -9,7 +9,7 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
+from strand_kit import frames_of, groom_of, moved, need_frames_at_once, scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING, UNLIT
 
 from strandcli import runtime
@@ -18,7 +18,7 @@ from strandcli.errors import UsageError
 from strandcli.frame import Frame
 from strandcli.groom import children
 from strandcli.panels import GAP, fitting_size, join
-from strandcli.pipeline import render
+from strandcli.pipeline import ONE_BY_ONE, render
 from strandcli.scene import Scene
 
 THREADS = int(numba.config.NUMBA_NUM_THREADS)
@@ -101,6 +101,7 @@ def test_frames_come_once_and_in_order_and_nothing_depends_on_what_else_is_asked
 def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    need_frames_at_once()
     found: list[int] = []
 
     class Counted(children.Children):
@@ -116,6 +117,22 @@ def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_onc
     frames = list(render(scene, threads=2))
     assert [frame.number for frame in frames] == [1, 2, 3, 4, 5, 6]
     assert found == [60]
+
+
+@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
+def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_and_it_is_told_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
+    monkeypatch.setattr("strandcli.pipeline.in_order", lambda *args, **options: pytest.fail("several at once"))
+    monkeypatch.setattr(numba, "threading_layer", lambda: "workqueue")
+    told: list[str] = []
+    scene = scene_of(UNLIT + "time: {frames: 5}\n")
+    assert [frame.number for frame in render(scene, threads=2, notify=told.append)] == [1, 2, 3, 4, 5]
+    assert [line for line in told if "libgomp1" in line] == [ONE_BY_ONE]
+    told.clear()
+    assert len(list(render(scene, [1, 2], threads=2, notify=told.append))) == 2
+    assert ONE_BY_ONE not in told
 
 
 def test_frames_hold_what_was_asked_for(everything: Scene) -> None:

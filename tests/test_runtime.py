@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numba
 import pytest
+from cli_runs import TINY, environment
 
 from strandcli import __version__, runtime
 from strandcli.draw.kernels import raster
@@ -165,6 +166,29 @@ def test_the_machine_is_described() -> None:
     assert runtime.machine()["threads"] == numba.config.NUMBA_NUM_THREADS
     with pytest.raises(UsageError):
         runtime.start(numba.config.NUMBA_NUM_THREADS + 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        *(("NUMBA_NUM_THREADS", value, "must be a whole number from 1 to 4096")
+          for value in ("0", "-1", "abc", "", "1.5", "4097", "100000")),
+        ("NUMBA_DISABLE_JIT", "1", "unset it"),
+    ],
+)  # fmt: skip
+def test_settings_of_numba_with_which_nothing_works_are_refused_in_one_line(
+    tmp_path: Path, name: str, value: str, words: str
+) -> None:
+    (tmp_path / "one.yaml").write_text(TINY, encoding="utf-8")
+    command = [sys.executable, "-m", "strandcli", "render", "one.yaml", "-f", "1", "-o", "a"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={**environment(), name: value}, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert done.stderr.startswith(f"strandcli: error: {name}")
+    assert words in done.stderr
 
 
 def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import py_compile
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -133,11 +135,17 @@ def test_equal_scenes_share_one_module_whose_name_says_what_is_in_it(tmp_path: P
     compose.step_for(tuple(passes), tmp_path)
     assert [written] == list(tmp_path.glob("*.py"))
     assert written.stat().st_mtime_ns == stamp
-    written.write_text("broken", encoding="utf-8")  # by whatever: it is written anew
+    for broken in (b"broken", b"\xff\xfe\x80 no text", b""):  # by whatever: it is written anew
+        written.write_bytes(broken)
+        compose._load.cache_clear()
+        compose.step_for(tuple(passes), tmp_path)
+        assert written.read_text(encoding="utf-8") == compose.source(passes)
+    assert not list(tmp_path.glob("*.part"))
+    bytecode = Path(importlib.util.cache_from_source(str(written)))
+    py_compile.compile(str(written), str(bytecode))
+    bytecode.write_bytes(bytecode.read_bytes()[:40])
     compose._load.cache_clear()
     compose.step_for(tuple(passes), tmp_path)
-    assert written.read_text(encoding="utf-8") == compose.source(passes)
-    assert not list(tmp_path.glob("*.part"))
 
 
 def test_only_functions_that_can_be_imported_are_composed() -> None:

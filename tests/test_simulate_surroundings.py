@@ -9,6 +9,8 @@ import pytest
 from test_simulate_rod import scene
 
 from strandcli import solids
+from strandcli.constants import W
+from strandcli.errors import UsageError
 from strandcli.scene.motion import solid_pose
 from strandcli.simulate.surroundings import Surroundings
 
@@ -75,3 +77,14 @@ def test_gusts_that_travel_differ_from_place_to_place_and_others_do_not() -> Non
     assert 2.4 < max(speeds) <= 3
     travelling = around("collision", {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}})
     np.testing.assert_allclose(travelling.air(0.3), (3, 0, 0))
+
+
+@pytest.mark.parametrize("other", [{"gust": 0.5, "wavelength": 0.2}, {"gust": 0.5}, {}])
+def test_gusts_that_travel_are_refused_beside_another_wind(other: dict[str, Any]) -> None:
+    """Its strength would come and go with theirs."""
+    travelling = {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}}
+    for winds in ([travelling, {"wind": other}], [{"wind": other}, travelling]):
+        with pytest.raises(UsageError, match=r"rule wind: of 2 winds, .* the solver rod lets gusts travel where"):
+            around("collision", *winds)
+    still = {"wind": {"strength": 0.0, **other}}
+    assert around("collision", travelling, still).gust(0.3, np.zeros((1, 3, 3 * W))) is not None

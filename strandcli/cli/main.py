@@ -81,7 +81,7 @@ def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
     epilog="Exit codes: 0 done, 1 failed, 2 usage or preset, 3 a check did not match, 4 refused or stopped for disk, "
-    "memory or permission, 130 and 143 signals.",
+    "memory or permission, 129, 130 and 143 signals.",
 )
 @click.version_option(__version__, "--version", prog_name="strandcli", message="%(prog)s %(version)s")
 @click.option(
@@ -96,11 +96,12 @@ def cli(ctx: click.Context) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code; prints every error as one line on stderr."""
+    """Run the command line and return its exit code; prints every error as one line on stderr. Without
+    ``arguments``, those of the process, it ends with them."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by a shell or a service manager
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - as long as the process
-    with signals.handled():
+    with signals.handled(last=arguments is None):
         return _main(arguments)
 
 

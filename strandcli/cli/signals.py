@@ -1,41 +1,61 @@
-"""Ctrl-C and SIGTERM: both end a run in good order, with the exit codes 130 and 143."""
+"""Ctrl-C, SIGTERM and SIGHUP (the terminal is closed) end a run in good order, with the exit codes 130, 143 and 129."""
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
+import stat
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from ..errors import INTERRUPTED, TERMINATED
+from ..errors import HUNG_UP, INTERRUPTED, TERMINATED
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM came in. A kind of ``KeyboardInterrupt``, so that whatever tidies up after one does so after both."""
+    """SIGTERM came in. A kind of ``KeyboardInterrupt``, so that whatever tidies up after one does so after all."""
 
 
+class HungUp(KeyboardInterrupt):
+    """SIGHUP came in."""
+
+
+_RAISED: dict[int, type[KeyboardInterrupt]] = {
+    signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated, signal.SIGHUP: HungUp
+}  # fmt: skip
 _received: type[KeyboardInterrupt] | None = None
 _when = 0.0
 _IMPATIENT = 1.0
 
 
 @contextmanager
-def handled() -> Iterator[None]:
-    """Take over SIGINT and SIGTERM for a block, if this is the main thread (Python allows it nowhere else)."""
-    global _received
+def handled(last: bool = False) -> Iterator[None]:
+    """Take over these signals for a block, if this is the main thread (Python allows it nowhere else).
+
+    With ``last`` the process ends after the block, and they are not given back: Python's own handler would raise amid
+    what runs at its exit.
+    """
+    global _received, _when
     _received = None
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.signal(number, _handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    # nohup has SIGHUP ignored, and means it
+    mine: list[int] = [one for one in _RAISED if one != signal.SIGHUP or signal.getsignal(one) != signal.SIG_IGN]
+    before = {number: signal.signal(number, _handle) for number in mine}
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        if not last:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+        else:
+            if _received is None:  # too late to interrupt anything
+                _received, _when = KeyboardInterrupt, time.monotonic()
+            atexit.register(_ignore, mine)  # by when threads have ended
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
@@ -48,9 +68,29 @@ def _handle(number: int, frame: FrameType | None) -> None:
             signal.signal(number, signal.SIG_DFL)
             os.kill(os.getpid(), number)
         return
-    _received = Terminated if number == signal.SIGTERM else KeyboardInterrupt
+    _received = _RAISED[number]
     _when = now
+    if number == signal.SIGHUP:
+        _leave_terminal()
     raise _received
+
+
+def _ignore(numbers: list[int]) -> None:
+    """For Python's last moments, in which it has no handlers: the exit code stays what it is."""
+    for number in numbers:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _leave_terminal() -> None:
+    """Have what is printed go nowhere: to write to a terminal that is closed is an error."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        try:
+            if stat.S_ISCHR(os.fstat(stream).st_mode):
+                os.dup2(nowhere, stream)
+        except OSError:  # nothing is open there
+            continue
+    os.close(nowhere)
 
 
 def check() -> None:
@@ -60,5 +100,5 @@ def check() -> None:
 
 
 def exit_code(error: BaseException | None) -> int:
-    """130, or 143 for a ``Terminated``."""
-    return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
+    """130, or 143 for a ``Terminated`` and 129 for a ``HungUp``."""
+    return TERMINATED if isinstance(error, Terminated) else HUNG_UP if isinstance(error, HungUp) else INTERRUPTED

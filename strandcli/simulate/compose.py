@@ -127,16 +127,15 @@ def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
 def _load(text: str, folder: Path) -> Callable[..., None]:
     name = f"step_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     path = folder / f"{name}.py"
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
+    if not path.exists() or path.read_bytes() != text.encode():  # bytes: a damaged file need not be text
         handle, temporary = tempfile.mkstemp(dir=folder, suffix=".py.part")
-        with open(handle, "w", encoding="utf-8") as out:
-            out.write(text)
+        with open(handle, "wb") as out:
+            out.write(text.encode())
         os.replace(temporary, path)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
-    assert spec.loader is not None
     module: Any = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
-    spec.loader.exec_module(module)
+    exec(compile(text, path, "exec"), module.__dict__)  # not by the loader, whom damaged bytecode beside it would stop
     step: Callable[..., None] = module.step
     return step

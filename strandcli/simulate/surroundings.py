@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..constants import W
+from ..errors import UsageError
 from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
 from .rules import collision, wind
 
@@ -23,13 +24,20 @@ def gravity(scene: Any) -> NDArray[np.float64]:
 
 
 class Surroundings:
-    """Those of one scene, in numbers of a floating type."""
+    """Those of one scene, in numbers of a floating type. Raises `UsageError` for winds that rods cannot take together.
+    """
 
     def __init__(self, scene: Any, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
         self.gravity = gravity(scene)
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self._travelling = [one for one in self.winds if wind.travels(one)]
+        if self._travelling and len(self.winds) > 1:  # each strand has one factor, of the air's whole velocity
+            raise UsageError(
+                f"{scene.source or 'scene'}: rule wind: of {len(self.winds)} winds, {len(self._travelling)} with gusts "
+                "that travel: the solver rod lets gusts travel where there is no other wind; set wavelength: 0, take "
+                "out the other winds, or use solver: thesis"
+            )
         phases = wind.phases(scene.seed).tolist()
         self._phases, self._swings = phases[:3], phases[3:]
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
