@@ -48,6 +48,17 @@ def test_a_preset_is_studied(run: Runner) -> None:
     assert "--overwrite" in again.error()
 
 
+@pytest.mark.parametrize("kind", ["csv", "json", "png", "svg"])
+def test_no_file_is_replaced_unasked(run: Runner, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
+    Path("s").mkdir()
+    Path(f"s/still.{kind}").write_text("somebody's")
+    refused = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert refused.code == 2
+    assert f"still.{kind}: is there already; add --overwrite" in refused.error()
+    assert Path(f"s/still.{kind}").read_text() == "somebody's"
+
+
 def test_where_nothing_can_be_written_nothing_is_measured(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("s").write_text("a file")
     monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))

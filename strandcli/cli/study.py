@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
+KINDS = ("csv", "json", "png", "svg")
+"""Files of a study."""
 
 max_error = click.option(
     "--max-error", type=ErrorType(), metavar="ERROR", help="Error that settings have to keep under: 1% or 0.01."
@@ -88,7 +90,8 @@ def command(
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
     for request in requests:
-        options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
+        for kind in KINDS:
+            options.refuse_existing(folder / f"{file_name(request.name, axis)}.{kind}", overwrite)
 
     from .. import runtime
     from ..output.files import require_folder
@@ -118,7 +121,7 @@ def command(
         click.echo("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
-        click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)
+        click.echo(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
     missed = [one for one in studies if one.offered and not one.recommended]
     if max_error is not None and missed:
         from ..study.remedy import why_missed
