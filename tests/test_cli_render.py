@@ -119,6 +119,21 @@ def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
     assert hashes("a")[1] != first["frames"][0]["pixels_sha256"]
 
 
+@pytest.mark.parametrize(("command", "name"), [("render", "report.json"), ("simulate", "manifest.json")])
+@pytest.mark.parametrize("text", ["{}", '{"frames": []}', "no json", "[]"])
+def test_what_somebody_else_wrote_is_not_replaced_unasked(run: Runner, command: str, name: str, text: str) -> None:
+    Path("a").mkdir()
+    Path("a", name).write_text(text)
+    for more in ([], ["--resume"]):
+        refused = run(command, "tiny.yaml", "-f", "1", "-o", "a", *more)
+        assert refused.code == 2
+        assert f"a/{name}: was not written by strandcli; add --overwrite" in refused.error()
+        assert Path("a", name).read_text() == text
+    assert names("a") == [name]
+    assert run(command, "tiny.yaml", "-f", "1", "-o", "a", "--overwrite").code == 0
+    assert run(command, "tiny.yaml", "-f", "2", "-o", "a").code == 0
+
+
 def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> None:
     run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
     first = report("a")["frames"]

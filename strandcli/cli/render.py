@@ -114,7 +114,7 @@ def command(
     require_memory(plan)
 
     from ..output.frames import FrameWriter
-    from ..output.report import RunReport, fingerprint
+    from ..output.report import FILE, RunReport, fingerprint
 
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
     writer = FrameWriter(
@@ -125,6 +125,7 @@ def command(
         resume=resume,
         scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
         also=[f"animation.{kind}" for kind in animate or ()],
+        own=[FILE],
         layers=scene.image.aovs,
         exr=exr,
     )

@@ -18,7 +18,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..errors import RefusedError
+from ..errors import RefusedError, UsageError
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
 _DAY = 86_400.0
@@ -63,6 +63,20 @@ def write_json(path: Path, data: Any) -> None:
     """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON."""
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
     write_pieces(path, [text.encode(), b"\n"])
+
+
+def require_own(path: Path) -> None:
+    """``UsageError`` where something is at ``path`` that is no JSON file of strandcli's own, which says its version."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except (OSError, ValueError, RecursionError):
+        data = None
+    if not isinstance(data, dict) or "strandcli" not in data:
+        raise UsageError(
+            f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder with -o"
+        )
 
 
 def _discard(path: Path) -> None:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .. import __version__
 from ..errors import RefusedError, UsageError
 from .claim import Claim
-from .files import atomic, prepare_folder, write_json
+from .files import atomic, prepare_folder, require_own, write_json
 
 Positions = npt.NDArray[np.float32]
 
@@ -48,6 +48,8 @@ class PositionsWriter:
                 f"{directory}: already holds {', '.join(there[:3])}{more}; "
                 "add --overwrite to replace or --resume to keep what is there"
             )
+        if not overwrite:
+            require_own(directory / MANIFEST)
         self.wanted = tuple(f for f in frames if f not in self.kept)
         self.done = list(self.kept)
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
