@@ -155,6 +155,17 @@ def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> N
     assert [entry["frame"] for entry in report("a")["frames"]] == [2, 7]
 
 
+def test_frames_of_two_scenes_in_one_folder_are_told(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-2").code == 0
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "3").err
+    other = run("render", "tiny.yaml", "--seed", "7", "-o", "a", "-f", "3-4", "--overwrite")
+    assert other.code == 0
+    (warning,) = (line for line in other.err.splitlines() if "warning" in line)
+    assert "a: 2 frames there of another scene or other settings, such as frame_0001.png" in warning
+    assert report("a")["warnings"] == [warning.partition("warning: ")[2]]
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite").err
+
+
 def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
     several = [child(run.folder, "render", "tiny.yaml", "-o", "a", "-f", f"{n}-12x3", "-q") for n in (1, 2, 3)]
     for process in several:

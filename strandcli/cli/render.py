@@ -197,7 +197,13 @@ def _run(
             progress.line(f"warning: {message}")
 
     from .. import runtime
+    from ..output.report import of_another_film, read_report
 
+    numbers = (*writer.wanted, *writer.written)
+    others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
+    if others:
+        there = f"{_count(len(others))} there of another scene or other settings, such as {others[0]}"
+        warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
     before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
@@ -286,9 +292,12 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
 
 
 def _interrupted(writer: FrameWriter, besides: str = "") -> str:
-    count = len(writer.written)
-    frames = f"{count} finished {'frame' if count == 1 else 'frames'}"
-    return f"{writer.directory}: interrupted; {besides}{frames} stay, --resume goes on"
+    finished = _count(len(writer.written), " finished")
+    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
+
+
+def _count(frames: int, which: str = "") -> str:
+    return f"{frames}{which} {'frame' if frames == 1 else 'frames'}"
 
 
 def _line(number: int, report: Mapping[str, Any]) -> str:
@@ -301,7 +310,7 @@ def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> Non
     drawn = len(writer.wanted)
     kept = len(writer.written) - drawn
     totals = data["totals"]
-    words = f"{writer.directory}: {drawn} {'frame' if drawn == 1 else 'frames'} in {_seconds(totals['seconds'])}"
+    words = f"{writer.directory}: {_count(drawn)} in {_seconds(totals['seconds'])}"
     compiling = data["compile_seconds"] or 0.0
     if compiling:
         words += f", of which {compiling:.1f} s compiling (only on first use)"
