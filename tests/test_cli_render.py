@@ -166,6 +166,26 @@ def test_frames_of_two_scenes_in_one_folder_are_told(run: Runner) -> None:
     assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite").err
 
 
+C_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+
+
+@pytest.mark.parametrize("locale", [{}, C_LOCALE], ids=["utf8", "ascii"])
+@pytest.mark.parametrize(("name", "shown"), [(b"p\xff", "p\ufffd"), (b"p\xc3\xbc", "p\u00fc")], ids=["bytes", "umlaut"])
+def test_names_that_are_no_text_end_in_a_report(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, locale: dict[str, str], name: bytes, shown: str
+) -> None:
+    Path(os.fsdecode(name + b".yaml")).write_text(TINY)
+    for variable, value in locale.items():
+        monkeypatch.setenv(variable, value)
+    preset, folder = os.fsdecode(name + b".yaml"), os.fsdecode(name)
+    process = child(run.folder, "render", preset, "-f", "1", "-o", folder, "--json", "--no-progress", encoding="utf-8")
+    out, err = process.communicate(timeout=240)
+    assert process.returncode == 0, err
+    assert json.loads(out)["preset"]["name"] == shown
+    assert report(folder)["preset"]["name"] == shown
+    assert len(err.splitlines()) == 1
+
+
 def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
     several = [child(run.folder, "render", "tiny.yaml", "-o", "a", "-f", f"{n}-12x3", "-q") for n in (1, 2, 3)]
     for process in several:

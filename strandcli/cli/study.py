@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -207,7 +208,8 @@ def file_name(name: str, axis: str | None = None) -> str:
     """A subject's name as that of a file, with the axis where that is one of pictures."""
     if axis not in (None, "motion", "reference"):
         name = f"{name}-{axis}"
-    return re.sub(r"[^\w.-]+", "-", name).strip("-.") or "study"
+    letters = 0 if sys.getfilesystemencoding() == "utf-8" else re.ASCII
+    return re.sub(r"[^\w.-]+", "-", name, flags=letters).strip("-.") or "study"
 
 
 def _finite(data: Any) -> Any:

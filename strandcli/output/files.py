@@ -60,9 +60,12 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
 
 
 def write_json(path: Path, data: Any) -> None:
-    """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON."""
+    """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON.
+
+    Bytes of a path that are no text stand there as Python has them, escaped: ``\\udcff``.
+    """
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
-    write_pieces(path, [text.encode(), b"\n"])
+    write_pieces(path, [text.encode(errors="backslashreplace"), b"\n"])
 
 
 def require_own(path: Path) -> None:
