@@ -131,6 +131,13 @@ def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path:
     assert lower[0] > lower[2]
 
 
+@pytest.mark.parametrize(("path", "words"), [("/dev/null", "no file but a device"), ("/", "a folder")])
+def test_what_is_there_and_no_file_is_not_said_to_be_missing(tmp_path: Path, path: str, words: str) -> None:
+    (tmp_path / "scene.yaml").write_text(PRESET % path)
+    with pytest.raises(SceneError, match=f"environment.image: must be the path of a file, and {path} is {words}"):
+        load(str(tmp_path / "scene.yaml"))
+
+
 def test_a_path_is_meant_from_where_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a preset from the preset's folder, also where another extends it; after --set from here."""
     (tmp_path / "looks").mkdir()

@@ -46,6 +46,7 @@ def test_the_system_s_refusals_become_one_clear_line(
     with pytest.raises(RefusedError, match=words) as caught:
         files.write_pieces(tmp_path / "a.bin", [b"x"])
     assert "a.bin" in str(caught.value)
+    assert "--resume" not in str(caught.value)  # which most commands do not have
     assert "\n" not in str(caught.value)
     assert os.listdir(tmp_path) == []
 

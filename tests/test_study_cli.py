@@ -160,7 +160,8 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--dt", "nan"], "not a step"),
         (["still.yaml", "--dt", "0.03"], "no whole part of a frame"),
         (["still.yaml", "--dt", "1/24", "--substeps", "2"], "exclude each other"),
-        (["still.yaml", "--span", "0"], "0<x<=3600"),
+        (["still.yaml", "--span", "0"], "0.001<=x<=3600"),
+        (["still.yaml", "--span", "1e-300"], "0.001<=x<=3600"),
         (["still.yaml", "--strands", "0"], "range 1<=x"),
         (["still.yaml", "--set", "time.substeps"], "KEY=VALUE"),
         (["--reference", "beam", "--strands", "4"], "--strands is for presets"),
@@ -199,6 +200,7 @@ def test_render_takes_the_cheapest_setting_and_remembers_it(
     first = run("render", "still.yaml", "-f", "1", "-o", "a", "--max-error", "1%", "--no-progress")
     assert first.code == 0, first.err
     assert "by a study" in first.err
+    assert "still: under 1 %: " in first.err
     assert "time.substeps=" in first.err
     second = run("render", "still.yaml", "-f", "1", "-o", "b", "--max-error", "2%", "--size", "30x20", "--no-progress")
     assert second.code == 0, second.err

@@ -129,6 +129,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         return report(error, state.debug)
 
 
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _REFUSALS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENAMETOOLONG)
 
 
@@ -176,6 +177,8 @@ def report(error: BaseException, debug: bool) -> int:
 
 
 def _os_error(error: OSError) -> str:
+    if error.filename is None and error.errno in _FULL:  # files have names, or refusals of their own
+        return f"standard output: {error.strerror}"
     return f"{error.filename}: {error.strerror}" if error.filename is not None else str(error.strerror)
 
 

@@ -38,7 +38,7 @@ class KindsType(click.ParamType):
 
 
 class LayersType(click.ParamType):
-    """Names of layers, separated by commas; which there are the scene knows."""
+    """Names of layers, separated by commas."""
 
     name = "LAYERS"
 
@@ -48,6 +48,14 @@ class LayersType(click.ParamType):
         names = tuple(word.strip() for word in str(value).split(","))
         if not all(names):
             self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
+        from ..scene.faults import hint, shown
+        from ..scene.model import AOVS
+
+        for place, name in enumerate(names):
+            if name not in AOVS:
+                self.fail(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}", param, ctx)
+            if name in names[:place]:
+                self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
         return names
 
 
@@ -166,6 +174,7 @@ def _advised(
     """Settings under an error, as after --set; those that the user gave are left alone."""
     from .. import runtime
     from ..study.advice import advise
+    from ..study.chart import share
 
     fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
     if given["particles"] is not None:
@@ -175,7 +184,7 @@ def _advised(
         name = options.preset_name(preset)
         advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
     if not quiet:
-        click.echo(f"{name}: {advice.text()}", err=True)
+        click.echo(f"{name}: under {share(max_error)}: {advice.text()}", err=True)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 

@@ -50,7 +50,7 @@ max_error = click.option(
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
-@click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
+@click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
 @click.option("--size", type=options.SizeType(), help="Size of pictures.  [default: some 30,000 pixels]")

@@ -90,8 +90,8 @@ def _discard(path: Path) -> None:
 def refusal(error: OSError, path: Path) -> RefusedError:
     """The one-line error for a file that could not be written."""
     reasons = {
-        errno.ENOSPC: "the disk is full; free some space, then run again with --resume",
-        errno.EDQUOT: "the disk quota is used up; free some space, then run again with --resume",
+        errno.ENOSPC: "the disk is full; free some space, then run again",
+        errno.EDQUOT: "the disk quota is used up; free some space, then run again",
         errno.EFBIG: "the file is larger than this file system or its limits allow",
         errno.EROFS: "the file system is read-only; choose another place",
         errno.EACCES: "no permission to write there; choose another place",
@@ -102,6 +102,12 @@ def refusal(error: OSError, path: Path) -> RefusedError:
     }
     reason = reasons.get(error.errno or 0, f"{error.strerror or error}; choose another place")
     return RefusedError(f"{path}: cannot be written: {reason}")
+
+
+def with_whole(error: RefusedError, count: int) -> RefusedError:
+    """The same of a run that can be resumed, after so many frames."""
+    whole = f"{count} finished {'frame is' if count == 1 else 'frames are'} whole, --resume keeps"
+    return RefusedError(f"{error}; {whole} {'it' if count == 1 else 'them'}") if count else error
 
 
 def remove_strays(directory: Path) -> list[Path]:

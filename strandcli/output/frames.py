@@ -18,7 +18,7 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .claim import Claim
-from .files import prepare_folder, require_own, write_pieces
+from .files import prepare_folder, require_own, with_whole, write_pieces
 from .layers import Layers, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
@@ -163,9 +163,7 @@ class FrameWriter:
         if self._failure is None:
             return
         if isinstance(self._failure, RefusedError):
-            count = sum(one.seconds is not None for one in self.written.values())
-            whole = f"; {count} finished {'frame is' if count == 1 else 'frames are'} whole" if count else ""
-            raise RefusedError(f"{self._failure}{whole}")
+            raise with_whole(self._failure, sum(one.seconds is not None for one in self.written.values()))
         raise self._failure
 
     def _work(self) -> None:
