@@ -123,6 +123,7 @@ def test_a_preset_that_is_not_there_is_exit_code_2(run: Runner) -> None:
         (PermissionError(13, "words", "a"), 4),
         (OSError(28, "words", "a"), 4),
         (OSError(36, "words", "a"), 4),
+        (OSError(28, "words"), 4),
         (OSError(5, "words", "a"), 1),
         (click.ClickException("words"), 2),
         (KeyboardInterrupt(), 130),
@@ -142,6 +143,16 @@ def test_every_ending_has_its_exit_code_and_one_line_at_most(
     if not isinstance(error, KeyboardInterrupt | BrokenPipeError):
         assert result.error().startswith("strandcli: error: ")
         assert isinstance(error, MemoryError) or "words" in result.error()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_where_standard_output_is_full_it_is_named(run: Runner) -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "strandcli", "schema"],
+            env=environment(), text=True, stdout=full, stderr=subprocess.PIPE, timeout=120,
+        )  # fmt: skip
+    assert (done.returncode, done.stderr) == (4, "strandcli: error: standard output: No space left on device\n")
 
 
 @pytest.mark.parametrize("closed", [("stdout",), ("stderr",), ("stdout", "stderr")], ids=" and ".join)

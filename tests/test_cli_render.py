@@ -127,6 +127,21 @@ def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
     assert hashes("a")[1] != first["frames"][0]["pixels_sha256"]
 
 
+@pytest.mark.parametrize(("command", "name"), [("render", "report.json"), ("simulate", "manifest.json")])
+@pytest.mark.parametrize("text", ["{}", '{"frames": []}', "no json", "[]"])
+def test_what_somebody_else_wrote_is_not_replaced_unasked(run: Runner, command: str, name: str, text: str) -> None:
+    Path("a").mkdir()
+    Path("a", name).write_text(text)
+    for more in ([], ["--resume"]):
+        refused = run(command, "tiny.yaml", "-f", "1", "-o", "a", *more)
+        assert refused.code == 2
+        assert f"a/{name}: was not written by strandcli; add --overwrite" in refused.error()
+        assert Path("a", name).read_text() == text
+    assert names("a") == [name]
+    assert run(command, "tiny.yaml", "-f", "1", "-o", "a", "--overwrite").code == 0
+    assert run(command, "tiny.yaml", "-f", "2", "-o", "a").code == 0
+
+
 def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> None:
     run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
     first = report("a")["frames"]
@@ -146,6 +161,37 @@ def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> N
     Path("a/frame_0006.png").write_bytes(Path("a/frame_0001.png").read_bytes())  # another scene's
     run("render", "tiny.yaml", "-o", "a", "-f", "7", "--seed", "9")
     assert [entry["frame"] for entry in report("a")["frames"]] == [2, 7]
+
+
+def test_frames_of_two_scenes_in_one_folder_are_told(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-2").code == 0
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "3").err
+    other = run("render", "tiny.yaml", "--seed", "7", "-o", "a", "-f", "3-4", "--overwrite")
+    assert other.code == 0
+    (warning,) = (line for line in other.err.splitlines() if "warning" in line)
+    assert "a: 2 frames there of another scene or other settings, such as frame_0001.png" in warning
+    assert report("a")["warnings"] == [warning.partition("warning: ")[2]]
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite").err
+
+
+C_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+
+
+@pytest.mark.parametrize("locale", [{}, C_LOCALE], ids=["utf8", "ascii"])
+@pytest.mark.parametrize(("name", "shown"), [(b"p\xff", "p\ufffd"), (b"p\xc3\xbc", "p\u00fc")], ids=["bytes", "umlaut"])
+def test_names_that_are_no_text_end_in_a_report(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, locale: dict[str, str], name: bytes, shown: str
+) -> None:
+    Path(os.fsdecode(name + b".yaml")).write_text(TINY)
+    for variable, value in locale.items():
+        monkeypatch.setenv(variable, value)
+    preset, folder = os.fsdecode(name + b".yaml"), os.fsdecode(name)
+    process = child(run.folder, "render", preset, "-f", "1", "-o", folder, "--json", "--no-progress", encoding="utf-8")
+    out, err = process.communicate(timeout=240)
+    assert process.returncode == 0, err
+    assert json.loads(out)["preset"]["name"] == shown
+    assert report(folder)["preset"]["name"] == shown
+    assert len(err.splitlines()) == 1
 
 
 def test_runs_at_once_report_each_others_frames(run: Runner) -> None:

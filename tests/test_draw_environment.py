@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from strand_kit import frames_of
 
 from strandcli import load
-from strandcli.draw.environment import coefficients, read_hdr, sky_of
+from strandcli.draw.environment import coefficients, read, read_hdr, sky_of
 from strandcli.draw.kernels.light import around
 from strandcli.errors import UsageError
+from strandcli.output import png
 from strandcli.scene import SceneError
 
 HIGH, WIDE = 48, 96
@@ -109,8 +113,6 @@ environment: {image: %s, intensity: 2}
 
 
 def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path: Path) -> None:
-    from PIL import Image
-
     preset = tmp_path / "scene.yaml"
     preset.write_text(PRESET % "sky.png")
     with pytest.raises(SceneError, match=r"scene\.yaml:\d+:\d+: environment\.image: .*there is no file .*sky\.png"):
@@ -127,6 +129,13 @@ def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path:
     upper, lower = image[3:10, 15:25].mean((0, 1)), image[20:27, 15:25].mean((0, 1))
     assert upper[2] > upper[0]
     assert lower[0] > lower[2]
+
+
+@pytest.mark.parametrize(("path", "words"), [("/dev/null", "no file but a device"), ("/", "a folder")])
+def test_what_is_there_and_no_file_is_not_said_to_be_missing(tmp_path: Path, path: str, words: str) -> None:
+    (tmp_path / "scene.yaml").write_text(PRESET % path)
+    with pytest.raises(SceneError, match=f"environment.image: must be the path of a file, and {path} is {words}"):
+        load(str(tmp_path / "scene.yaml"))
 
 
 def test_a_path_is_meant_from_where_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,3 +157,53 @@ def test_a_path_is_meant_from_where_it_is_written(tmp_path: Path, monkeypatch: p
     child.write_text("environment: {intensity: 2}\n")
     with pytest.raises(SceneError, match="must be the path of a lat-long picture"):
         load(str(child))
+
+
+def sixteen(path: Path, colours: np.ndarray) -> None:
+    path.write_bytes(b"".join(png.encode(colours.astype(np.uint16))))
+
+
+@pytest.mark.parametrize("grey", [True, False])
+def test_sixteen_bits_are_read_by_the_curve_of_eight(tmp_path: Path, grey: bool) -> None:
+    codes = np.array([[0, 2000, 32768], [65535, 257, 40000]])
+    sixteen(tmp_path / "sky.png", codes if grey else np.stack([codes, codes[::-1], codes[:, ::-1]], -1))
+    found = read(str(tmp_path / "sky.png"))
+    encoded = codes / 65535
+    wanted = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(found[..., 0], wanted, rtol=1e-12)
+    np.testing.assert_allclose(found[..., 1], wanted if grey else wanted[::-1], rtol=1e-12)
+    np.testing.assert_allclose(found[..., 2], wanted if grey else wanted[:, ::-1], rtol=1e-12)
+    Image.fromarray(np.rint(codes / 257).astype(np.uint8)).save(tmp_path / "eight.png")
+    np.testing.assert_allclose(found[..., 0], read(str(tmp_path / "eight.png"))[..., 0], atol=0.005)
+
+
+def test_pictures_of_other_kinds_are_refused_by_name(tmp_path: Path) -> None:
+    """Their samples are no sRGB of 8 or 16 bits, or they are several pictures."""
+    grey = Image.new("L", (8, 4), 40)
+    float_picture = Image.fromarray(np.full((4, 8), np.nan, np.float32))
+    for name, image, more, words in (
+        ("sky.tif", float_picture, {}, "a TIFF picture is not read"),
+        ("sky.gif", grey, {}, "a GIF picture is not read"),
+        ("sky.webp", grey.convert("RGB"), {}, "a WEBP picture is not read"),
+        ("ink.jpg", Image.new("CMYK", (8, 4)), {}, "a CMYK JPEG is not read"),
+        ("film.png", grey, {"save_all": True, "append_images": [Image.new("L", (8, 4), 90)]}, "an animation"),
+    ):
+        image.save(tmp_path / name, **more)
+        with pytest.raises(UsageError, match=rf"{name}: {words}.*; give a lat-long picture, PNG, JPEG or Radiance"):
+            read(str(tmp_path / name))
+    grey.save(tmp_path / "sky.jpg")
+    assert read(str(tmp_path / "sky.jpg")).shape == (4, 8, 3)
+
+
+@pytest.mark.parametrize(("width", "height"), [(20000, 10000), (16384, 8192), (8193, 8192)])
+def test_a_picture_too_big_is_told_the_limit_without_warnings(
+    tmp_path: Path, width: int, height: int, recwarn: pytest.WarningsRecorder
+) -> None:
+    small = b"".join(png.encode(np.zeros((1, 1, 3), np.uint8)))
+    header = struct.pack(">II", width, height) + small[24:29]
+    (tmp_path / "sky.png").write_bytes(
+        small[:16] + header + struct.pack(">I", zlib.crc32(b"IHDR" + header)) + small[33:]
+    )
+    with pytest.raises(UsageError, match=r"sky\.png: .*more than 67,108,864 pixels"):
+        read(str(tmp_path / "sky.png"))
+    assert not recwarn.list

@@ -14,6 +14,7 @@ from PIL import Image
 
 from strandcli.errors import MismatchError, UsageError
 from strandcli.output import compare as module
+from strandcli.output import png
 from strandcli.output.compare import compare, compare_files, difference_image, side_by_side
 
 pairs = st.tuples(st.integers(1, 9), st.integers(1, 9)).flatmap(
@@ -94,3 +95,25 @@ def test_equal_images_give_a_plain_dark_difference() -> None:
     a = np.full((4, 4, 3), 200, np.uint8)
     assert set(np.unique(difference_image(a, a))) == {60}
     assert module.compare(a, a).psnr_db is None
+
+
+@pytest.mark.parametrize("grey", [True, False])
+def test_sixteen_bits_are_compared_in_full(tmp_path: Path, grey: bool) -> None:
+    a = np.full((4, 6) if grey else (4, 6, 3), 2000, np.uint16)
+    b = a.copy()
+    b[1, 2] += 1
+    for name, image in (("a.png", a), ("b.png", b)):
+        (tmp_path / name).write_bytes(b"".join(png.encode(image)))
+    found, one, two = compare_files(tmp_path / "a.png", tmp_path / "b.png")
+    assert (found.over, found.max_difference) == (1, pytest.approx(1 / 257))
+    np.testing.assert_allclose(one, 2000 / 257)
+    assert compare_files(tmp_path / "a.png", tmp_path / "a.png")[0].equal
+    assert difference_image(one, two).dtype == np.uint8
+    Image.new("RGB", (6, 4), (8, 8, 8)).save(tmp_path / "eight.png")
+    assert compare_files(tmp_path / "a.png", tmp_path / "eight.png")[0].max_difference == pytest.approx(8 - 2000 / 257)
+
+
+def test_samples_of_32_bits_are_refused(tmp_path: Path) -> None:
+    Image.fromarray(np.full((4, 6), 0.5, np.float32)).save(tmp_path / "a.tif")
+    with pytest.raises(UsageError, match=r"a\.tif: .*32 bits; save it with 8 or 16, as PNG"):
+        compare_files(tmp_path / "a.tif", tmp_path / "a.tif")

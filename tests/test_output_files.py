@@ -46,6 +46,7 @@ def test_the_system_s_refusals_become_one_clear_line(
     with pytest.raises(RefusedError, match=words) as caught:
         files.write_pieces(tmp_path / "a.bin", [b"x"])
     assert "a.bin" in str(caught.value)
+    assert "--resume" not in str(caught.value)  # which most commands do not have
     assert "\n" not in str(caught.value)
     assert os.listdir(tmp_path) == []
 
@@ -102,3 +103,9 @@ def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RefusedError, match="no permission"):
         files.prepare_folder(tmp_path, 0)
     tmp_path.chmod(0o755)
+
+
+def test_json_holds_bytes_that_are_no_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    files.write_json(path, {"path": "p\udcff"})
+    assert json.loads(path.read_text(encoding="utf-8")) == {"path": "p\udcff"}

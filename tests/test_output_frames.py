@@ -125,7 +125,8 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
         write_pieces(path, until_full() if path.name == frame_file(3) else pieces)
 
     monkeypatch.setattr(module, "write_pieces", fill)
-    with pytest.raises(RefusedError, match=r"frame_0003.png: .*disk is full.*; 2 finished frames are whole"):
+    words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
+    with pytest.raises(RefusedError, match=words):
         write(tmp_path, list(range(1, 20)))
     assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
 

@@ -143,7 +143,7 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--aov", "depht"], "image.aovs.0: unknown layer 'depht'; did you mean 'depth'?"),
+        (["--aov", "depht"], "Invalid value for '--aov': unknown layer 'depht'; did you mean 'depth'?"),
         (["--aov", "depth,"], "'depth,' is not a list of layers such as depth,mask"),
         (["--aov", "depth,depth"], "the layer 'depth' is listed twice"),
         (["--set", "image.crop=40x40+30+0"], "the window 40x40+30+0 reaches beyond the picture of 64x48"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strandcli.errors import UsageError
+from strandcli.errors import RefusedError, UsageError
 from strandcli.output.positions import MANIFEST, PositionCache, PositionsWriter, positions_file
 
 SHAPE = (5, 4, 3)
@@ -111,6 +112,16 @@ def test_a_folder_that_is_none_of_ours_is_refused(cache: Path, manifest: str | N
         (cache / MANIFEST).write_text(manifest)
     with pytest.raises(UsageError, match=r"manifest\.json"):
         PositionCache(cache, [1], 5, 4)
+
+
+def test_a_disk_that_fills_up_keeps_what_was_finished(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*arguments: object, **more: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    writer = PositionsWriter(cache, [1, 2, 3], 5, 4, overwrite=False, resume=True)
+    monkeypatch.setattr(np, "savez", fail)
+    with pytest.raises(RefusedError, match=r"disk is full.*; 2 finished frames are whole, --resume keeps them"):
+        writer.write(3, np.zeros((5, 4, 3), np.float32))
 
 
 def test_existing_files_are_kept_from_harm_and_resumed(cache: Path) -> None:

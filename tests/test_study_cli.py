@@ -48,6 +48,17 @@ def test_a_preset_is_studied(run: Runner) -> None:
     assert "--overwrite" in again.error()
 
 
+@pytest.mark.parametrize("kind", ["csv", "json", "png", "svg"])
+def test_no_file_is_replaced_unasked(run: Runner, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
+    Path("s").mkdir()
+    Path(f"s/still.{kind}").write_text("somebody's")
+    refused = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert refused.code == 2
+    assert f"still.{kind}: is there already; add --overwrite" in refused.error()
+    assert Path(f"s/still.{kind}").read_text() == "somebody's"
+
+
 def test_where_nothing_can_be_written_nothing_is_measured(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("s").write_text("a file")
     monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
@@ -149,7 +160,8 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--dt", "nan"], "not a step"),
         (["still.yaml", "--dt", "0.03"], "no whole part of a frame"),
         (["still.yaml", "--dt", "1/24", "--substeps", "2"], "exclude each other"),
-        (["still.yaml", "--span", "0"], "0<x<=3600"),
+        (["still.yaml", "--span", "0"], "0.001<=x<=3600"),
+        (["still.yaml", "--span", "1e-300"], "0.001<=x<=3600"),
         (["still.yaml", "--strands", "0"], "range 1<=x"),
         (["still.yaml", "--set", "time.substeps"], "KEY=VALUE"),
         (["--reference", "beam", "--strands", "4"], "--strands is for presets"),
@@ -188,6 +200,7 @@ def test_render_takes_the_cheapest_setting_and_remembers_it(
     first = run("render", "still.yaml", "-f", "1", "-o", "a", "--max-error", "1%", "--no-progress")
     assert first.code == 0, first.err
     assert "by a study" in first.err
+    assert "still: under 1 %: " in first.err
     assert "time.substeps=" in first.err
     second = run("render", "still.yaml", "-f", "1", "-o", "b", "--max-error", "2%", "--size", "30x20", "--no-progress")
     assert second.code == 0, second.err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -101,7 +102,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by a shell or a service manager
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - as long as the process
+<<<<<<< HEAD
     with signals.handled(last=arguments is None):
+=======
+    if isinstance(sys.stdout, io.TextIOWrapper):  # as stderr is: a path's bytes may be no text
+        sys.stdout.reconfigure(errors="backslashreplace")
+    with signals.handled():
+>>>>>>> mendB
         return _main(arguments)
 
 
@@ -127,6 +134,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         return report(error, state.debug)
 
 
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _REFUSALS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENAMETOOLONG)
 
 
@@ -174,6 +182,8 @@ def report(error: BaseException, debug: bool) -> int:
 
 
 def _os_error(error: OSError) -> str:
+    if error.filename is None and error.errno in _FULL:  # files have names, or refusals of their own
+        return f"standard output: {error.strerror}"
     return f"{error.filename}: {error.strerror}" if error.filename is not None else str(error.strerror)
 
 

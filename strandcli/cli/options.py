@@ -205,15 +205,18 @@ def picture_size(scene: Scene) -> tuple[int, int]:
 
 
 def preset_name(preset: str) -> str:
-    """A preset's name without what makes it a file: ``figures/fig02``, and ``hair`` of ``/tmp/hair.yaml``."""
-    if preset.endswith((".yaml", ".yml")):
-        return Path(preset).stem
-    return preset
+    """A preset's name without what makes it a file: ``figures/fig02``, and ``hair`` of ``/tmp/hair.yaml``. It is text
+    whatever the bytes of the path and the locale are."""
+    return _stem(preset).encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
+def _stem(preset: str) -> str:
+    return Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset
 
 
 def default_folder(preset: str) -> Path:
     """Where a command writes when -o is not given: out/PRESET."""
-    parts = [part for part in Path(preset_name(preset)).parts if part not in ("/", "..")]
+    parts = [part for part in Path(_stem(preset)).parts if part not in ("/", "..")]
     return Path("out", *parts)
 
 

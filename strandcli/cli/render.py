@@ -38,7 +38,7 @@ class KindsType(click.ParamType):
 
 
 class LayersType(click.ParamType):
-    """Names of layers, separated by commas; which there are the scene knows."""
+    """Names of layers, separated by commas."""
 
     name = "LAYERS"
 
@@ -48,6 +48,14 @@ class LayersType(click.ParamType):
         names = tuple(word.strip() for word in str(value).split(","))
         if not all(names):
             self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
+        from ..scene.faults import hint, shown
+        from ..scene.model import AOVS
+
+        for place, name in enumerate(names):
+            if name not in AOVS:
+                self.fail(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}", param, ctx)
+            if name in names[:place]:
+                self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
         return names
 
 
@@ -114,7 +122,7 @@ def command(
     require_memory(plan)
 
     from ..output.frames import FrameWriter
-    from ..output.report import RunReport, fingerprint
+    from ..output.report import FILE, RunReport, fingerprint
 
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
     writer = FrameWriter(
@@ -125,6 +133,7 @@ def command(
         resume=resume,
         scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
         also=[f"animation.{kind}" for kind in animate or ()],
+        own=[FILE],
         layers=scene.image.aovs,
         exr=exr,
     )
@@ -165,6 +174,7 @@ def _advised(
     """Settings under an error, as after --set; those that the user gave are left alone."""
     from .. import runtime
     from ..study.advice import advise
+    from ..study.chart import share
 
     fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
     if given["particles"] is not None:
@@ -174,7 +184,7 @@ def _advised(
         name = options.preset_name(preset)
         advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
     if not quiet:
-        click.echo(f"{name}: {advice.text()}", err=True)
+        click.echo(f"{name}: under {share(max_error)}: {advice.text()}", err=True)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 
@@ -196,7 +206,13 @@ def _run(
             progress.line(f"warning: {message}")
 
     from .. import runtime
+    from ..output.report import of_another_film, read_report
 
+    numbers = (*writer.wanted, *writer.written)
+    others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
+    if others:
+        there = f"{_count(len(others))} there of another scene or other settings, such as {others[0]}"
+        warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
     before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
@@ -285,9 +301,12 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
 
 
 def _interrupted(writer: FrameWriter, besides: str = "") -> str:
-    count = len(writer.written)
-    frames = f"{count} finished {'frame' if count == 1 else 'frames'}"
-    return f"{writer.directory}: interrupted; {besides}{frames} stay, --resume goes on"
+    finished = _count(len(writer.written), " finished")
+    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
+
+
+def _count(frames: int, which: str = "") -> str:
+    return f"{frames}{which} {'frame' if frames == 1 else 'frames'}"
 
 
 def _line(number: int, report: Mapping[str, Any]) -> str:
@@ -300,7 +319,7 @@ def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> Non
     drawn = len(writer.wanted)
     kept = len(writer.written) - drawn
     totals = data["totals"]
-    words = f"{writer.directory}: {drawn} {'frame' if drawn == 1 else 'frames'} in {_seconds(totals['seconds'])}"
+    words = f"{writer.directory}: {_count(drawn)} in {_seconds(totals['seconds'])}"
     compiling = data["compile_seconds"] or 0.0
     if compiling:
         words += f", of which {compiling:.1f} s compiling (only on first use)"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
+KINDS = ("csv", "json", "png", "svg")
+"""Files of a study."""
 
 max_error = click.option(
     "--max-error", type=ErrorType(), metavar="ERROR", help="Error that settings have to keep under: 1% or 0.01."
@@ -47,7 +50,7 @@ max_error = click.option(
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
-@click.option("--span", type=click.FloatRange(0, 3600, min_open=True), metavar="SECONDS",
+@click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
 @click.option("--size", type=options.SizeType(), help="Size of pictures.  [default: some 30,000 pixels]")
@@ -88,7 +91,8 @@ def command(
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
     for request in requests:
-        options.refuse_existing(folder / f"{file_name(request.name, axis)}.json", overwrite)
+        for kind in KINDS:
+            options.refuse_existing(folder / f"{file_name(request.name, axis)}.{kind}", overwrite)
 
     from .. import runtime
     from ..output.files import require_folder
@@ -118,7 +122,7 @@ def command(
         click.echo("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
-        click.echo(f"{folder}: {names} (.csv, .json, .png, .svg)", err=True)
+        click.echo(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
     missed = [one for one in studies if one.offered and not one.recommended]
     if max_error is not None and missed:
         from ..study.remedy import why_missed
@@ -204,7 +208,8 @@ def file_name(name: str, axis: str | None = None) -> str:
     """A subject's name as that of a file, with the axis where that is one of pictures."""
     if axis not in (None, "motion", "reference"):
         name = f"{name}-{axis}"
-    return re.sub(r"[^\w.-]+", "-", name).strip("-.") or "study"
+    letters = 0 if sys.getfilesystemencoding() == "utf-8" else re.ASCII
+    return re.sub(r"[^\w.-]+", "-", name, flags=letters).strip("-.") or "study"
 
 
 def _finite(data: Any) -> Any:

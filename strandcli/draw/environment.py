@@ -1,4 +1,4 @@
-"""Light from everywhere, from a lat-long picture: PNG and what else Pillow reads (taken as sRGB), or Radiance .hdr.
+"""Light from everywhere, from a lat-long picture: PNG of 8 or 16 bits and JPEG (taken as sRGB), or Radiance .hdr.
 
 Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. Only the first nine spherical harmonics
 are kept (Ramamoorthi & Hanrahan 2001: a surface cannot tell the rest by a tenth of a per cent on average), with the
@@ -16,12 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..output.samples import opened, samples
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
 
 LARGEST = 2**26
 """Pixels of a picture that are read at the most."""
+TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
+FORMATS = ("PNG", "JPEG", "MPO")
+"""Pillow's names; MPO is the JPEG of cameras that keep further pictures behind the first."""
 COSINE = (1.0, 2.0 / 3.0, 0.25)
 """Zonal coefficients of max(cos, 0) / π, for a Lambertian surface of albedo 1."""
 SINE = (1.0, 0.0, -0.125)
@@ -45,7 +49,8 @@ def read(image: str) -> NDArray[np.floating]:
         return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise UsageError(f"environment.image: {path}: {reason}; give a lat-long picture, PNG or .hdr") from None
+        remedy = "give a lat-long picture, PNG, JPEG or Radiance .hdr"
+        raise UsageError(f"environment.image: {path}: {reason}; {remedy}") from None
 
 
 def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArray[np.float32]:
@@ -87,13 +92,26 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with Image.open(path) as image:
-            if image.width * image.height > LARGEST:
-                raise ValueError(f"{image.width} x {image.height} pixels are too many")
-            encoded = np.asarray(image.convert("RGB"), np.float64) / 255.0
+        with opened(path) as image:
+            if image.format not in FORMATS or image.mode == "CMYK":
+                kind = f"{image.format} picture" if image.mode != "CMYK" else f"CMYK {image.format}"
+                raise ValueError(f"a {kind} is not read")
+            if image.format == "PNG" and getattr(image, "is_animated", False):
+                raise ValueError("an animation has no one sky")
+            _require_size(image.width, image.height)
+            encoded = samples(image)[..., :3].astype(np.float64) / 255.0
     except UnidentifiedImageError:
         raise ValueError("not a picture that can be read") from None
+    except SyntaxError as error:  # Pillow's word for a broken PNG
+        raise ValueError(str(error)) from None
+    except Image.DecompressionBombError:
+        raise ValueError(TOO_MANY) from None
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def _require_size(width: int, height: int) -> None:
+    if not 0 < width * height <= LARGEST:
+        raise ValueError(f"{width} x {height} pixels: {TOO_MANY}" if width * height else "it has no pixels")
 
 
 def read_hdr(path: Path) -> NDArray[np.float32]:
@@ -108,8 +126,7 @@ def read_hdr(path: Path) -> NDArray[np.float32]:
     if len(words) != 4 or words[0] != b"-Y" or words[2] != b"+X" or not (words[1].isdigit() and words[3].isdigit()):
         raise ValueError("its rows must go down and its columns to the right (-Y … +X …)")
     height, width = int(words[1]), int(words[3])
-    if not 0 < height * width <= LARGEST:
-        raise ValueError(f"{width} x {height} pixels are none or too many")
+    _require_size(width, height)
     at = 0
     rgbe = np.empty((height, 4, width), np.uint8)
     for row in range(height):

@@ -8,15 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import MismatchError
 from . import png
 from .files import write_pieces
 
+Samples = NDArray[Any]
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Differences of two images of one size. Units are those of 8-bit images, 0 … 255, over all channels.
+    """Differences of two images of one size. Units are those of 8-bit images, 0 … 255, over all channels;
+    those of 16 bits differ by parts of one.
 
     ``over`` counts the pixels of which some channel differs by more than ``threshold``. ``psnr_db`` is None for equal
     images, whose ratio is infinite. ``rmse_relative`` is the RMSE over the root mean square of the first image, and
@@ -28,7 +32,7 @@ class Comparison:
     threshold: int
     over: int
     over_fraction: float
-    max_difference: int
+    max_difference: float
     rmse: float
     rmse_relative: float | None
     psnr_db: float | None
@@ -49,12 +53,15 @@ class Comparison:
         counted = "differ" if self.threshold == 0 else f"differ by more than {self.threshold}/255"
         return (
             f"{self.over} of {total} pixels ({100 * self.over_fraction:.3g} %) {counted}, "
-            f"the most by {self.max_difference}/255; RMSE {self.rmse:.3g}/255"
+            f"the most by {self.max_difference:.4g}/255; RMSE {self.rmse:.3g}/255"
         )
 
 
-def compare(first: png.Pixels, second: png.Pixels, threshold: int = 0) -> Comparison:
-    """Compare uint8 images of shape (height, width, channels). Raises ``MismatchError`` if their shapes differ."""
+def compare(first: Samples, second: Samples, threshold: int = 0) -> Comparison:
+    """Compare images of shape (height, width, channels), uint8 or `samples` of 16 bits.
+
+    Raises ``MismatchError`` if their shapes differ.
+    """
     if first.shape != second.shape:
         raise MismatchError(f"sizes differ: {_size(first)} against {_size(second)}")
     difference = _difference(first, second)
@@ -68,28 +75,28 @@ def compare(first: png.Pixels, second: png.Pixels, threshold: int = 0) -> Compar
         threshold=threshold,
         over=over,
         over_fraction=over / worst.size,
-        max_difference=int(worst.max()),
+        max_difference=worst.max().item(),
         rmse=math.sqrt(square),
         rmse_relative=math.sqrt(square / level) if level else None,
         psnr_db=10 * math.log10(255.0**2 / square) if square else None,
     )
 
 
-def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Comparison, png.Pixels, png.Pixels]:
+def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Comparison, Samples, Samples]:
     """Compare two files, and hand back what was compared. Alpha counts if either image has some.
 
     Raises ``UsageError`` if one cannot be read and ``MismatchError``, naming both, if their sizes differ.
     """
-    images = png.load(first), png.load(second)
-    mode = "RGBA" if any(image.has_transparency_data for image in images) else "RGB"
-    one, two = (np.asarray(image.convert(mode)) for image in images)
+    images = png.read_samples(first), png.read_samples(second)
+    channels = max(image.shape[2] for image in images)
+    one, two = (image if image.shape[2] == channels else _opaque(image) for image in images)
     try:
         return compare(one, two, threshold), one, two
     except MismatchError as error:
         raise MismatchError(f"{first} and {second}: {error}") from None
 
 
-def difference_image(first: png.Pixels, second: png.Pixels) -> png.Pixels:
+def difference_image(first: Samples, second: Samples) -> png.Pixels:
     """Where two images differ, to be looked at: the first in dark grey, and over it each differing pixel on a scale
     red, yellow, white, stretched so that the greatest difference is white. Each is spread over its 8 neighbours, so
     that a single one is seen."""
@@ -116,8 +123,14 @@ def write_image(path: Path, image: png.Pixels) -> None:
     write_pieces(path, png.encode(image))
 
 
-def _difference(first: png.Pixels, second: png.Pixels) -> Any:
-    return np.abs(first.astype(np.int16) - second.astype(np.int16))
+def _opaque(image: Samples) -> Samples:
+    """The same with an alpha channel."""
+    return np.concatenate([image, np.full((*image.shape[:2], 1), 255, image.dtype)], axis=2)
+
+
+def _difference(first: Samples, second: Samples) -> Any:
+    kind = np.int16 if first.dtype == second.dtype == np.uint8 else np.float64
+    return np.abs(first.astype(kind) - second.astype(kind))
 
 
 def _spread(values: Any) -> Any:
@@ -128,5 +141,5 @@ def _spread(values: Any) -> Any:
     return np.maximum.reduce(shifted)
 
 
-def _size(image: png.Pixels) -> str:
+def _size(image: Samples) -> str:
     return f"{image.shape[1]}x{image.shape[0]}"

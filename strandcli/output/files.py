@@ -18,7 +18,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..errors import RefusedError
+from ..errors import RefusedError, UsageError
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
 _DAY = 86_400.0
@@ -60,9 +60,26 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
 
 
 def write_json(path: Path, data: Any) -> None:
-    """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON."""
+    """Write ``data`` as indented JSON, whole or not at all. NaN and infinities are refused: they are not JSON.
+
+    Bytes of a path that are no text stand there as Python has them, escaped: ``\\udcff``.
+    """
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
-    write_pieces(path, [text.encode(), b"\n"])
+    write_pieces(path, [text.encode(errors="backslashreplace"), b"\n"])
+
+
+def require_own(path: Path) -> None:
+    """``UsageError`` where something is at ``path`` that is no JSON file of strandcli's own, which says its version."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except (OSError, ValueError, RecursionError):
+        data = None
+    if not isinstance(data, dict) or "strandcli" not in data:
+        raise UsageError(
+            f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder with -o"
+        )
 
 
 def _discard(path: Path) -> None:
@@ -73,8 +90,8 @@ def _discard(path: Path) -> None:
 def refusal(error: OSError, path: Path) -> RefusedError:
     """The one-line error for a file that could not be written."""
     reasons = {
-        errno.ENOSPC: "the disk is full; free some space, then run again with --resume",
-        errno.EDQUOT: "the disk quota is used up; free some space, then run again with --resume",
+        errno.ENOSPC: "the disk is full; free some space, then run again",
+        errno.EDQUOT: "the disk quota is used up; free some space, then run again",
         errno.EFBIG: "the file is larger than this file system or its limits allow",
         errno.EROFS: "the file system is read-only; choose another place",
         errno.EACCES: "no permission to write there; choose another place",
@@ -85,6 +102,12 @@ def refusal(error: OSError, path: Path) -> RefusedError:
     }
     reason = reasons.get(error.errno or 0, f"{error.strerror or error}; choose another place")
     return RefusedError(f"{path}: cannot be written: {reason}")
+
+
+def with_whole(error: RefusedError, count: int) -> RefusedError:
+    """The same of a run that can be resumed, after so many frames."""
+    whole = f"{count} finished {'frame is' if count == 1 else 'frames are'} whole, --resume keeps"
+    return RefusedError(f"{error}; {whole} {'it' if count == 1 else 'them'}") if count else error
 
 
 def remove_strays(directory: Path) -> list[Path]:

@@ -18,7 +18,7 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .claim import Claim
-from .files import prepare_folder, write_pieces
+from .files import prepare_folder, require_own, with_whole, write_pieces
 from .layers import Layers, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
@@ -58,12 +58,14 @@ class FrameWriter:
         resume: bool = False,
         scene: str = "",
         also: Sequence[str] = (),
+        own: Sequence[str] = (),
         layers: Sequence[str] = (),
         exr: bool = False,
     ) -> None:
         """``size`` is (width, height). ``scene`` is a fingerprint kept inside each file, so that ``resume`` can tell
-        frames of another scene. ``also`` names further files that the run will write and must not find. ``layers`` are
-        those that come with each picture, and ``exr`` whether as EXR too (see `layers.write_layers`).
+        frames of another scene. ``also`` names further files that the run will write and must not find, ``own`` those
+        which it will replace if they are strandcli's. ``layers`` are those that come with each picture, and ``exr``
+        whether as EXR too (see `layers.write_layers`).
 
         Raises ``RefusedError`` for a folder that cannot be written to or has too little room, or where another run is
         writing the same frames, and ``UsageError`` for files that are in the way.
@@ -82,6 +84,8 @@ class FrameWriter:
         width, height = size
         if directory.is_dir():
             self._look(frames, overwrite, resume, also)
+            for name in () if overwrite else own:
+                require_own(directory / name)
         self.wanted = tuple(frame for frame in frames if frame not in self.written)
         each = width * height * BYTES_PER_PIXEL + layer_bytes(self.layers, exr, width * height)
         prepare_folder(directory, round(len(self.wanted) * each))
@@ -159,9 +163,7 @@ class FrameWriter:
         if self._failure is None:
             return
         if isinstance(self._failure, RefusedError):
-            count = sum(one.seconds is not None for one in self.written.values())
-            whole = f"; {count} finished {'frame is' if count == 1 else 'frames are'} whole" if count else ""
-            raise RefusedError(f"{self._failure}{whole}")
+            raise with_whole(self._failure, sum(one.seconds is not None for one in self.written.values()))
         raise self._failure
 
     def _work(self) -> None:

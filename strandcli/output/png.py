@@ -24,7 +24,7 @@ from __future__ import annotations
 import hashlib
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RefusedError, UsageError
+from .samples import opened, samples
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -104,11 +105,20 @@ def read(path: Path, mode: str = "RGB") -> Pixels:
 
 def load(path: Path) -> Any:
     """The wholly decoded Pillow image at ``path``, with the errors of :func:`read`."""
+    return _decoded(path, lambda image: image.copy())
+
+
+def read_samples(path: Path) -> npt.NDArray[Any]:
+    """The `samples` of the picture at ``path``, with the errors of :func:`read`."""
+    return np.asarray(_decoded(path, samples))
+
+
+def _decoded(path: Path, decode: Callable[[Any], Any]) -> Any:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
-            return image.copy()  # which decodes all of it
+        with opened(path) as image:
+            return decode(image)
     except FileNotFoundError:
         raise UsageError(f"{path}: no such image") from None
     except PermissionError:

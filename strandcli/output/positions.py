@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .. import __version__
 from ..errors import RefusedError, UsageError
 from .claim import Claim
-from .files import atomic, prepare_folder, write_json
+from .files import atomic, prepare_folder, require_own, with_whole, write_json
 
 Positions = npt.NDArray[np.float32]
 
@@ -48,6 +48,8 @@ class PositionsWriter:
                 f"{directory}: already holds {', '.join(there[:3])}{more}; "
                 "add --overwrite to replace or --resume to keep what is there"
             )
+        if not overwrite:
+            require_own(directory / MANIFEST)
         self.wanted = tuple(f for f in frames if f not in self.kept)
         self.done = list(self.kept)
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
@@ -62,8 +64,11 @@ class PositionsWriter:
 
     def write(self, frame: int, positions: Positions) -> None:
         """Write one frame's positions, whole or not at all."""
-        with atomic(self.directory / positions_file(frame)) as file:
-            np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
+        try:
+            with atomic(self.directory / positions_file(frame)) as file:
+                np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
+        except RefusedError as error:
+            raise with_whole(error, len(self.done)) from error
         self.done.append(frame)
 
     def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import math
 import resource
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -189,6 +189,18 @@ def of_others(directory: Path, scene: str, previous: Mapping[str, Any] | None) -
         if isinstance(number, int) and png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
             found[number] = {**entry, "kept": True}
     return found
+
+
+def of_another_film(
+    directory: Path, scene: str, previous: Mapping[str, Any] | None, frames: Sequence[int]
+) -> list[str]:
+    """Files that a ``previous`` report lists, besides those of ``frames``, and that are of another scene than the one
+    with this `fingerprint`."""
+    if previous is None or not scene or previous.get("scene") == scene:
+        return []
+    numbers = [entry.get("frame") for entry in previous.get("frames", []) if isinstance(entry, dict)]
+    files = [frame_file(number) for number in numbers if isinstance(number, int) and number not in frames]
+    return [file for file in files if png.keyword(directory / file, SCENE_KEYWORD) not in (None, scene)]
 
 
 def claim_report(directory: Path) -> Claim:

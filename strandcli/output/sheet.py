@@ -112,7 +112,7 @@ def write_sheet(path: Path, cells: Sequence[Cell], columns: int, width: int) -> 
 def _fit(path: Path, width: int) -> Any:
     from PIL import Image
 
-    picture = png.load(path).convert("RGB")
+    picture = Image.fromarray(np.rint(png.read_samples(path)[..., :3]).astype(np.uint8))
     if picture.width <= width:
         return picture
     height = max(1, round(picture.height * width / picture.width))

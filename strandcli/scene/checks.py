@@ -58,7 +58,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _picture(scene.image)
     if scene.environment is not None and not scene.environment.image:
         place = ("environment.image",)
-        yield Finding(place, "must be the path of a lat-long picture, PNG or .hdr", place)
+        yield Finding(place, "must be the path of a lat-long picture, PNG, JPEG or .hdr", place)
 
 
 def _spacing(emitter: Emitter) -> Iterator[Finding]:

@@ -314,7 +314,11 @@ def _file(node: Scalar) -> str:
     if node.mark.line > 0:
         path = Path(node.mark.file).parent / path
     if not os.path.isfile(path):  # Path.is_file raises where a name is too long
-        raise Refusal(f"and there is no file {one_line(str(path)[-LONGEST_PATH:])}")
+        shown_path = one_line(str(path)[-LONGEST_PATH:])
+        if os.path.exists(path):
+            kind = "a folder" if os.path.isdir(path) else "no file but a device or a pipe"
+            raise Refusal(f"and {shown_path} is {kind}")
+        raise Refusal(f"and there is no file {shown_path}")
     return str(path.absolute())  # so that it stays the same file wherever the scene is dumped to
 
 

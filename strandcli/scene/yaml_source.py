@@ -226,12 +226,14 @@ def _unwanted(character: str) -> bool:
 
 
 def _decoded(data: bytes, file: str) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" in data[:2]:
+        raise SceneError([fault_at(Mark(file, 1, 1), "", "is UTF-16 text; save it as UTF-8")])
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         column = len(data[data.rfind(b"\n", 0, error.start) + 1 : error.start].decode("utf-8", "replace")) + 1
-        message = f"is not UTF-8 text (byte 0x{data[error.start]:02x}); is it a preset?"
+        message = f"is not UTF-8 text (byte 0x{data[error.start]:02x}); if it is a preset, save it as UTF-8"
         raise SceneError([fault_at(Mark(file, line, column), "", message)]) from None
 
 

@@ -1,0 +1,57 @@
+"""The samples of a picture's file, of 8 or 16 bits: Pillow clips 16-bit grey to white and cuts 16-bit colour to 8."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+STEP = 257.0
+"""Steps of 16 bits in one of 8: 65535 / 255."""
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """The Pillow image at ``path``, not decoded yet; a big one without Pillow's warning, which names no remedy."""
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        with Image.open(path) as image:
+            yield image
+
+
+def samples(image: Any) -> npt.NDArray[Any]:
+    """(height, width, 3), or 4 where there is transparency, of an `opened` image, 0 … 255: uint8, or float64 in steps
+    of 1/257 where the file has 16 bits. Raises ``ValueError`` for kinds that would lose some of them, and what Pillow
+    raises for broken files."""
+    raw = _raw_mode(image)
+    if image.mode.startswith("I;16") or (image.mode == "I" and raw.startswith("I;16")):
+        return np.repeat(np.asarray(image, np.float64)[..., None] / STEP, 3, axis=2)
+    if image.mode in ("I", "F"):
+        raise ValueError("its samples have 32 bits; save it with 8 or 16, as PNG")
+    if ";16" not in raw:
+        return np.asarray(image.convert("RGBA" if image.has_transparency_data else "RGB"))
+    if image.format != "PNG":
+        raise ValueError("16 bits a sample are read of PNG alone; save it as that")
+    if raw not in ("RGB;16B", "RGBA;16B"):
+        raise ValueError("grey of 16 bits with alpha; save it without alpha, or in colour")
+    # taken as if the low byte came first, Pillow's upper bytes are the lower ones
+    with opened(image.filename) as again:
+        again.tile = [(*again.tile[0][:3], raw[:-1] + "L")]
+        low = np.asarray(again)
+    return (np.asarray(image).astype(np.float64) * 256.0 + low) / STEP
+
+
+def _raw_mode(image: Any) -> str:
+    """How Pillow's decoder takes the file's samples, such as ``RGB;16B``; empty where it does not say."""
+    if not image.tile:
+        return ""
+    arguments = image.tile[0][3]
+    found = arguments[0] if isinstance(arguments, tuple) and arguments else arguments
+    return found if isinstance(found, str) else ""
