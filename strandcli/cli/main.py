@@ -102,13 +102,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by a shell or a service manager
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - as long as the process
-<<<<<<< HEAD
-    with signals.handled(last=arguments is None):
-=======
     if isinstance(sys.stdout, io.TextIOWrapper):  # as stderr is: a path's bytes may be no text
         sys.stdout.reconfigure(errors="backslashreplace")
-    with signals.handled():
->>>>>>> mendB
+    with signals.handled(last=arguments is None):
         return _main(arguments)
 
 
