@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,11 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"}
 
 
+def listen() -> None:
+    """In a child: a closed terminal is told to it, though tests be run under nohup."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 def child(folder: Path, *arguments: object, **settings: Any) -> subprocess.Popen[str]:
     """The command in a process of its own."""
     return subprocess.Popen(
@@ -67,5 +73,6 @@ def child(folder: Path, *arguments: object, **settings: Any) -> subprocess.Popen
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
+        preexec_fn=listen,
         **settings,
     )

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_runs import TINY, Runner, child, environment
+from cli_runs import TINY, Runner, child, environment, listen
 from PIL import Image
 
 import strandcli
@@ -393,7 +393,7 @@ def test_a_terminal_that_is_closed_keeps_finished_frames_and_writes_the_report(r
     command = [sys.executable, "-m", "strandcli", "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000"]
     process = subprocess.Popen(
         command, cwd=run.folder, env=environment(), stdout=theirs, stderr=theirs, start_new_session=True,
-        preexec_fn=lambda: fcntl.ioctl(1, termios.TIOCSCTTY, 0),
+        preexec_fn=lambda: (listen(), fcntl.ioctl(1, termios.TIOCSCTTY, 0)),
     )  # fmt: skip
     os.close(theirs)
     reader = threading.Thread(target=drained, args=(ours, lambda: Path("a/frame_0004.png").exists()))

@@ -15,7 +15,7 @@ from strandcli.draw.scratch import Scratch
 from strandcli.draw.shadow import Thickness
 from strandcli.draw.traced import Grid, grid_of
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
-from strandcli.study.pictures.shadow import along, transmittance
+from strandcli.study.pictures.shadow import transmittance
 
 EXACT = Shadow(model="traced")
 SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=EXACT)
@@ -53,8 +53,10 @@ def visible(grid: Grid, lines: Polylines, screen: np.ndarray | None = None) -> n
 
 def truth(light: Light, lines: Polylines, chosen: np.ndarray, thickness: Thickness = WIDE) -> np.ndarray:
     """The same by rays from many points of the pieces beside each of the chosen vertices."""
-    world = lines.world.astype(np.float64)
-    points, weights = along(np.stack([world[chosen - 1], world[chosen], world[chosen + 1]], 1), RAYS)
+    before, here, behind = (lines.world[chosen + step, None].astype(np.float64) for step in (-1, 0, 1))
+    t = ((np.arange(RAYS) + 0.5) / RAYS)[:, None]
+    points = np.concatenate([before + t * (here - before), here + t * (behind - here)], 1)
+    weights = np.concatenate([t, 1 - t])[:, 0] / RAYS  # a hat
     own = np.searchsorted(lines.first, chosen, "right") - 1
     found = transmittance(
         lines, thickness, light, points.reshape(-1, 3), np.repeat(own, 2 * RAYS), np.zeros((2, 2))
