@@ -26,8 +26,10 @@ demo: $(READY)
 	$(RUN) render hair -o out/demo --animate gif --overwrite
 	@echo "See out/demo/frame_0001.png and out/demo/animation.gif"
 
+# bytecode is kept, though the environment forbid it as images for containers do: the tests start a hundred processes,
+# and each would compile all of Numba's Python again, two seconds
 test: $(READY)
-	$(BIN)/python -m pytest $(or $(ARGS),-n 2 --dist loadfile)
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest $(or $(ARGS),-n 2 --dist loadfile)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -84,7 +84,7 @@ def test_pixels_are_covered_as_points_say(wide: float) -> None:
     for _ in range(12):
         line = bent(rng, 24, int(rng.integers(1, 7)), 0.2)
         widths = wide * rng.uniform(0.6, 1, len(line))
-        points = covered(line[:, :2], widths, 24, 24, 48)
+        points = covered(line[:, :2], widths, 24, 24, 24)
         got = white([line], [widths], (24, 24))
         assert got.sum() == pytest.approx(points.sum(), rel=0.03)
         # short strands, so that ends weigh: a thin one is cut along an axis there, a wide one by the pixels' middles

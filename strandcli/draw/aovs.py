@@ -31,6 +31,7 @@ from .curves import Polylines
 from .kernels import aovs as kernel
 from .lighting import Lighting
 from .shadow import map_arrays
+from .solids import NONE
 
 NOTHING = -1
 SOLID = -2
@@ -84,7 +85,7 @@ class Recorder:
         shape = self._found["strand_id"].shape
         depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
         point = np.empty((*shape, 3), np.float32)
-        solids = lighting.solids or [np.zeros((0, 1), np.float32)] * 4
+        solids = lighting.solids or NONE
         kernel.depths(
             keys, self._shares, self._samples, lighting.view.pack(), *solids, depth, mask, point,
             self._found["strand_id"],
@@ -94,7 +95,7 @@ class Recorder:
             through = np.ones(shape, np.float32)
             kernel.shadows(
                 self._found["strand_id"], keys, self._samples, point, lighting.lights, *map_arrays(lighting.maps),
-                *(lighting.solids or (None,) * 4), lighting.skin, lighting.sized, through,
+                *solids, lighting.skin, lighting.sized, through,
             )  # fmt: skip
             self._found["shadow"] = through
 

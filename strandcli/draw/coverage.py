@@ -249,7 +249,7 @@ class Coverage:
         along = scratch.take("fragment_along", room, np.float32)
         table = sides() if masked else None
         seen = scratch.take("fragment_points", room, np.uint64) if masked else None
-        hides, pixels, depth, cover = None, NOWHERE, NOTHING, NOTHING
+        hides, pixels, depth, cover = NOTHING, NOWHERE, NOTHING, NOTHING
         if edges is not None:
             hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
         resolve.resolve(

@@ -15,7 +15,7 @@ from .kernels import shade_strands, shade_surfaces
 from .occlusion import Occlusion
 from .shading import Palette
 from .shadow import ShadowMaps, map_arrays
-from .solids import finish_of, paint_of
+from .solids import NONE, finish_of, paint_of
 
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """The pixels of a picture lie where they belong."""
@@ -46,8 +46,8 @@ class Lighting:
 
     @property
     def sized(self) -> np.uint8 | None:
-        """Whether any light has a size, as kernels are told: None compiles without shadows of such lights."""
-        return np.uint8(1) if self.lights[:, 12].any() else None
+        """Whether any light has a size that solids show, as kernels are told: None compiles without such shadows."""
+        return np.uint8(1) if self.solids is not None and self.lights[:, 12].any() else None
 
     def shade_strands(
         self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
@@ -62,7 +62,7 @@ class Lighting:
         shade_strands.strands(
             lines.first, lines.world, marks, tones, self.view.pack(), p.colour, p.tint, p.diffuse, *self._sky(),
             p.lobes, p.fibre, p.nodes, p.paths, p.dual, p.dual_scale, self.lights, clear, *map_arrays(self.maps),
-            *(self.solids or (None,) * 4), self.skin, self.sized, *wide, colours,
+            *(self.solids or NONE), self.skin, self.sized, *wide, colours,
         )  # fmt: skip
 
     def shade_surfaces(

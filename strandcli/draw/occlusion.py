@@ -24,7 +24,7 @@ from .detail import Level
 from .kernels import occlusion as kernel
 from .scratch import Scratch
 from .shadow import Thickness
-from .solids import ball_of
+from .solids import NONE, ball_of
 
 FEWEST, MOST = 12, 256
 """Cells along each axis."""
@@ -74,7 +74,7 @@ def build(
     left = scratch.take("occlusion_left", (len(ways), total), np.uint8)
     kernel.sweep(cells, counts, sides, ways, left)
     volume = scratch.take("occlusion", (total, 4), np.float32)
-    kernel.combine(cells, counts, sides, box, ways, left, *(packed or (None,) * 4), volume)
+    kernel.combine(cells, counts, sides, box, ways, left, *(packed or NONE), volume)
     return Occlusion(volume, box)
 
 

@@ -25,6 +25,12 @@ from .scratch import Scratch
 
 TEXEL = 2.0
 """Strand spacings a texel of an opacity map."""
+NO_TEXELS = np.zeros((0, 2), np.float32)
+NO_STACKS = np.zeros(0, np.float32)
+NO_MAPS = np.zeros(0, np.int64)
+NO_VIEWS = np.zeros((0, 24), np.float32)
+"""Of scenes that have none: with None in their place kernels would be compiled once more for each kind of map that a
+scene does without."""
 
 
 @dataclass(frozen=True)
@@ -237,6 +243,11 @@ def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
     return depth / view.focal
 
 
-def map_arrays(maps: ShadowMaps | None) -> tuple[Any, ...]:
-    """Maps as kernels read them: texels, stacks, starts, sizes, packed views."""
-    return (None,) * 5 if maps is None else (maps.texels, maps.stacks, maps.starts, maps.sizes, maps.packed)
+def map_arrays(maps: ShadowMaps | None) -> tuple[NDArray[Any], ...]:
+    """Maps as kernels read them: texels, stacks, starts, sizes, packed views. Without rows where there are
+    none."""
+    if maps is None:
+        return NO_TEXELS, NO_STACKS, NO_MAPS, NO_MAPS, NO_VIEWS
+    texels = NO_TEXELS if maps.texels is None else maps.texels
+    stacks = NO_STACKS if maps.stacks is None else maps.stacks
+    return texels, stacks, maps.starts, maps.sizes, maps.packed

@@ -12,6 +12,8 @@ from ..scene.motion import solid_pose
 from ..solids import COLUMNS, pack
 from .camera import View
 
+NONE = (np.zeros((0, 1), np.float32),) * len(COLUMNS)
+"""Packed, those of a scene that has none: kernels are the same with them and without."""
 ROOM = 4.0
 """Ways of blending by which a solid that blends may become thicker."""
 

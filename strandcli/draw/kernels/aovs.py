@@ -204,7 +204,7 @@ def shadows(
             sx = px
             sy = py
             sz = pz
-            if spheres is not None and ids[y, x] == -2:
+            if ids[y, x] == -2:
                 which = np.int64((nearest(keys, samples, width, y, x)[0] & LOW) - solids.FIRST)
                 nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, px, py, pz)
                 sx += nx * skin
@@ -216,13 +216,12 @@ def shadows(
                 lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
                 power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
                 whole += power
-                if spheres is not None:
-                    power *= penumbra.past(
-                        spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
-                    )
-                if maps is not None and power > ZERO and lights[i, 10] == ZERO:
+                power *= penumbra.past(
+                    spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
+                )
+                if power > ZERO and lights[i, 10] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
-                if stacks is not None and power > ZERO and lights[i, 10] > ZERO:
+                if power > ZERO and lights[i, 10] > ZERO:
                     power *= opacity.transmittance(px, py, pz, lights, i, stacks, starts, sizes, views)
                 arrives += power
             if whole > ZERO:

@@ -71,7 +71,7 @@ def gather(
     """Find a tile's fragments: those of its parts of strands, and of solids.
 
     first, screen, widths: as in `parts.share_out`; opacity: of the material; every `stride`-th vertex is lit,
-    2^(PLACES − bits); hides (height * width,) float32: depth number in front of which nothing is hidden, or None;
+    2^(PLACES − bits); hides (height * width,) float32: depth number in front of which nothing is hidden, or none;
     edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
     number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
     them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
@@ -81,7 +81,7 @@ def gather(
     """
     counts[:] = 0
     hidden = ZERO
-    if hides is None:
+    if hides.shape[0] == 0:
         veil[:] = ZERO
     else:
         hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE

@@ -175,13 +175,14 @@ def mixed(plane, at, row, f, g):
 def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, boxes, volume):
     """Of what strands and solids leave of each direction, the mean and thrice the mean times the direction.
 
-    As in `sweep`; solids packed, spheres None where there are none; volume (V, 4): V(ω) = v₀ + v · ω, the best linear
+    As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear
     fit. A middle inside of a solid stands for the nearest point of its surface. Only cells with strands about them, or
     near a surface, ask for solids: others are never looked up.
     """
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
     per = ONE / (LEVELS * np.float32(ways.shape[0]))
+    solid = spheres.shape[0] + capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0
     for slab in prange(counts[0]):
         i = np.int64(slab)
         work = np.zeros(ROWS * W, np.float32)
@@ -192,7 +193,7 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
                 y = box[1] + np.float32(j) * sides[1]
                 z = box[2] + np.float32(k) * sides[2]
                 near = False
-                if spheres is not None:
+                if solid:
                     ox, oy, oz = outside(x, y, z, wide, spheres, capsules, planes, boxes)
                     near = (ox != x) | (oy != y) | (oz != z) | occupied(cells, counts, i, j, k)
                     if near:

@@ -72,9 +72,8 @@ def strands(
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
-    only count strands; maps (T, 2) and stacks, like clear each None where there is none of its kind; starts, sizes
-    (M,), views (M, 24); solids packed, `skin` metres;
-    spheres None where no solid casts shadows; sized: None where no light has a size, [12] in lights: the sine of its
+    only count strands; clear None where there is none; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids
+    packed, `skin` metres; sized: None where no light has a size, [12] in lights: the sine of its
     angular radius, or its radius in metres; slots, columns, profile: of `strandcli.draw.body`, None where no strand
     is wide; out (V, 3).
     """
@@ -149,15 +148,14 @@ def batch(
     ambient_light(work, n, ambient, sky, volume, box)
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
-        if spheres is not None:
-            if sized is None:
-                hide(work, n, spheres, capsules, planes, boxes, skin)
-            else:
-                soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
-        if maps is not None and lights[i, 10] == ZERO:
+        if sized is None:
+            hide(work, n, spheres, capsules, planes, boxes, skin)
+        else:
+            soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
+        if lights[i, 10] == ZERO:
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, 9])
-        if stacks is not None and lights[i, 10] > ZERO:
+        else:
             for k in range(n):
                 work[PASSED + k] = ZERO
                 work[LEFT + k] = ZERO

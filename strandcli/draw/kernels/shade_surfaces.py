@@ -98,13 +98,13 @@ def batch(
             soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
-        if maps is not None and lights[i, 10] == ZERO:
+        if lights[i, 10] == ZERO:
             for k in range(n):
                 if work[ARRIVES + k] > ZERO:
                     work[ARRIVES + k] *= transmittance(
                         work[X + k], work[Y + k], work[Z + k], lights, i, maps, starts, sizes, views
                     )
-        if stacks is not None and lights[i, 10] > ZERO:
+        if lights[i, 10] > ZERO:
             percentage_closer.leave(work, n, lights, i, veil, stacks, starts, sizes, views)
         else:
             for k in range(3 * W):
