@@ -149,7 +149,7 @@ class RodSolver(Solver):
         self._numbers = np.zeros(14 + 24, self.dtype)
         self._burden, self._resisted = self.mass.copy(), 0.0
         self._code: int | None = None
-        size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
+        size = (rod_long if self.long else rod_dense).size_for(n) * VECTOR
         self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,

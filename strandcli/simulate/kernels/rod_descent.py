@@ -93,7 +93,7 @@ def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
     """
     zero = spread(s, 0.0)
     none = zero, zero, zero
-    mean = none, none
+    ahead = none, none, (zero, zero)
     lost = zero
     a, b, c = none
     p, q, bend, force = none, none, none, none
@@ -104,7 +104,7 @@ def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
             if long is None:
                 change = rod_dense.substitute(s, n, j)
             else:
-                change, mean = rod_long.recall(s, n, j, mean)
+                change, ahead = rod_long.recall(s, n, j, ahead)
             put(s, o + T, get(s, o + T) + change)
         t = get(s, o + T)
         k = stiff * joint[j]
