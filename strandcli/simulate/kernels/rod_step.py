@@ -42,32 +42,20 @@ def book_of(
 @function
 def single(book, worker):
     """The step in single precision, as one of the threads; `work` has more of it."""
-    work(np.float32, book, worker, None)
-
-
-@function
-def single_long(book, worker):
-    """The same by the O(N) kernel."""
-    work(np.float32, book, worker, True)
+    work(np.float32, book, worker)
 
 
 @function
 def double(book, worker):
     """The step in double precision."""
-    work(np.float64, book, worker, None)
-
-
-@function
-def double_long(book, worker):
-    """The same by the O(N) kernel."""
-    work(np.float64, book, worker, True)
+    work(np.float64, book, worker)
 
 
 @inner
-def work(kind, book, worker, long):
+def work(kind, book, worker):
     """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
-    all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
-    flags where a None would have everything compiled once more."""
+    all of its arrays of the floating type ``kind``. There are flags where a None would have everything compiled once
+    more."""
     scratch = heap_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
     solids = (
         (lay_at(kind, book[AT + 20]), book[AT + 24]),
@@ -87,7 +75,7 @@ def work(kind, book, worker, long):
             lay_at(kind, book[AT + 15]), lay_at(kind, book[AT + 16]), lay_at(kind, book[AT + 17]),
             lay_at(kind, book[AT + 18]), lay_at(kind, book[AT + 19]),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
-            ticket, coming, long, book[SEGMENTS],
+            ticket, coming, book[SEGMENTS],
         )  # fmt: skip
         ticket = coming
 
@@ -96,7 +84,7 @@ def work(kind, book, worker, long):
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    pack, coming, long, n,
+    pack, coming, n,
 ):  # fmt: skip
     """The step of a ``pack`` of strands, a vector of them at a time; the next one is ``coming``.
 
@@ -115,7 +103,7 @@ def run(
     drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
     error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over bending
     rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
-    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says.
+    segments are caught too; scratch as `rod_tension.size_for` says.
     """
     for lane in range(0, PACK, width(scratch)):
         strand = pack * PACK + lane
@@ -133,7 +121,7 @@ def run(
         touched = solid and some(get(touching, strand) > 0.0)
         if touched:
             press(scratch, n, edge, strand, push, lengths, numbers)
-        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], long)
+        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11])
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
         put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
         keep(scratch, n, tip, tension, numbers[0])

@@ -1,4 +1,4 @@
-"""The change of the force densities for long strands: O(N) where `rod_dense` is O(N³).
+"""The change of the force densities, O(N).
 
 S is never formed. It is the covariance of numbers e_j·z_j where that of a random vector y is H⁻¹. Elimination leaves
 such a vector as a process from the root to the tip that remembers a particle and an edge,
@@ -19,10 +19,11 @@ segment's gain is that on the next.
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, demand, rows_for
-from .rod_dense import SHORT
+from ...simd import get, get3, put, put3, root, spread, where
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, rows_for
 
+SHORT = 1 / 16
+"""|e|² below which an edge has hardly a direction left: S then takes this."""
 GAIN = 3
 """Vectors of scratch a segment: the gain of the next particle. That of the edge takes the place of the loads G, and
 what was observed beyond, over its variance, that of r."""
@@ -138,3 +139,9 @@ def recall(s, n, j, ahead):
     mean = mx - g * wx, my - g * wy, mz - g * wz
     bent = f * wx + x * change, f * wy + y * change, f * wz + z * change
     return change, (mean, bent, (get(s, o + N1), get(s, o + N2)))
+
+
+@inlined
+def demand(q):
+    """r of an edge whose length is √q."""
+    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
