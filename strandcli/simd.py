@@ -7,8 +7,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
     rows = strip(array)         the same, and vectors of half as many: where most loops are short
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
-    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address, and
-    rows = strip_at(np.float32, a); pile = stack_at(np.float32, a)   with vectors of half as many; these are fused
+    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address; these
+                                are fused
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
@@ -233,7 +233,7 @@ heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
 
-def _addressed(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
+def _addressed(whole: bool) -> Callable[..., Any]:
     def typed(typingctx: Any, kind: Any, address: Any) -> Any:
         if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
             return None
@@ -241,19 +241,15 @@ def _addressed(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
 
-        return Rows(kind.instance_type, whole, size, fused=True)(kind, address), emit
+        return Rows(kind.instance_type, whole, VECTOR, fused=True)(kind, address), emit
 
     return typed
 
 
 lay_at: Any = intrinsic(_addressed(False))
 """The numbers of a type, such as np.float32, that begin at an address."""
-strip_at: Any = intrinsic(_addressed(False, VECTOR // 2))
-"""The same, for vectors of half the length."""
 heap_at: Any = intrinsic(_addressed(True))
 """The vectors of such numbers."""
-stack_at: Any = intrinsic(_addressed(True, VECTOR // 2))
-"""Their vectors of half the length."""
 
 
 @infer_global(operator.getitem)

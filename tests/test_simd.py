@@ -21,6 +21,7 @@ from strandcli.simd import (
     heap,
     heap_at,
     lay,
+    lay_at,
     pattern,
     put,
     put3,
@@ -28,9 +29,7 @@ from strandcli.simd import (
     rounded,
     some,
     spread,
-    stack_at,
     strip,
-    strip_at,
     where,
     whole,
     width,
@@ -121,15 +120,15 @@ def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
 
 @njit(error_model="numpy")
 def at_an_address(kind, address):
-    """The second half vector becomes twice what lies one number after the first begins; lanes of both."""
-    rows, pile = strip_at(kind, address), stack_at(kind, address)
+    """The second vector becomes twice what lies one number after the first begins; lanes of both."""
+    rows, pile = lay_at(kind, address), heap_at(kind, address)
     put(pile, 1, 2.0 * get(rows, 1))
     return width(rows), width(pile)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_half_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
-    count = VECTOR // np.dtype(dtype).itemsize // 2
+def test_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize
     numbers = np.arange(3 * count, dtype=dtype)
     assert at_an_address(dtype, numbers.ctypes.data) == (count, count)
     expected = np.arange(3 * count)

@@ -23,7 +23,7 @@ from ..errors import UsageError
 from ..groom.emit import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
-from .kernels import rod_dense, rod_long, rod_step, tickets
+from .kernels import rod_step, rod_tension, tickets
 from .kernels.rod import PACK
 from .material import matter_along, stiffness
 from .rest_shape import carried, straight, unit_edges
@@ -31,8 +31,8 @@ from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
 
-DENSE_MOST = 12
-"""Segments up to which the dense O(N³) kernel is the faster one."""
+SHORT_MOST = 12
+"""Segments up to which positions, in single precision, tell how far edges are from their length."""
 CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
 one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
@@ -84,7 +84,6 @@ class RodSolver(Solver):
             float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
             or (rod.rest == "sag_free" and n > STEADIEST)
         )  # fmt: skip
-        self.long = n > DENSE_MOST or hard
         self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
         self.stiffness = self._packed(stiffness(rod, lengths)[:, None])
@@ -149,7 +148,7 @@ class RodSolver(Solver):
         self._numbers = np.zeros(14 + 24, self.dtype)
         self._burden, self._resisted = self.mass.copy(), 0.0
         self._code: int | None = None
-        size = rod_long.size_for(n) * VECTOR // 2 if self.long else rod_dense.size_for(n) * VECTOR
+        size = rod_tension.size_for(n) * VECTOR
         self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         arrays = (
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
@@ -207,7 +206,7 @@ class RodSolver(Solver):
             self._resisted = resisted
         self._book[tickets.NEXT] = 0
         if self._code is None:  # not compiled before anything moves, which need not be
-            self._code = _code(self.dtype == np.float64, self.long)
+            self._code = _code(self.dtype == np.float64)
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
         workers = len(self.scratch)
         if workers > 1:
@@ -298,7 +297,7 @@ class RodSolver(Solver):
         single precision, whose last digit is 6e-8 m a metre away from the origin, as much as a ten thousandth of an
         edge where there are a thousand, and 8e-6 m a hundred metres away."""
         out = super().errors(frame)
-        if self.long or self.dtype == np.float64:
+        if self.edges.shape[1] > SHORT_MOST or self.dtype == np.float64:
             edges = self.edges.reshape(*self.edges.shape[:2], 3, PACK)
             out["stretch_max"] = float(np.abs(np.sqrt((edges**2).sum(2)) - 1).max())
         return out
@@ -321,7 +320,6 @@ def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
 
 
 @cache
-def _code(double: bool, long: bool) -> int:
-    """Address of the step, compiled for a precision and a length."""
-    single, precise = (rod_step.single, rod_step.single_long), (rod_step.double, rod_step.double_long)
-    return tickets.address((precise if double else single)[long])
+def _code(double: bool) -> int:
+    """Address of the step, compiled for a precision."""
+    return tickets.address(rod_step.double if double else rod_step.single)

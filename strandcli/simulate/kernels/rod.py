@@ -180,28 +180,6 @@ def shorten(s, n, share):
             put(s, o, get(s, o) * share)
 
 
-@inlined
-def demand(q):
-    """r of an edge whose length is √q."""
-    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
-
-
-@inner
-def foresee(s, n):
-    """What the change that loads ask for would add to r, into its place."""
-    x = spread(s, 0.0)
-    y, z = x, x
-    u, v, w = x, x, x
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        x, y, z = ahead(s, o, x, y, z, u, v, w)
-        u += x
-        v += y
-        w += z
-        ex, ey, ez = get3(s, o + E, 1)
-        put(s, o + R, ex * x + ey * y + ez * z)
-
-
 @inner
 def respond(s, n):
     """R := H⁻¹ R with the factors that there are, of one number a particle."""

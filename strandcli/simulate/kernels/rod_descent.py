@@ -1,16 +1,14 @@
 """What goes from the tip of a strand to its root: the change of tension, the pivots of H, and loads.
 
-Each of the three is a chain in which a segment waits for the one after it, for a division, too. The first two go
-together, and in the O(N) kernel all three, so that what they need comes through the caches once. In short strands,
-which the nearest cache holds, loads go by themselves, a coordinate at a time: all that is carried along is then in
-registers.
+Each of the three is a chain in which a segment waits for the one after it, for a division, too. They go together, so
+that one has something to do while another waits, and what they need comes through the caches once.
 """
 
 from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, put, root, some, spread, where
-from . import rod_dense, rod_long
+from . import rod_tension
 from .rod import DI, FIRST, HARD, N1, N2, SEGMENT, STIFF, C, D, E, G, T
 
 QUARTER = 0.9 / 4
@@ -23,65 +21,42 @@ MARGIN = 0.5
 
 
 @inner
-def settle(s, n, mass, joint, long, changed):
-    """The pivots of H and the loads G of a τ that is ``changed`` before, where that is not None, by what `rod_dense` or
-    `rod_long` has prepared. Lanes where τ makes H indefinite take the bounded τ instead; returns whether there are
+def settle(s, n, mass, joint, changed):
+    """The pivots of H and the loads G of a τ that is ``changed`` before, where that is not None, by what
+    `rod_tension` has prepared. Lanes where τ makes H indefinite take the bounded τ instead; returns whether there are
     any."""
     put(s, HARD, 0.0)
-    lost = bring(s, n, mass, joint, long, changed, False, None)
+    lost = descend(s, n, mass, joint, changed, False, None)
     hard = some(lost > 0.0)
     if hard:
         put(s, HARD, lost)
-        bound(s, n, mass, joint, long)
+        bound(s, n, mass, joint)
     return hard
 
 
 @inner
-def bound(s, n, mass, joint, long):
+def bound(s, n, mass, joint):
     """Pivots and loads with bounded τ in the lanes that row HARD marks, by 2 where the bound is what masses alone
     resist."""
-    still = bring(s, n, mass, joint, long, None, True, None)
+    still = descend(s, n, mass, joint, None, True, None)
     if some(still > 0.0):
         put(s, HARD, get(s, HARD) + still)
-        bring(s, n, mass, joint, long, None, True, None)
+        descend(s, n, mass, joint, None, True, None)
 
 
 @inner
-def foretell(s, n, mass, joint, long):
+def foretell(s, n, mass, joint):
     """The loads of a changed τ with the pivots that there are; row HARD marks lanes where H will be indefinite with
     that τ. Returns whether there are any."""
-    lost = bring(s, n, mass, joint, long, True, None, True)
+    lost = descend(s, n, mass, joint, True, None, True)
     put(s, HARD, lost)
     return some(lost > 0.0)
 
 
 @inner
-def bring(s, n, mass, joint, long, changed, factored, judged):
-    """`descend` with loads, in one pass or two."""
-    if long is None:
-        lost = descend(s, n, mass, joint, long, changed, factored, judged, None)
-        load(s, n, mass, joint)
-    else:
-        lost = descend(s, n, mass, joint, long, changed, factored, judged, True)
-    return lost
-
-
-@inner
-def load(s, n, mass, joint):
-    """G alone, coordinate by coordinate, with the pivots that there are."""
-    stiff = get(s, STIFF)
-    for c in range(3):
-        p = spread(s, 0.0)
-        q, bend, force = p, p, p
-        for j in range(n - 1, -1, -1):
-            o = FIRST + j * SEGMENT
-            p, q, bend, force = bear(s, o, c, get(s, o + T), mass[j], stiff * joint[j], p, q, bend, force)
-
-
-@inner
-def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
-    """From the tip to the root: τ, then i, i κ and i B, and then G; each of ``changed``, ``factored`` and ``loaded`` is
-    None for a pass without.
+def descend(s, n, mass, joint, changed, factored, judged):
+    """From the tip to the root: τ, then i, i κ and i B, and then G; ``changed`` and ``factored`` are None for a pass
+    without that.
 
     Elimination: ``factored`` tells whether τ is bounded in lanes that row HARD marks. Returns 1 in lanes with a pivot
     that is too small, which is raised. Of a definite H that does no harm; of another, what lies before it has pivots
@@ -93,7 +68,7 @@ def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
     """
     zero = spread(s, 0.0)
     none = zero, zero, zero
-    mean = none, none
+    ahead = none, none, (zero, zero)
     lost = zero
     a, b, c = none
     p, q, bend, force = none, none, none, none
@@ -101,10 +76,7 @@ def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         if changed is not None:
-            if long is None:
-                change = rod_dense.substitute(s, n, j)
-            else:
-                change, mean = rod_long.recall(s, n, j, mean)
+            change, ahead = rod_tension.recall(s, n, j, ahead)
             put(s, o + T, get(s, o + T) + change)
         t = get(s, o + T)
         k = stiff * joint[j]
@@ -127,14 +99,13 @@ def descend(s, n, mass, joint, long, changed, factored, judged, loaded):
             a -= g * h
             b = k * h
             c = raised * f
-        if loaded is not None:
-            x = bear(s, o, 0, t, mass[j], k, p[0], q[0], bend[0], force[0])
-            y = bear(s, o, 1, t, mass[j], k, p[1], q[1], bend[1], force[1])
-            z = bear(s, o, 2, t, mass[j], k, p[2], q[2], bend[2], force[2])
-            p = x[0], y[0], z[0]
-            q = x[1], y[1], z[1]
-            bend = x[2], y[2], z[2]
-            force = x[3], y[3], z[3]
+        x = bear(s, o, 0, t, mass[j], k, p[0], q[0], bend[0], force[0])
+        y = bear(s, o, 1, t, mass[j], k, p[1], q[1], bend[1], force[1])
+        z = bear(s, o, 2, t, mass[j], k, p[2], q[2], bend[2], force[2])
+        p = x[0], y[0], z[0]
+        q = x[1], y[1], z[1]
+        bend = x[2], y[2], z[2]
+        force = x[3], y[3], z[3]
     return lost
 
 

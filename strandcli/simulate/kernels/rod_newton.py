@@ -1,10 +1,10 @@
-"""Newton's iteration for the force densities; the system for their change is solved by one of two rooms."""
+"""Newton's iteration for the force densities."""
 
 from __future__ import annotations
 
 from ...jit import inner
 from ...simd import get, get3, put, root, some, spread, where
-from . import rod, rod_dense, rod_descent, rod_long
+from . import rod, rod_descent, rod_tension
 from .rod import FIRST, SEGMENT, T, aim
 
 PATIENCE = 6
@@ -26,11 +26,11 @@ FAST = 1.9
 
 
 @inner
-def iterate(s, n, mass, joint, iterations, enough, long):
+def iterate(s, n, mass, joint, iterations, enough):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
     greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
-    loads turn out to be far greater than that knows of, for more. long: None, or anything for O(N).
+    loads turn out to be far greater than that knows of, for more.
 
     From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
     changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
@@ -59,36 +59,30 @@ def iterate(s, n, mass, joint, iterations, enough, long):
                 mine = max(ever, worst) > rod.FAR
                 energy = rod.retract(s, n, mass, joint, mine)
                 if stale:
-                    rod_descent.bound(s, n, mass, joint, long)
+                    rod_descent.bound(s, n, mass, joint)
                 else:
-                    rod_descent.bring(s, n, mass, joint, long, None, None, None)
+                    rod_descent.descend(s, n, mass, joint, None, None, None)
                 if programmed:
                     rose = energy > before * RISE
                     most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
-            if long is None:
-                if far:
-                    rod.foresee(s, n)
-                rod_dense.couple(s, n, far)
-                rod_dense.solve(s, n)
-            else:
-                rod_long.observe(s, n, mass, far)
+            rod_tension.observe(s, n, mass, far)
             if programmed:
-                hard = rod_descent.foretell(s, n, mass, joint, long)
+                hard = rod_descent.foretell(s, n, mass, joint)
                 worst, total = rod.move(s, n, share)
                 worst = worst / (share * share)
                 total = total / (share * share)
             else:
-                hard = rod_descent.settle(s, n, mass, joint, long, True)
+                hard = rod_descent.settle(s, n, mass, joint, True)
                 if count > PATIENCE:
                     rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
                 worst, total = rod.move(s, n, None)
         else:
-            hard = rod_descent.settle(s, n, mass, joint, long, None)
+            hard = rod_descent.settle(s, n, mass, joint, None)
             worst, total = rod.move(s, n, None)
     if programmed:
-        rod_descent.bound(s, n, mass, joint, long)
+        rod_descent.bound(s, n, mass, joint)
     return worst
 
 

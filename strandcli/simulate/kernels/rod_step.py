@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
-from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, spread, stack_at, strip_at, where, width
+from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, spread, where, width
 from . import rod, rod_curl, rod_newton, rod_sweep
 from .rod import AXES, FIRST, HARD, PACK, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
 from .rod_sweep import ROW
@@ -42,84 +42,49 @@ def book_of(
 @function
 def single(book, worker):
     """The step in single precision, as one of the threads; `work` has more of it."""
-    work(np.float32, book, worker, None)
-
-
-@function
-def single_long(book, worker):
-    """The same by the O(N) kernel."""
-    work(np.float32, book, worker, True)
+    work(np.float32, book, worker)
 
 
 @function
 def double(book, worker):
     """The step in double precision."""
-    work(np.float64, book, worker, None)
-
-
-@function
-def double_long(book, worker):
-    """The same by the O(N) kernel."""
-    work(np.float64, book, worker, True)
+    work(np.float64, book, worker)
 
 
 @inner
-def work(kind, book, worker, long):
+def work(kind, book, worker):
     """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
-    all of its arrays of the floating type ``kind``; long: None, or anything for the kernel that is O(N). There are
-    flags where a None would have everything compiled once more.
-
-    Long strands move by vectors of half the length: then a thousand segments of scratch about fit into the second
-    cache, fewer strands wait for the slowest, and what `rod_long` carries along is more than the registers hold of
-    either."""
-    scratch = vectors(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES], long)
+    all of its arrays of the floating type ``kind``. There are flags where a None would have everything compiled once
+    more."""
+    scratch = heap_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
     solids = (
-        (rows(kind, book[AT + 20], long), book[AT + 24]),
-        (rows(kind, book[AT + 21], long), book[AT + 25]),
-        (rows(kind, book[AT + 22], long), book[AT + 26]),
-        (rows(kind, book[AT + 23], long), book[AT + 27]),
+        (lay_at(kind, book[AT + 20]), book[AT + 24]),
+        (lay_at(kind, book[AT + 21]), book[AT + 25]),
+        (lay_at(kind, book[AT + 22]), book[AT + 26]),
+        (lay_at(kind, book[AT + 23]), book[AT + 27]),
     )
     ticket = take(book)
     while ticket < book[ALL]:
         coming = take(book)
         run(
-            rows(kind, book[AT], long), rows(kind, book[AT + 1], long), rows(kind, book[AT + 2], long),
-            rows(kind, book[AT + 3], long), rows(kind, book[AT + 4], long), rows(kind, book[AT + 5], long),
-            rows(kind, book[AT + 6], long), rows(kind, book[AT + 7], long), rows(kind, book[AT + 8], long),
-            rows(kind, book[AT + 9], long), rows(kind, book[AT + 10], long), rows(kind, book[AT + 11], long),
-            rows(kind, book[AT + 12], long), rows(kind, book[AT + 13], long), rows(kind, book[AT + 14], long),
-            rows(kind, book[AT + 15], long), rows(kind, book[AT + 16], long), rows(kind, book[AT + 17], long),
-            rows(kind, book[AT + 18], long), rows(kind, book[AT + 19], long),
+            lay_at(kind, book[AT]), lay_at(kind, book[AT + 1]), lay_at(kind, book[AT + 2]),
+            lay_at(kind, book[AT + 3]), lay_at(kind, book[AT + 4]), lay_at(kind, book[AT + 5]),
+            lay_at(kind, book[AT + 6]), lay_at(kind, book[AT + 7]), lay_at(kind, book[AT + 8]),
+            lay_at(kind, book[AT + 9]), lay_at(kind, book[AT + 10]), lay_at(kind, book[AT + 11]),
+            lay_at(kind, book[AT + 12]), lay_at(kind, book[AT + 13]), lay_at(kind, book[AT + 14]),
+            lay_at(kind, book[AT + 15]), lay_at(kind, book[AT + 16]), lay_at(kind, book[AT + 17]),
+            lay_at(kind, book[AT + 18]), lay_at(kind, book[AT + 19]),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
-            ticket, coming, long, book[SEGMENTS],
+            ticket, coming, book[SEGMENTS],
         )  # fmt: skip
         ticket = coming
-
-
-@inner
-def vectors(kind, address, long):
-    """The scratch at an address, in the vectors that a kernel takes."""
-    if long is None:
-        return heap_at(kind, address)
-    else:
-        return stack_at(kind, address)
-
-
-@inner
-def rows(kind, address, long):
-    """An array at an address, of vectors as long. (The number of the array in its stead would be a literal, and this
-    be compiled for each.)"""
-    if long is None:
-        return lay_at(kind, address)
-    else:
-        return strip_at(kind, address)
 
 
 @inner
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    pack, coming, long, n,
+    pack, coming, n,
 ):  # fmt: skip
     """The step of a ``pack`` of strands, a vector of them at a time; the next one is ``coming``.
 
@@ -138,7 +103,7 @@ def run(
     drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
     error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over bending
     rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
-    segments are caught too; scratch as `rod_dense.size_for` or `rod_long.size_for` says.
+    segments are caught too; scratch as `rod_tension.size_for` says.
     """
     for lane in range(0, PACK, width(scratch)):
         strand = pack * PACK + lane
@@ -156,7 +121,7 @@ def run(
         touched = solid and some(get(touching, strand) > 0.0)
         if touched:
             press(scratch, n, edge, strand, push, lengths, numbers)
-        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], long)
+        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11])
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
         put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
         keep(scratch, n, tip, tension, numbers[0])

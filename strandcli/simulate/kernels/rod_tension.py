@@ -1,4 +1,4 @@
-"""The change of the force densities for long strands: O(N) where `rod_dense` is O(N³).
+"""The change of the force densities, O(N).
 
 S is never formed. It is the covariance of numbers e_j·z_j where that of a random vector y is H⁻¹. Elimination leaves
 such a vector as a process from the root to the tip that remembers a particle and an edge,
@@ -9,18 +9,24 @@ So S is factored as Kalman's filter does it (1960): the mean and the covariance 
 (y_{j−1}, z_{j−1}), and then r_j is what e_j·z_j has been observed to be. What is observed beyond what was expected,
 divided by its variance, and the adjoint of the filter, from the tip to the root, give δ = S⁻¹ r (Bryson & Frazier
 1963). The variance of what is observed is no less than that of the noise in it.
+
+An observation takes from the covariance a product of two vectors, over the variance. The recurrence is linear, and goes
+on to the next segment with the covariance and those vectors apart: then no more than a product and a difference wait
+for the division, and half as many operations stand between one division and the next. What the scratch has of a
+segment's gain is that on the next.
 """
 
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, get3, put, put3, spread
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, demand, rows_for
-from .rod_dense import SHORT
+from ...simd import get, get3, put, put3, root, spread, where
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, rows_for
 
+SHORT = 1 / 16
+"""|e|² below which an edge has hardly a direction left: S then takes this."""
 GAIN = 3
-"""Vectors of scratch a segment: the gain of the particle. That of the edge takes the place of the loads G, and what was
-observed beyond, over its variance, that of r."""
+"""Vectors of scratch a segment: the gain of the next particle. That of the edge takes the place of the loads G, and
+what was observed beyond, over its variance, that of r."""
 
 
 def size_for(n: int) -> int:
@@ -31,19 +37,37 @@ def size_for(n: int) -> int:
 @inner
 def observe(s, n, mass, foreseen):
     """From the root to the tip. Covariances: a of the particle, b of the same with the edge, c of the edge; m, w: their
-    means. ``foreseen``: r is what is left of it after the change that loads ask for, which is taken from the means: it
-    follows the same recurrence."""
+    means; h, k: what an edge's observation has to do with either. ``foreseen``: r is what is left of it after the
+    change that loads ask for, which is taken from the means: it follows the same recurrence."""
     zero = spread(s, 0.0)
-    axx, axy, axz, ayy, ayz, azz = zero, zero, zero, zero, zero, zero
-    bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = zero, zero, zero, zero, zero, zero, zero, zero, zero
-    cxx, cxy, cxz, cyy, cyz, czz = zero, zero, zero, zero, zero, zero
-    mx, my, mz, wx, wy, wz = zero, zero, zero, zero, zero, zero
+    noise = get(s, FIRST + DI)
+    axx, axy, axz, ayy, ayz, azz = noise, zero, zero, noise, zero, noise
+    bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = noise, zero, zero, zero, noise, zero, zero, zero, noise
+    cxx, cxy, cxz, cyy, cyz, czz = noise, zero, zero, noise, zero, noise
+    wx, wy, wz = zero, zero, zero
+    if foreseen:
+        wx, wy, wz = get3(s, FIRST + G, 1)
+    mx, my, mz = wx, wy, wz
     for j in range(n):
         o = FIRST + j * SEGMENT
-        f = get(s, o + N1)
-        g = get(s, o + N2)
-        noise = get(s, o + DI)
-        # of the new edge with the particle before it
+        # what is observed: its covariance with both, and its variance
+        x, y, z = get3(s, o + E, 1)
+        hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
+        kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
+        square = x * x + y * y + z * z
+        short = max(SHORT - square, 0.0) * (1 / mass[j])
+        least = max(noise * square + short, TINY)
+        over = 1.0 / max(short + x * kx + y * ky + z * kz, least)
+        seen = (demand(square) - (x * wx + y * wy + z * wz)) * over
+        put(s, o + R, seen)
+        # on to the next segment, all as if nothing had been observed
+        f = get(s, o + SEGMENT + N1)
+        g = get(s, o + SEGMENT + N2)
+        noise = get(s, o + SEGMENT + DI)
+        kx, ky, kz = f * kx - g * hx, f * ky - g * hy, f * kz - g * hz
+        hx += kx
+        hy += ky
+        hz += kz
         pxx, pxy, pxz = f * bxx - g * axx, f * byx - g * axy, f * bzx - g * axz
         pyx, pyy, pyz = f * bxy - g * axy, f * byy - g * ayy, f * bzy - g * ayz
         pzx, pzy, pzz = f * bxz - g * axz, f * byz - g * ayz, f * bzz - g * azz
@@ -64,29 +88,20 @@ def observe(s, n, mass, foreseen):
         azz += pzz + bzz
         wx, wy, wz = f * wx - g * mx, f * wy - g * my, f * wz - g * mz
         if foreseen:
-            x, y, z = get3(s, o + G, 1)
+            x, y, z = get3(s, o + SEGMENT + G, 1)
             wx += x
             wy += y
             wz += z
         mx += wx
         my += wy
         mz += wz
-        # what is observed: its covariance with both, its variance, and the gain
-        x, y, z = get3(s, o + E, 1)
-        hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
-        kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
-        square = x * x + y * y + z * z
-        short = max(SHORT - square, 0.0) / mass[j]
-        variance = max(x * kx + y * ky + z * kz, noise * square) + short
-        over = 1.0 / max(variance, TINY)
-        seen = (demand(square) - (x * wx + y * wy + z * wz)) * over
+        # and now what the observation has changed of it: all that waits for the division
         mx += hx * seen
         my += hy * seen
         mz += hz * seen
         wx += kx * seen
         wy += ky * seen
         wz += kz * seen
-        put(s, o + R, seen)
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
         put3(s, aim(n, n) + j * GAIN, 1, dx, dy, dz)
@@ -109,17 +124,24 @@ def observe(s, n, mass, foreseen):
 
 
 @inlined
-def recall(s, n, j, mean):
-    """From the tip on, the change of a segment's τ, given the adjoints of the means; and those before it."""
-    (mx, my, mz), (wx, wy, wz) = mean
+def recall(s, n, j, ahead):
+    """From the tip on, the change of a segment's τ, given of the one ``ahead`` the adjoints of the means and its
+    i κ and i B; and the same of this one, as they are before τ changes."""
+    (mx, my, mz), (wx, wy, wz), (f, g) = ahead
     o = FIRST + j * SEGMENT
     dx, dy, dz = get3(s, aim(n, n) + j * GAIN, 1)
     ex, ey, ez = get3(s, o + G, 1)
     change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    wx += mx
+    wy += my
+    wz += mz
     x, y, z = get3(s, o + E, 1)
-    x = mx + (wx + x * change)
-    y = my + (wy + y * change)
-    z = mz + (wz + z * change)
-    f = get(s, o + N1)
-    g = get(s, o + N2)
-    return change, ((mx - g * x, my - g * y, mz - g * z), (f * x, f * y, f * z))
+    mean = mx - g * wx, my - g * wy, mz - g * wz
+    bent = f * wx + x * change, f * wy + y * change, f * wz + z * change
+    return change, (mean, bent, (get(s, o + N1), get(s, o + N2)))
+
+
+@inlined
+def demand(q):
+    """r of an edge whose length is √q."""
+    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
