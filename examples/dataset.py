@@ -36,6 +36,8 @@ from strandcli.scene.model import Scene
 
 LAYERS = ("depth", "mask", "tangent", "orientation", "strand_id")
 PIGMENTS = ("black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum")
+PALE = ("blond", "platinum")
+"""Burn out in light that brown hair wants; so does grey."""
 GUIDES = 20
 """Strands that are drawn for each that is simulated."""
 WIDTH, USUAL = 0.00026, 20_000
@@ -46,7 +48,7 @@ CLOTHES = ("left_shoulder", "right_shoulder", "left_arm", "right_arm", "back")
 
 def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> Scene:
     """The bust of the preset `hair` with hair of a random cut, parting, curl, colour and stiffness, from a random side,
-    in random light."""
+    in random light that shows it."""
     rng = np.random.default_rng([seed, index])
 
     def between(low: float, high: float) -> float:
@@ -61,16 +63,8 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         target[1] + away * math.sin(height),
         target[2] + away * math.cos(height) * math.cos(azimuth),
     ]
-    lights: list[dict[str, Any]] = []
-    for power in (between(2.5, 5), between(0.5, 3), between(0.0, 1.5)):
-        turn, down = math.radians(between(0, 360)), between(-1.2, -0.1)
-        lights.append({
-            "kind": "directional",
-            "direction": [math.sin(turn), down, math.cos(turn)],
-            "intensity": power,
-            "colour": [1.0, between(0.85, 1.0), between(0.7, 1.0)],
-            "shadow": {"model": "opacity"},
-        })  # fmt: skip
+    pigment, grey = str(rng.choice(PIGMENTS)), max(between(-0.5, 0.5), 0.0)
+    lights = random_lights(azimuth, 1 - (0.45 if pigment in PALE else 0.5 * grey), between)
     tone = between(0.06, 0.55)
     skin, cloth = [tone, 0.68 * tone, 0.54 * tone], [between(0.01, 0.4) for _ in range(3)]
     settings: dict[str, Any] = {
@@ -104,22 +98,50 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         "wind.direction": [between(-1, 1), between(-0.2, 0.3), between(-1, 1)],
         **{f"solids.{name}.colour": skin for name in SKIN},
         **{f"solids.{name}.colour": cloth for name in CLOTHES},
-        "camera": {"position": eye, "target": target, "fov": between(20, 32)},
+        "camera": {"position": eye, "target": target, "fov": between(22, 32) + 16 * length},
         "image.size": list(size),
-        "image.background": [between(0, 0.6) for _ in range(3)],
+        "image.background": [between(0.02, 0.45) for _ in range(3)],
         "image.horizon": None,
-        "image.exposure": between(-0.5, 0.5),
+        "image.exposure": between(-0.3, 0.3),
         "image.tone": str(rng.choice(["srgb", "filmic"])),
         "image.aovs": list(LAYERS),
-        "ambient": [between(0.05, 0.2)] * 3,
+        "ambient": [between(0.12, 0.3) * tint for tint in (between(0.9, 1.0), 1.0, between(0.95, 1.15))],
         "lights": lights,
-        "material.pigment": str(rng.choice(PIGMENTS)),
-        "material.grey": max(between(-0.5, 0.5), 0.0),
+        "material.pigment": pigment,
+        "material.grey": grey,
         "material.colour_variation": between(0.1, 0.4),
         "material.beta_m": between(0.15, 0.35),
         "material.width": min(WIDTH * USUAL / max(strands, 1), 0.001),
     }
     return strandcli.load("hair", settings=settings)
+
+
+def random_lights(azimuth: float, power: float, between: Callable[[float, float], float]) -> list[dict[str, Any]]:
+    """Three lights about a camera that looks from ``azimuth``, in radians, as a photographer sets them up.
+
+    The key light comes from the camera's side, within 65 degrees of it, so that what is seen is lit; a weaker and
+    larger fill comes from its other hand, so that no shadow is black; a light from behind draws an outline, in some
+    pictures next to none. ``power`` scales all of them.
+    """
+    hand = 1.0 if between(-1, 1) > 0 else -1.0
+    key = power * between(3.2, 5.5)
+    parts = (
+        (hand * between(10, 65), between(-1.1, -0.25), key, between(3, 15)),
+        (-hand * between(20, 80), between(-0.6, 0.1), key * between(0.2, 0.5), between(15, 40)),
+        (-hand * between(120, 200), between(-0.8, -0.15), key * between(0.05, 0.5), between(3, 15)),
+    )
+    lights = []
+    for turn, down, intensity, size in parts:
+        around = azimuth + math.radians(turn)
+        lights.append({
+            "kind": "directional",
+            "direction": [-math.sin(around), down, -math.cos(around)],
+            "intensity": intensity,
+            "size": size,
+            "colour": [1.0, between(0.88, 1.0), between(0.75, 1.0)],
+            "shadow": {"model": "opacity"},
+        })  # fmt: skip
+    return lights
 
 
 def _wave(style: str, between: Callable[[float, float], float]) -> dict[str, float]:

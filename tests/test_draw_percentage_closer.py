@@ -154,6 +154,20 @@ def test_what_touches_the_ground_has_a_sharp_shadow_whatever_is_above() -> None:
     assert widths[2] > 2.5 * widths[0]
 
 
+@pytest.mark.parametrize("high", [2.0, 0.05, -3.0], ids=["back", "beyond", "front"])
+@pytest.mark.parametrize("texel", [0.03, 0.011, 0.004])
+def test_an_edge_is_as_wide_as_the_light_sees_it(high: float, texel: float) -> None:
+    """Wherever among the strands the ground is, and however many texels the edge goes over: at .7 m a quarter
+    of a disc 20 degrees wide is hidden .0985 m from where three quarters are."""
+    light = DirectionalLight(direction=(0.0, -1.0, 0.0), size=20.0, shadow=replace(DEEP, size=1024, texel=texel))
+    line = np.linspace([-0.4, -0.7, 0.0], [0.4, -0.7, 0.0], 3201)
+    found = left(percentage_closer, light, line, lines=thatch(2000, high), spacing=0.01)
+    assert found[0] < 0.03
+    assert found[-1] == 1
+    assert 2.5e-4 * ((found > 0.25) & (found < 0.75)).sum() == pytest.approx(0.0985, rel=0.2)
+    assert np.abs(np.diff(found)).max() < 0.006
+
+
 def test_light_that_strands_scatter_on_comes_down_beside_a_shadow_that_is_far_away() -> None:
     material = Material(model="chiang", pigment="blond")
     veil = dual.veil_of(dual.build_tables(material, material.beta_n))

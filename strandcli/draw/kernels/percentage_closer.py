@@ -6,7 +6,10 @@ fall smoothly to nothing at R texels, (1 − (x / R)²)² along each side. R is 
 are next to a quadratic spline, and more where the light has a size: the shadow of strands at a distance D is blurred by
 a disc of the light's angular radius times D, of which a texel itself is a part. D is the mean distance of the strands
 that hide the light, by how much each texel hides, over every other texel as far as strands in the map's middle would
-blur (Fernando 2005): what touches the skin is blurred little, however far away the rest of the groom is.
+blur, or at its front for points before that (Fernando 2005): what touches the skin is blurred little, however far away
+the rest of the groom is.
+Where R is more than six texels only every second one is looked at, every fourth at more than twelve, every eighth at
+more than 24, which costs no more than six do; the others fade out before, so that no step shows where they go.
 
 Light that strands scatter on goes all ways and comes down beside their shadow, the more so the further behind them a
 point is. Of what a disc sends on, a share of about w / (w + g) falls on a disc of its size at a distance g, w being .6
@@ -35,6 +38,7 @@ from .surface_batch import (
     BACK,
     BLUR,
     CLOUD,
+    FADE,
     FIRST_U,
     FIRST_V,
     FRONT,
@@ -48,6 +52,7 @@ from .surface_batch import (
     PER,
     PLACE,
     RADIUS,
+    STRIDE,
     TOTAL,
     WEIGHT,
 )
@@ -55,9 +60,16 @@ from .surface_batch import (
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+FOUR = np.float32(4.0)
+EIGHT = np.float32(8.0)
 LEAST = np.float32(1.5)
 MOST = np.float32(6.0)
-"""Texels to each side."""
+"""Texels to each side that are looked at."""
+WIDEST = np.float32(8.0) * MOST
+"""And over which a light is averaged at the most."""
+FADED = np.float32(0.75)
+"""Of MOST, from where on every other texel fades out."""
 DISC = np.float32(7.0 / 4.0)
 TEXEL = np.float32(7.0 / 12.0)
 """R² of weights, whose variance is R² / 7, for that of a disc of radius one, a quarter, and of a texel, a twelfth."""
@@ -118,21 +130,23 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
 @inner
 def hold(work, n, lights, i, views, one, size):
     """Where each point is in a map, 1 in the row `INSIDE` where light arrives at it and no map before held it, and how
-    far strands in the map's middle would blur."""
+    far strands would blur that are in the map's middle, or at its front for points in its front half."""
     edge = np.float32(size - 1)
     flat = views[one, 12] == ZERO
     near = views[one, 14]
     fine = views[one, 13]
     # beside a perspective map begins the next one of the same light
-    room = MOST if flat else ZERO
+    wide = ONE if flat else ZERO
     for k in range(n):
         u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
-        held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
-        held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
-        away = max(d - near - HALF * views[one, 19], ZERO)
+        away = max(d - near - HALF * views[one, 19], min(d - near, HALF * views[one, 19]))
         far = max(d, DARK)
         angle = lights[i, 12] if flat or lights[i, 0] == ZERO else lights[i, 12] / far
         blur = angle * fine if flat else angle * fine / far
+        radius = reach(blur * away)
+        room = wide * radius
+        held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
+        held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
         scale = ONE / fine if flat else ONE / fine * far
         work[U + k] = u if held else ZERO
         work[V + k] = v if held else ZERO
@@ -140,14 +154,14 @@ def hold(work, n, lights, i, views, one, size):
         work[AWAY + k] = away
         work[BLUR + k] = blur
         work[CLOUD + k] = WIDE * np.float32(size) * scale
-        work[RADIUS + k] = reach(blur * away)
+        work[RADIUS + k] = radius
         work[INSIDE + k] = ONE if held else work[INSIDE + k]
 
 
 @inner
 def reach(blur):
     """Texels to each side over which a disc of so many texels is averaged."""
-    return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), MOST)
+    return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
 
 
 @inner
@@ -159,8 +173,8 @@ def search(work, n, size, start, layers, stacks):
     for k in range(n):
         work[LOST + k] = FEW
         work[LOST + W + k] = FEW * work[AWAY + k]
-    for row in range(0, tall, STEP):
-        for column in range(0, wide, STEP):
+    for row in range(tall):
+        for column in range(wide):
             weigh(work, n, np.float32(row), np.float32(column), size)
             sink(work, n, start, layers, stacks)
             for k in range(n):
@@ -177,20 +191,24 @@ def search(work, n, size, start, layers, stacks):
 @inner
 def about(work, n, step, least):
     """Which texels are about each point that this map holds and that is averaged over more than `least`, from the first
-    that `step` divides; returns the greatest number of columns and of rows."""
-    share = ONE / step
+    that `step`, or more where many are about it, divides; returns the greatest number of columns and of rows."""
     for k in range(n):
         radius = work[RADIUS + k]
         u = work[U + k]
         v = work[V + k]
         asked = (work[INSIDE + k] > ZERO) & (radius > least)
-        left = -step * below((radius - u) * share)
-        top = -step * below((radius - v) * share)
+        times = ONE if radius <= MOST else TWO if radius <= TWO * MOST else FOUR if radius <= FOUR * MOST else EIGHT
+        stride = step * times
+        share = ONE / stride
+        left = -stride * below((radius - u) * share)
+        top = -stride * below((radius - v) * share)
         work[PER + k] = ONE / radius
+        work[STRIDE + k] = stride
+        work[FADE + k] = max((radius / (times * MOST) - FADED) * (ONE / (ONE - FADED)), ZERO)
         work[FIRST_U + k] = left
         work[FIRST_V + k] = top
-        work[LAST_U + k] = below(u + radius) if asked else left - ONE
-        work[LAST_V + k] = below(v + radius) if asked else top - ONE
+        work[LAST_U + k] = below(u + radius) if asked else left - stride
+        work[LAST_V + k] = below(v + radius) if asked else top - stride
     return most(work, n, FIRST_U, LAST_U), most(work, n, FIRST_V, LAST_V)
 
 
@@ -206,7 +224,7 @@ def most(work, n, first, last):
     """The greatest number of columns or rows that a point has about it."""
     out = ZERO
     for k in range(n):
-        out = max(out, work[last + k] - work[first + k] + ONE)
+        out = max(out, (work[last + k] - work[first + k]) / work[STRIDE + k] + ONE)
     return np.int64(out)
 
 
@@ -214,18 +232,28 @@ def most(work, n, first, last):
 def weigh(work, n, row, column, size):
     """Number and weight of the texel in this row and column of those about each point."""
     for k in range(n):
-        across = work[FIRST_U + k] + column
-        down = work[FIRST_V + k] + row
+        stride = work[STRIDE + k]
+        across = work[FIRST_U + k] + column * stride
+        down = work[FIRST_V + k] + row * stride
         there = (across <= work[LAST_U + k]) & (down <= work[LAST_V + k])
         held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
         work[PLACE + k] = down * size + across if held else -ONE
+        share = HALF / stride
+        fade = work[FADE + k]
+        thin = (ONE - fade * odd(across * share)) * (ONE - fade * odd(down * share))
         across = (across - work[U + k]) * work[PER + k]
         across = ONE - across * across
         down = (down - work[V + k]) * work[PER + k]
         down = ONE - down * down
-        weight = down * down * across * across if there else ZERO
+        weight = thin * down * down * across * across if there else ZERO
         work[WEIGHT + k] = weight
         work[TOTAL + k] += weight
+
+
+@inner
+def odd(half):
+    """1 where a whole number, of which this is half, is odd, and 0 where it is even."""
+    return TWO * (half - below(half))
 
 
 @inner

@@ -25,4 +25,6 @@ RADIUS, FRONT, BACK, NEAR, OTHER = (TEXELS + i * W for i in range(25, 30))
 # How a map sees a point: texels of blur a metre of distance from what hides the light, that distance where nothing
 # tells it, and the w of light that goes on.
 BLUR, AWAY, CLOUD = (TEXELS + i * W for i in range(30, 33))
-ROWS = 27 + 33
+# Every how manieth texel is looked at, and how much those between every other one of them have faded out.
+STRIDE, FADE = TEXELS + 33 * W, TEXELS + 34 * W
+ROWS = 27 + 35
