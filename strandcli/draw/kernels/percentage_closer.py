@@ -31,10 +31,12 @@ from .batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from .dual import HALF_WAY
 from .shadow import texel_of
 from .surface_batch import (
+    ACROSS,
     AWAY,
     BACK,
     BLUR,
     CLOUD,
+    DOWN,
     FIRST_U,
     FIRST_V,
     FRONT,
@@ -46,7 +48,6 @@ from .surface_batch import (
     OTHER,
     PASSED,
     PER,
-    PLACE,
     RADIUS,
     TOTAL,
     WEIGHT,
@@ -98,7 +99,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         for row in range(tall):
             for column in range(wide):
                 weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
-                sink(work, n, start, layers, stacks)
+                sink(work, n, start, size, layers, stacks)
                 if veil is None:
                     for k in range(n):
                         passed = work[PASSED + k]
@@ -162,7 +163,7 @@ def search(work, n, size, start, layers, stacks):
     for row in range(0, tall, STEP):
         for column in range(0, wide, STEP):
             weigh(work, n, np.float32(row), np.float32(column), size)
-            sink(work, n, start, layers, stacks)
+            sink(work, n, start, np.int64(size), layers, stacks)
             for k in range(n):
                 passed = work[PASSED + k]
                 d = work[DEPTH + k]
@@ -212,13 +213,14 @@ def most(work, n, first, last):
 
 @inner
 def weigh(work, n, row, column, size):
-    """Number and weight of the texel in this row and column of those about each point."""
+    """Place and weight of the texel in this row and column of those about each point."""
     for k in range(n):
         across = work[FIRST_U + k] + column
         down = work[FIRST_V + k] + row
         there = (across <= work[LAST_U + k]) & (down <= work[LAST_V + k])
         held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
-        work[PLACE + k] = down * size + across if held else -ONE
+        work[ACROSS + k] = across if held else -ONE
+        work[DOWN + k] = down
         across = (across - work[U + k]) * work[PER + k]
         across = ONE - across * across
         down = (down - work[V + k]) * work[PER + k]
@@ -229,17 +231,17 @@ def weigh(work, n, row, column, size):
 
 
 @inner
-def sink(work, n, start, layers, stacks):
-    """Strands in front of each point in that texel, 0 where there is none, and the depths where its own begin and
-    end."""
-    stride = np.uint64(layers + opacity.HEAD + 1)
+def sink(work, n, start, size, layers, stacks):
+    """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
+    and end."""
     for k in range(n):
-        place = work[PLACE + k]
         passed = front = back = ZERO
-        if place >= ZERO:
-            base = start + np.uint64(np.int64(place)) * stride
-            passed = opacity.depth_at(work[DEPTH + k], base, layers, stacks)
+        if work[ACROSS + k] >= ZERO:
+            row = np.int64(work[DOWN + k])
+            column = np.int64(work[ACROSS + k])
+            passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, layers, stacks)
             if passed > ZERO:
+                base = opacity.cell_of(row, column, start, size, layers)
                 front = stacks[base]
                 back = front + np.float32(layers * layers) / stacks[base + np.uint64(1)]
         work[PASSED + k] = passed

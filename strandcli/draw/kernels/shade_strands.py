@@ -75,7 +75,7 @@ def strands(
     only count strands; maps (T, 2) and stacks, like clear each None where there is none of its kind; starts, sizes
     (M,), views (M, 24); solids packed, `skin` metres;
     spheres None where no solid casts shadows; sized: None where no light has a size, [12] in lights: the sine of its
-    angular radius, or its radius in metres; slots, columns, profile: of `strandcli.draw.body`, None where no strand
+    angular radius, or its radius in metres, [13] mean width of strands, metres; slots, columns, profile: of `strandcli.draw.body`, None where no strand
     is wide; out (V, 3).
     """
     count = first.shape[0] - 1
@@ -162,9 +162,11 @@ def batch(
                 work[PASSED + k] = ZERO
                 work[LEFT + k] = ZERO
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
-                sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
+                layers = np.int64(lights[i, 10])
+                width = lights[i, 13]
+                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
                 if twice is not None:
-                    beyond(work, n, stacks, np.int64(lights[i, 10]), starts[one], sizes[one])
+                    beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
             if clear is None or lights[i, 11] == ZERO:
