@@ -23,7 +23,7 @@ from .kernels import shadow as kernel
 from .raster import into_bands, to_screen
 from .scratch import Scratch
 
-TEXEL = 2.0
+TEXEL = 1.5
 """Strand spacings a texel of an opacity map."""
 NO_TEXELS = np.zeros((0, 2), np.float32)
 NO_STACKS = np.zeros(0, np.float32)
@@ -39,6 +39,11 @@ class Thickness:
 
     width: float = 0.0
     taper: float = 0.0
+
+    @property
+    def mean(self) -> float:
+        """Metres, along a strand."""
+        return self.width * (1 - self.taper / 2)
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ class ShadowMaps:
     layers: list[int] = field(default_factory=list)
     """Layers of each map, 0 for a min/max map."""
     extents: list[NDArray[np.float32]] = field(default_factory=list)
-    """Nearest and farthest depth (size², 2) of each map, into which strands are drawn first."""
+    """Nearest and farthest depth (n, 2) of each map's texels, or of an opacity map's cells, which is drawn first."""
     thickness: Thickness = Thickness()
 
     @property
@@ -90,7 +95,7 @@ class ShadowMaps:
         """When all strands have been weighed."""
         for number, layers in enumerate(self.layers):
             if layers:
-                opacity.add_up(int(self.sizes[number]) ** 2, layers, self._stack(number))
+                opacity.add_up(len(self.extents[number]), layers, self._stack(number))
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """All of it, where one call brings all strands."""
@@ -102,7 +107,7 @@ class ShadowMaps:
     def _stack(self, number: int) -> NDArray[np.float32]:
         assert self.stacks is not None
         begin = self.starts[number]
-        return self.stacks[begin : begin + self.sizes[number] ** 2 * (self.layers[number] + opacity.HEAD + 1)]
+        return self.stacks[begin : begin + len(self.extents[number]) * opacity.stride_for(self.layers[number])]
 
     def _draw(
         self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
@@ -147,7 +152,7 @@ def plan_maps(
         before = len(views)
         if wants_map(light) and (counted or not is_traced(light)):
             deep = light.shadow.model != "minmax"
-            size = light.shadow.size
+            size = light.shadow.size + (light.shadow.size % 2 if deep else 0)  # cells are two texels wide
             found = light_views(light, size, bounds)
             if deep:
                 wanted = light.shadow.texel or max(TEXEL * spacing, thickness.width)
@@ -158,10 +163,10 @@ def plan_maps(
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
-    counts = sizes**2
     deep_maps = np.array(layers) > 0
+    counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
-    strides = np.where(deep_maps, np.array(layers) + opacity.HEAD + 1, 0)
+    strides = np.where(deep_maps, opacity.stride_for(np.array(layers)), 0)
     floats = np.concatenate([[0], np.cumsum(counts * strides)]).astype(np.int64)
     ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
@@ -199,8 +204,8 @@ def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[V
     texel = max(texel_of(view, bounds) for view in views)
     if texel >= wanted:
         return views
-    # as many texels as it takes and not a part of one more, so that maps do not jump with their number of texels
-    views = light_views(light, max(math.ceil(size * texel / wanted), 8), bounds)
+    # as many cells as it takes and not a part of one more, so that maps do not jump with their number of texels
+    views = light_views(light, 2 * max(math.ceil(size * texel / wanted / 2), 4), bounds)
     wider = max(wanted / max(texel_of(view, bounds) for view in views), 1.0)
     return [replace(view, focal=view.focal / wider) for view in views]
 

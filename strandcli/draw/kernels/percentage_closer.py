@@ -34,10 +34,12 @@ from .batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from .dual import HALF_WAY
 from .shadow import texel_of
 from .surface_batch import (
+    ACROSS,
     AWAY,
     BACK,
     BLUR,
     CLOUD,
+    DOWN,
     FADE,
     FIRST_U,
     FIRST_V,
@@ -50,7 +52,6 @@ from .surface_batch import (
     OTHER,
     PASSED,
     PER,
-    PLACE,
     RADIUS,
     STRIDE,
     TOTAL,
@@ -110,7 +111,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         for row in range(tall):
             for column in range(wide):
                 weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
-                sink(work, n, start, layers, stacks)
+                sink(work, n, start, size, layers, stacks)
                 if veil is None:
                     for k in range(n):
                         passed = work[PASSED + k]
@@ -176,7 +177,7 @@ def search(work, n, size, start, layers, stacks):
     for row in range(tall):
         for column in range(wide):
             weigh(work, n, np.float32(row), np.float32(column), size)
-            sink(work, n, start, layers, stacks)
+            sink(work, n, start, np.int64(size), layers, stacks)
             for k in range(n):
                 passed = work[PASSED + k]
                 d = work[DEPTH + k]
@@ -230,14 +231,15 @@ def most(work, n, first, last):
 
 @inner
 def weigh(work, n, row, column, size):
-    """Number and weight of the texel in this row and column of those about each point."""
+    """Place and weight of the texel in this row and column of those about each point."""
     for k in range(n):
         stride = work[STRIDE + k]
         across = work[FIRST_U + k] + column * stride
         down = work[FIRST_V + k] + row * stride
         there = (across <= work[LAST_U + k]) & (down <= work[LAST_V + k])
         held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
-        work[PLACE + k] = down * size + across if held else -ONE
+        work[ACROSS + k] = across if held else -ONE
+        work[DOWN + k] = down
         share = HALF / stride
         fade = work[FADE + k]
         thin = (ONE - fade * odd(across * share)) * (ONE - fade * odd(down * share))
@@ -257,17 +259,17 @@ def odd(half):
 
 
 @inner
-def sink(work, n, start, layers, stacks):
-    """Strands in front of each point in that texel, 0 where there is none, and the depths where its own begin and
-    end."""
-    stride = np.uint64(layers + opacity.HEAD + 1)
+def sink(work, n, start, size, layers, stacks):
+    """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
+    and end."""
     for k in range(n):
-        place = work[PLACE + k]
         passed = front = back = ZERO
-        if place >= ZERO:
-            base = start + np.uint64(np.int64(place)) * stride
-            passed = opacity.depth_at(work[DEPTH + k], base, layers, stacks)
+        if work[ACROSS + k] >= ZERO:
+            row = np.int64(work[DOWN + k])
+            column = np.int64(work[ACROSS + k])
+            passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, layers, stacks)
             if passed > ZERO:
+                base = opacity.cell_of(row, column, start, size, layers)
                 front = stacks[base]
                 back = front + np.float32(layers * layers) / stacks[base + np.uint64(1)]
         work[PASSED + k] = passed

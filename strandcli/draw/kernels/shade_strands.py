@@ -73,9 +73,9 @@ def strands(
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
     only count strands; clear None where there is none; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids
-    packed, `skin` metres; sized: None where no light has a size, [12] in lights: the sine of its
-    angular radius, or its radius in metres; slots, columns, profile: of `strandcli.draw.body`, None where no strand
-    is wide; out (V, 3).
+    packed, `skin` metres; sized: None where no light has a size, [12] in lights: the sine of its angular radius, or its
+    radius in metres, [13] mean width of strands, metres; slots, columns, profile: of `strandcli.draw.body`, None where
+    no strand is wide; out (V, 3).
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -160,9 +160,11 @@ def batch(
                 work[PASSED + k] = ZERO
                 work[LEFT + k] = ZERO
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
-                sink(work, n, views, one, stacks, np.int64(lights[i, 10]), starts[one], sizes[one], lights[i, 9])
+                layers = np.int64(lights[i, 10])
+                width = lights[i, 13]
+                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
                 if twice is not None:
-                    beyond(work, n, stacks, np.int64(lights[i, 10]), starts[one], sizes[one])
+                    beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
             if clear is None or lights[i, 11] == ZERO:

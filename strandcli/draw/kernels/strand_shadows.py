@@ -13,6 +13,7 @@ from .shadow import between, held, texel_of, through
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 NEXT = np.uint64(1)
+TWICE = np.float32(2.0)
 
 
 @inner
@@ -59,53 +60,38 @@ def locate(work, n, views, one, size, bias):
 
 
 @inner
-def mixed(work, k):
-    """Between the four texels around vertex k."""
-    return between(
-        work[U + k] - np.floor(work[U + k]),
-        work[V + k] - np.floor(work[V + k]),
-        work[TEXELS + k],
-        work[TEXELS + W + k],
-        work[TEXELS + 2 * W + k],
-        work[TEXELS + 3 * W + k],
-    )
-
-
-@inner
-def sink(work, n, views, one, stacks, layers, start, size, bias):
-    """Strands between the light and each vertex, by one opacity map: as `shade`."""
+def sink(work, n, views, one, stacks, layers, start, size, bias, width):
+    """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres."""
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
-    stride = np.uint64(layers + opacity.HEAD + 1)
-    down = np.uint64(size) * stride
     for k in range(n):
-        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
-        texel = np.uint64(start) + np.uint64(place) * stride
-        d = work[DEPTH + k]
-        work[TEXELS + k] = opacity.depth_at(d, texel, layers, stacks)
-        work[TEXELS + W + k] = opacity.depth_at(d, texel + stride, layers, stacks)
-        work[TEXELS + 2 * W + k] = opacity.depth_at(d, texel + down, layers, stacks)
-        work[TEXELS + 3 * W + k] = opacity.depth_at(d, texel + down + stride, layers, stacks)
+        texels, cells, growth = opacity.in_front(
+            work[U + k], work[V + k], work[DEPTH + k], np.uint64(start), size, layers, stacks
+        )
+        work[TEXELS + k] = texels
+        work[TEXELS + W + k] = cells
+        work[TEXELS + 2 * W + k] = growth
     for k in range(n):
-        passed = mixed(work, k)
+        scale = scale_at(work, k, views, one, bias)
+        passed = opacity.settled(work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k], width, scale)
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
 @inner
-def beyond(work, n, stacks, layers, start, size):
+def scale_at(work, k, views, one, bias):
+    """Texels a metre at vertex k."""
+    return views[one, 13] / (work[DEPTH + k] + bias) if views[one, 12] > ZERO else views[one, 13]
+
+
+@inner
+def beyond(work, n, views, one, stacks, layers, start, size, bias, width):
     """Strands behind each vertex, where `sink` has just found those in front of it."""
     if size < 2:
         return
-    stride = np.uint64(layers + opacity.HEAD + 1)
-    down = np.uint64(size) * stride
     for k in range(n):
-        place = np.int64(work[V + k]) * size + np.int64(work[U + k])
-        last = np.uint64(start) + np.uint64(place + 1) * stride - NEXT
-        work[TEXELS + k] = stacks[last]
-        work[TEXELS + W + k] = stacks[last + stride]
-        work[TEXELS + 2 * W + k] = stacks[last + down]
-        work[TEXELS + 3 * W + k] = stacks[last + down + stride]
+        work[TEXELS + k] = opacity.through(work[U + k], work[V + k], np.uint64(start), size, layers, stacks)
     for k in range(n):
-        total = mixed(work, k)
-        work[LEFT + k] += max(total - work[PASSED + k], ZERO) if work[INSIDE + k] > ZERO else ZERO
+        own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
+        total = max(work[TEXELS + k] - own - work[PASSED + k], ZERO)
+        work[LEFT + k] += total if work[INSIDE + k] > ZERO else ZERO

@@ -17,14 +17,14 @@ PX = EXTRA
 SX, SY, DISTANCE, PIXEL, THERE, UNDER, COSINE = (TEXELS + i * W for i in range(7))
 LEFT, ARRIVED = TEXELS + 7 * W, TEXELS + 10 * W
 # Texels about a point: how far they reach and one over that, the first and the last column and row, sums of weights and
-# of light that is lost; of one texel its number, −1 for none, its weight, the strands in front of the point, the depths
-# where the texel's own begin and end, and of the light that they scatter on the weight and what the rest of it loses.
+# of light that is lost; of one texel its column, −1 for none, its weight, the strands in front of the point, the depths
+# where the cell's own begin and end, and of the light that they scatter on the weight and what the rest of it loses.
 PER, FIRST_U, LAST_U, FIRST_V, LAST_V, TOTAL = (TEXELS + i * W for i in range(13, 19))
-LOST, PLACE, WEIGHT, PASSED = TEXELS + 19 * W, TEXELS + 22 * W, TEXELS + 23 * W, TEXELS + 24 * W
+LOST, ACROSS, WEIGHT, PASSED = TEXELS + 19 * W, TEXELS + 22 * W, TEXELS + 23 * W, TEXELS + 24 * W
 RADIUS, FRONT, BACK, NEAR, OTHER = (TEXELS + i * W for i in range(25, 30))
 # How a map sees a point: texels of blur a metre of distance from what hides the light, that distance where nothing
 # tells it, and the w of light that goes on.
 BLUR, AWAY, CLOUD = (TEXELS + i * W for i in range(30, 33))
-# Every how manieth texel is looked at, and how much those between every other one of them have faded out.
-STRIDE, FADE = TEXELS + 33 * W, TEXELS + 34 * W
-ROWS = 27 + 35
+# The texel's row; every how manieth texel is looked at, and how much those between every other one of them have faded out.
+DOWN, STRIDE, FADE = (TEXELS + i * W for i in range(33, 36))
+ROWS = 27 + 36
