@@ -25,6 +25,6 @@ RADIUS, FRONT, BACK, NEAR, OTHER = (TEXELS + i * W for i in range(25, 30))
 # How a map sees a point: texels of blur a metre of distance from what hides the light, that distance where nothing
 # tells it, and the w of light that goes on.
 BLUR, AWAY, CLOUD = (TEXELS + i * W for i in range(30, 33))
-# The texel's row; every how manieth texel is looked at, and how much those between every other one of them have faded out.
+# The texel's row; every how manieth is looked at, and how much those between every other one of them have faded out.
 DOWN, STRIDE, FADE = (TEXELS + i * W for i in range(33, 36))
 ROWS = 27 + 36
