@@ -311,8 +311,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             if one.shadow.model == "traced" and not needs_counts(scene):
                 continue
-            deep = 0 if one.shadow.model == "minmax" else 4 * (one.shadow.layers + 3)
-            total += (8 + deep) * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
+            texel = 8 if one.shadow.model == "minmax" else 4 + 5 * (one.shadow.layers + 1)  # of a cell a quarter
+            total += texel * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += _fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
     if scene.camera.shutter > 0:  # the frame before, and the moment between

@@ -190,17 +190,18 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     view = View(np.zeros(3), *(np.eye(3) * [1, 1, -1]), True, size / 2, 0.01, 10.0, size, size)
     first, world = np.array([0, ALONG + 1]), line(np.array([0.55, 0.98, -1.0]), np.array([0.98, 0.55, -1.0])).world
     screen = to_screen(Polylines(first, world), view, Scratch())
-    extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size, 1))
-    stacks = np.zeros(size * size * (layers + 3), np.float32)
+    extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
+    stacks = np.zeros(size * size // 4 * opacity.stride_for(layers), np.float32)
     members, begin = np.zeros(1, np.int32), np.array([0, 1])
     for into in (None, stacks):
         opacity.draw(
             first, screen, members, begin, size, size, 1, np.float32(0), np.float32(view.near), np.float32(view.focal),
-            np.float32(2 * radius), np.float32(0), None, extents, layers, into,
+            np.float32(2 * radius), np.float32(0), None, extents, np.float32(1), layers, into,
         )  # fmt: skip
         if into is None:
-            opacity.divide(extents, layers, np.float32(1e-3), stacks)
-    area = stacks.reshape(-1, layers + 3)[:, 2:].astype(np.float64).sum() / (size / 2) ** 2  # on a plane a metre away
+            opacity.divide(extents, layers, np.float32(1e-3), np.float32(1), stacks)
+    texels = stacks.reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
+    area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
     length = float(np.linalg.norm(world[-1] - world[0]))
     wide = width_by_rays(view, Polylines(first, world), radius, ALONG // 2) / view.focal
     assert wide > 1.4 * 2 * radius

@@ -93,8 +93,8 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
         kind = float(not isinstance(light, DirectionalLight))
         traced += is_traced(light)
         number = traced if is_traced(light) else 0
-        width = maps.thickness.mean if maps is not None else 0.0
-        rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, *[0.0] * 2])
+        width, over = (maps.thickness.mean, maps.over) if maps is not None else (0.0, 0.0)
+        rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, over, 0.0])
     return np.array(rows, np.float32).reshape(-1, 16)
 
 

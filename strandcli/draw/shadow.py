@@ -25,6 +25,9 @@ from .scratch import Scratch
 
 TEXEL = 1.5
 """Strand spacings a texel of an opacity map."""
+FALL = 6.0
+"""h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart."""
+TINY = 1e-9
 NO_TEXELS = np.zeros((0, 2), np.float32)
 NO_STACKS = np.zeros(0, np.float32)
 NO_MAPS = np.zeros(0, np.int64)
@@ -67,6 +70,8 @@ class ShadowMaps:
     extents: list[NDArray[np.float32]] = field(default_factory=list)
     """Nearest and farthest depth (n, 2) of each map's texels, or of an opacity map's cells, which is drawn first."""
     thickness: Thickness = Thickness()
+    over: float = 1.0
+    """1 / h of `kernels.opacity`, 1/m."""
 
     @property
     def deep(self) -> bool:
@@ -83,7 +88,7 @@ class ShadowMaps:
         for number, layers in enumerate(self.layers):
             if layers:
                 least = np.float32(texel_of(self.views[number]))
-                opacity.divide(self.extents[number], layers, least, self._stack(number))
+                opacity.divide(self.extents[number], layers, least, np.float32(self.over), self._stack(number))
 
     def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw the same polylines into the layers of every opacity map."""
@@ -128,7 +133,7 @@ class ShadowMaps:
         opacity.draw(
             first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
             np.float32(self.thickness.width), np.float32(self.thickness.taper), lines.scale, self.extents[number],
-            layers, stack,
+            np.float32(self.over), layers, stack,
         )  # fmt: skip
 
 
@@ -163,10 +168,11 @@ def plan_maps(
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
+    h = FALL * spacing**2 / thickness.mean if spacing > 0 < thickness.mean else max(v.far - v.near for v in views)
     deep_maps = np.array(layers) > 0
     counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
-    strides = np.where(deep_maps, opacity.stride_for(np.array(layers)), 0)
+    strides = np.array([opacity.stride_for(one) if one else 0 for one in layers])
     floats = np.concatenate([[0], np.cumsum(counts * strides)]).astype(np.int64)
     ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
@@ -189,6 +195,7 @@ def plan_maps(
         layers,
         extents,
         thickness,
+        1.0 / max(h, TINY),
     )
 
 

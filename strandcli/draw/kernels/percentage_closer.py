@@ -102,7 +102,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         size = sizes[one]
         start = np.uint64(starts[one])
         hold(work, n, lights, i, views, one, size)
-        search(work, n, np.float32(size), start, layers, stacks)
+        search(work, n, np.float32(size), start, lights[i, 14], layers, stacks)
         wide, tall = about(work, n, ONE, ZERO)
         for k in range(n):
             work[TOTAL + k] = ZERO
@@ -111,7 +111,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         for row in range(tall):
             for column in range(wide):
                 weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
-                sink(work, n, start, size, layers, stacks)
+                sink(work, n, start, size, lights[i, 14], layers, stacks)
                 if veil is None:
                     for k in range(n):
                         passed = work[PASSED + k]
@@ -166,7 +166,7 @@ def reach(blur):
 
 
 @inner
-def search(work, n, size, start, layers, stacks):
+def search(work, n, size, start, over, layers, stacks):
     """How far the strands blur that hide the light: by their mean distance from each point, as far as there are any."""
     wide, tall = about(work, n, np.float32(STEP), LEAST)
     if wide == 0:
@@ -177,7 +177,7 @@ def search(work, n, size, start, layers, stacks):
     for row in range(tall):
         for column in range(wide):
             weigh(work, n, np.float32(row), np.float32(column), size)
-            sink(work, n, start, np.int64(size), layers, stacks)
+            sink(work, n, start, np.int64(size), over, layers, stacks)
             for k in range(n):
                 passed = work[PASSED + k]
                 d = work[DEPTH + k]
@@ -259,7 +259,7 @@ def odd(half):
 
 
 @inner
-def sink(work, n, start, size, layers, stacks):
+def sink(work, n, start, size, over, layers, stacks):
     """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
     and end."""
     for k in range(n):
@@ -267,11 +267,11 @@ def sink(work, n, start, size, layers, stacks):
         if work[ACROSS + k] >= ZERO:
             row = np.int64(work[DOWN + k])
             column = np.int64(work[ACROSS + k])
-            passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, layers, stacks)
+            passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, over, layers, stacks)
             if passed > ZERO:
                 base = opacity.cell_of(row, column, start, size, layers)
                 front = stacks[base]
-                back = front + np.float32(layers * layers) / stacks[base + np.uint64(1)]
+                back = front + np.float32(layers) / ((stacks[base + np.uint64(1)] - np.float32(layers)) * over)
         work[PASSED + k] = passed
         work[FRONT + k] = front
         work[BACK + k] = back

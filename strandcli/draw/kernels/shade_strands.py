@@ -74,7 +74,8 @@ def strands(
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
     only count strands; clear None where there is none; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids
     packed, `skin` metres; sized: None where no light has a size, [12] in lights: the sine of its angular radius, or its
-    radius in metres, [13] mean width of strands, metres; slots, columns, profile: of `strandcli.draw.body`, None where
+    radius in metres, [13] mean width of strands, metres, [14] 1 / h of
+    `opacity`; slots, columns, profile: of `strandcli.draw.body`, None where
     no strand is wide; out (V, 3).
     """
     count = first.shape[0] - 1
@@ -162,7 +163,7 @@ def batch(
             for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
                 layers = np.int64(lights[i, 10])
                 width = lights[i, 13]
-                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
+                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width, lights[i, 14])
                 if twice is not None:
                     beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
             for k in range(n):

@@ -60,14 +60,15 @@ def locate(work, n, views, one, size, bias):
 
 
 @inner
-def sink(work, n, views, one, stacks, layers, start, size, bias, width):
-    """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres."""
+def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
+    """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres;
+    over: of `opacity.draw`."""
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
     for k in range(n):
         texels, cells, growth = opacity.in_front(
-            work[U + k], work[V + k], work[DEPTH + k], np.uint64(start), size, layers, stacks
+            work[U + k], work[V + k], work[DEPTH + k], np.uint64(start), size, over, layers, stacks
         )
         work[TEXELS + k] = texels
         work[TEXELS + W + k] = cells

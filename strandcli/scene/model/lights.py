@@ -21,7 +21,7 @@ class Shadow:
         "against all others, and on solids as opacity; off: built for nobody",
     )
     size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
-    layers: int = integer(19, low=1, high=61, doc="layers of opacity")
+    layers: int = integer(21, low=1, high=61, doc="layers of opacity")
     texel: float | None = number(
         None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
     )
