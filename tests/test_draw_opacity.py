@@ -46,7 +46,9 @@ def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers
 
 
 def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
+    """τ in front of a point that is on no strand."""
     packed = pack_lights((light,), maps, BOX)
+    packed[:, 13] = 0
     x, y, z = np.asarray(point, np.float32)
     return float(opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed))
 
@@ -94,6 +96,7 @@ def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:
     assert np.mean(below) == pytest.approx(0.25, abs=0.02)
     assert [depth(maps, sun, np.array([x, 0.2, 0.1])) for x in (-0.4, 0.0, 0.33)] == [0, 0, 0]
     packed = pack_lights((sun,), maps, BOX)
+    packed[:, 13] = 0
     x, y, z = np.array([0.0, -0.5, 0.0], np.float32)
     share = opacity.transmittance(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     assert float(share) == pytest.approx(math.exp(-depth(maps, sun, np.array([0, -0.5, 0]))), abs=1e-6)
@@ -153,6 +156,7 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     maps.build(lines, 1, Scratch())
     packed = pack_lights((SUN, plain, LAMP), maps, BOX)
     assert packed[:, 10].tolist() == [13, 0, 13]
+    packed[:, 13] = 0
     alone = plan_maps((plain,), BOX, Scratch())
     assert alone is not None
     alone.build(lines, 1, Scratch())
@@ -162,6 +166,46 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
         x, y, z = point.astype(np.float32)
         here = opacity.optical_depth(x, y, z, packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
+
+
+def test_a_strand_alone_has_no_shadow_on_itself() -> None:
+    """Whatever part of a texel it goes through; on something else it has one."""
+    for seed in range(20):
+        lines = straight(1, seed)
+        maps = maps_of(SUN, lines, Thickness(0.02))
+        packed = pack_lights((SUN,), maps, BOX)
+        own = [
+            opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+            for x, y, z in lines.world[1:-1]
+        ]
+        below = lines.world[1:-1] + 0.3 * np.array(SUN.direction, np.float32)
+        cast = [depth(maps, SUN, point) for point in below]
+        assert np.mean(own) < 0.25 * np.mean(cast)
+        assert min(cast) > 0
+
+
+def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
+    """Behind a sheet, where τ does not grow: of strands 6 texels apart it is lower in the middle of a strand's shadow, of
+    a dense sheet the same, but for half of what a strand has in a texel."""
+    sun = DirectionalLight(direction=(0, -1, 0), shadow=DEEP)
+    spread = {}
+    for apart in (6, 0.5):
+        step = apart * 3.5 / 64
+        count = int(1.2 / step)
+        world = np.zeros((count, 2, 3), np.float32)
+        world[:, :, 0] = (np.arange(count) - count / 2)[:, None] * step
+        world[:, 0, 2], world[:, 1, 2] = -0.6, 0.6
+        lines = Polylines(np.arange(count + 1) * 2, world.reshape(-1, 3))
+        maps = maps_of(sun, lines, Thickness(0.01))
+        packed = pack_lights((sun,), maps, BOX)
+        asked = [np.float32((x, -0.5, 0.01)) for x in np.linspace(-0.3, 0.3, 200)]
+        for width in (0.0, packed[0, 13]):
+            packed[0, 13] = width
+            numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+            spread[apart, width > 0] = np.array([opacity.optical_depth(*point, *numbers) for point in asked])
+    own = 0.375 * 0.01 * maps.views[0].focal / 2
+    assert np.abs(spread[0.5, True] + own - spread[0.5, False]).max() < 0.01
+    assert own < spread[6, True].max() + own < 0.7 * spread[6, False].max()
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])

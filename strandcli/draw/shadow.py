@@ -168,7 +168,8 @@ def plan_maps(
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
-    h = FALL * spacing**2 / thickness.mean if spacing > 0 < thickness.mean else max(v.far - v.near for v in views)
+    dense = spacing > 0 < thickness.mean
+    h = FALL * spacing**2 / thickness.mean if dense else float(np.linalg.norm(bounds[1] - bounds[0]))
     deep_maps = np.array(layers) > 0
     counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)

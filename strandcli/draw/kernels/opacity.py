@@ -42,8 +42,8 @@ FIVE = 5
 OWN = np.float32(0.375)
 """Half of what a strand as wide as a texel leaves in the middle of a quadratic spline about it."""
 THIRD = np.float32(1 / 3)
-APART = np.float32(1.0)
-"""Texels from one spot of a piece to the next, each of which is two texels wide."""
+SHORT = np.float32(1.5)
+"""Texels. A spot is two texels wide."""
 CLOSE = np.float32(0.8)
 """Texels that strands are apart, by the layers, up to which texels are read, and beyond twice as many cells' means."""
 
@@ -62,8 +62,8 @@ def draw(
 
     first, screen, members, begin, rows, workers, far, near, size: as in `shadow.fill`, rows and size even; focal:
     texels a metre, where far is 0 at a depth of one; width: of strands at the root, metres, of which `taper` is lost to
-    the tip; scale (S,): factor of each strand's, or None; extents (cells, 2) float32 nearest and farthest depth, or what
-    `divide` makes of them; over: 1 / h; stacks (cells * `stride_for`,) float32.
+    the tip; scale (S,): factor of each strand's, or None; extents (cells, 2) float32 nearest and farthest depth, or
+    what `divide` makes of them; over: 1 / h; stacks (cells * `stride_for`,) float32.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -136,13 +136,14 @@ def widen(x0, y0, d0, x1, y1, d1, top, bottom, size, extents):
 
 @function
 def piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, heads, over, layers, stacks):
-    """A spot for each length of `APART` texels, in depth too; `w` is the width in texels, `scale` texels a metre."""
+    """A spot for each texel's length, in depth too, or one in the middle of what is no longer than `SHORT`; `w` is the
+    width in texels, `scale` texels a metre."""
     dx = x1 - x0
     dy = y1 - y0
     length = max(max(abs(dx), abs(dy)), abs(d1 - d0) * scale)
     if not length <= np.float32(4 * size):  # a light so near that a piece is wider than its map
         return
-    spots = np.int64(length * (ONE / APART)) + 1
+    spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
     per = ONE / np.float32(spots)
     share = w * math.sqrt(dx * dx + dy * dy) * per
     dx *= per
