@@ -86,7 +86,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "sink": (percentage_closer.sink, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
     "dim": (percentage_closer.dim, (LIT, 1, TABLE)),
     "piece": (
-        opacity.piece, (*[ONE] * 8, 0, 8, 8, np.ones((16, 2), np.float32), ONE, 5, np.ones(16 * 32, np.float32)),
+        opacity.piece, (*[ONE] * 8, 0, 8, 8, np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32)),
     ),
     "widen": (opacity.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
