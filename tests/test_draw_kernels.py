@@ -88,7 +88,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "piece": (
         opacity.piece, (*[ONE] * 8, 0, 8, 8, np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32)),
     ),
-    "widen": (opacity.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
+    "widen extents": (opacity.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
     "dual scattered": (dual.scattered, (ONE,) * 14),
