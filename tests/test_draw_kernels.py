@@ -77,7 +77,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         shadow.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
     ),
     "optical depth": (
-        opacity.optical_depth, (ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
+        opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
     ),
     "hold": (percentage_closer.hold, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
     "search": (percentage_closer.search, (LIT, 1, ONE, np.uint64(0), ONE, 5, np.ones(1024, np.float32))),

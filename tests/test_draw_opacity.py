@@ -48,9 +48,9 @@ def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers
 def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     """τ in front of a point that is on no strand."""
     packed = pack_lights((light,), maps, BOX)
-    packed[:, 13] = 0
     x, y, z = np.asarray(point, np.float32)
-    return float(opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed))
+    numbers = packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed
+    return float(opacity.optical_depth(x, y, z, np.float32(0), *numbers))
 
 
 def off_by(
@@ -62,8 +62,11 @@ def off_by(
     assert maps is not None
     maps.build(lines, 1, Scratch())
     packed = pack_lights((light,), maps, bounds)
-    asked, array = (opacity.transmittance, maps.stacks) if maps.deep else (minmax.transmittance, maps.texels)
-    found = [asked(x, y, z, packed, 0, array, maps.starts, maps.sizes, maps.packed) for x, y, z in np.float32(points)]
+    rest = packed, 0, maps.stacks if maps.deep else maps.texels, maps.starts, maps.sizes, maps.packed
+    if maps.deep:
+        found = [opacity.transmittance(*point, packed[0, 13], *rest) for point in np.float32(points)]
+    else:
+        found = [minmax.transmittance(*point, *rest) for point in np.float32(points)]
     return np.array(found) - truth
 
 
@@ -96,9 +99,8 @@ def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:
     assert np.mean(below) == pytest.approx(0.25, abs=0.02)
     assert [depth(maps, sun, np.array([x, 0.2, 0.1])) for x in (-0.4, 0.0, 0.33)] == [0, 0, 0]
     packed = pack_lights((sun,), maps, BOX)
-    packed[:, 13] = 0
     x, y, z = np.array([0.0, -0.5, 0.0], np.float32)
-    share = opacity.transmittance(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+    share = opacity.transmittance(x, y, z, np.float32(0), packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     assert float(share) == pytest.approx(math.exp(-depth(maps, sun, np.array([0, -0.5, 0]))), abs=1e-6)
 
 
@@ -147,6 +149,17 @@ def test_portions_add_up() -> None:
     np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
 
 
+@pytest.mark.parametrize("size", [1, 2, 3, 5])
+def test_the_smallest_maps_are_whole_cells(size: int) -> None:
+    sun = DirectionalLight(direction=(0, -1, 0), shadow=replace(DEEP, size=size))
+    lines = straight(300, 4)
+    maps = maps_of(sun, lines)
+    assert maps.sizes[0] == max(size + size % 2, 4)
+    found = np.array([depth(maps, sun, point) for point in np.linspace([-2, -2, -2], [2, 2, 2], 60)])
+    assert np.isfinite(found).all()
+    assert 0 < found.max() < 100
+
+
 def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     lines = straight(300, 4)
     plain = DirectionalLight(direction=(0, -1, 0), shadow=Shadow(size=32))
@@ -156,7 +169,6 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     maps.build(lines, 1, Scratch())
     packed = pack_lights((SUN, plain, LAMP), maps, BOX)
     assert packed[:, 10].tolist() == [13, 0, 13]
-    packed[:, 13] = 0
     alone = plan_maps((plain,), BOX, Scratch())
     assert alone is not None
     alone.build(lines, 1, Scratch())
@@ -164,7 +176,8 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     point = np.array([0.1, -0.3, 0.0])
     for number, light in ((0, SUN), (2, LAMP)):
         x, y, z = point.astype(np.float32)
-        here = opacity.optical_depth(x, y, z, packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
+        numbers = (packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
+        here = opacity.optical_depth(x, y, z, np.float32(0), *numbers)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
 
 
@@ -175,7 +188,7 @@ def test_a_strand_alone_has_no_shadow_on_itself() -> None:
         maps = maps_of(SUN, lines, Thickness(0.02))
         packed = pack_lights((SUN,), maps, BOX)
         own = [
-            opacity.optical_depth(x, y, z, packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+            opacity.optical_depth(x, y, z, packed[0, 13], packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
             for x, y, z in lines.world[1:-1]
         ]
         below = lines.world[1:-1] + 0.3 * np.array(SUN.direction, np.float32)
@@ -199,10 +212,9 @@ def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
         maps = maps_of(sun, lines, Thickness(0.01))
         packed = pack_lights((sun,), maps, BOX)
         asked = [np.float32((x, -0.5, 0.01)) for x in np.linspace(-0.3, 0.3, 200)]
-        for width in (0.0, packed[0, 13]):
-            packed[0, 13] = width
+        for width in (np.float32(0), packed[0, 13]):
             numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-            spread[apart, width > 0] = np.array([opacity.optical_depth(*point, *numbers) for point in asked])
+            spread[apart, width > 0] = np.array([opacity.optical_depth(*point, width, *numbers) for point in asked])
     own = 0.375 * 0.01 * maps.views[0].focal / 2
     assert np.abs(spread[0.5, True] + own - spread[0.5, False]).mean() < 0.01
     assert -2 * own + 0.02 < spread[6, True].max() - spread[6, False].max() < -own - 0.02

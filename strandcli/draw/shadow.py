@@ -157,7 +157,9 @@ def plan_maps(
         before = len(views)
         if wants_map(light) and (counted or not is_traced(light)):
             deep = light.shadow.model != "minmax"
-            size = light.shadow.size + (light.shadow.size % 2 if deep else 0)  # cells are two texels wide
+            size = light.shadow.size
+            if deep:  # of whole cells, two texels wide, two of which a point lies between
+                size = max(size + size % 2, 4)
             found = light_views(light, size, bounds)
             if deep:
                 wanted = light.shadow.texel or max(TEXEL * spacing, thickness.width)

@@ -222,7 +222,8 @@ def shadows(
                 if power > ZERO and lights[i, 10] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
                 if power > ZERO and lights[i, 10] > ZERO:
-                    power *= opacity.transmittance(px, py, pz, lights, i, stacks, starts, sizes, views)
+                    wide = ZERO if ids[y, x] == -2 else lights[i, 13]
+                    power *= opacity.transmittance(px, py, pz, wide, lights, i, stacks, starts, sizes, views)
                 arrives += power
             if whole > ZERO:
                 out[y, x] = arrives / whole

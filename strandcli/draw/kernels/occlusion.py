@@ -175,9 +175,9 @@ def mixed(plane, at, row, f, g):
 def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, boxes, volume):
     """Of what strands and solids leave of each direction, the mean and thrice the mean times the direction.
 
-    As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear
-    fit. A middle inside of a solid stands for the nearest point of its surface. Only cells with strands about them, or
-    near a surface, ask for solids: others are never looked up.
+    As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear fit. A middle inside of a solid
+    stands for the nearest point of its surface. Only cells with strands about them, or near a surface, ask for solids:
+    others are never looked up.
     """
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide

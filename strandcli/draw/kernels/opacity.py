@@ -347,11 +347,11 @@ def settled(texels, cells, growth, width, scale):
 
 
 @function
-def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
-    """τ between a light and a point on a strand; 0 where no map of the light holds the point.
+def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
+    """τ between a light and a point; 0 where no map of the light holds the point.
 
-    As `shadow.transmittance`; lights [10]: layers, [13]: mean width of strands, metres, [14]: 1 / h; starts: where a
-    map begins in stacks.
+    As `shadow.transmittance`; width: mean one of strands, metres, or 0 for a point that is on none; lights [10]:
+    layers, [14]: 1 / h; starts: where a map begins in stacks.
     """
     layers = np.int64(lights[i, 10])
     for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
@@ -362,11 +362,11 @@ def optical_depth(x, y, z, lights, i, stacks, starts, sizes, views):
         d -= lights[i, 9]
         start, size = np.uint64(starts[one]), np.int64(sizes[one])
         texels, cells, growth = in_front(u, v, d, start, size, lights[i, 14], layers, stacks)
-        return settled(texels, cells, growth, lights[i, 13], scale)
+        return settled(texels, cells, growth, width, scale)
     return ZERO
 
 
 @function
-def transmittance(x, y, z, lights, i, stacks, starts, sizes, views):
+def transmittance(x, y, z, width, lights, i, stacks, starts, sizes, views):
     """Share of light that reaches a point: e^-τ."""
-    return exp(-optical_depth(x, y, z, lights, i, stacks, starts, sizes, views))
+    return exp(-optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views))
