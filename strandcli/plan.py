@@ -311,8 +311,11 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
         if needs_shadow_maps(scene) and one.shadow.model != "off":
             if one.shadow.model == "traced" and not needs_counts(scene):
                 continue
-            texel = 8 if one.shadow.model == "minmax" else 4 + 5 * (one.shadow.layers + 1)  # of a cell a quarter
-            total += texel * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
+            # of a cell's numbers a quarter, where strands are: no box takes more than 1 / √3 of what the ball about it
+            # does of a map
+            cell = 4 * (2 + 5 * (one.shadow.layers + 1)) / 4 * (0.6 if one.kind == "directional" else 1)
+            texel = 8 if one.shadow.model == "minmax" else 4 + cell
+            total += int(texel * one.shadow.side**2) * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += _fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
     if scene.camera.shutter > 0:  # the frame before, and the moment between

@@ -39,7 +39,7 @@ def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
 def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers: int = 2) -> ShadowMaps:
     maps = plan_maps((light,), BOX, Scratch(), thickness)
     assert maps is not None
-    assert maps.stacks is not None
+    assert maps.deep
     assert maps.texels is None
     maps.build(lines, workers, Scratch())
     return maps
@@ -75,7 +75,9 @@ def test_a_map_counts_projected_area() -> None:
     lines = straight(200)
     maps = maps_of(SUN, lines)
     assert maps.stacks is not None
-    texels = 4 * maps.stacks.reshape(32 * 32, -1)[:, -1].astype(np.float64)  # of cells the means of four
+    rows = maps.stacks[32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
+    assert not rows[0].any()  # of cells that no strand comes to
+    texels = 4 * rows[:, -1].astype(np.float64)  # of cells the means of four
     whole = texels.sum() / maps.views[0].focal ** 2
     world = lines.world.astype(np.float64).reshape(200, 9, 3)
     pieces = np.diff(world, axis=1)
@@ -142,7 +144,7 @@ def test_portions_add_up() -> None:
     assert maps is not None
     for part in parts:
         maps.add(part, 1, Scratch())
-    maps.divide()
+    maps.divide(Scratch())
     for part in parts:
         maps.weigh(part, 2, Scratch())
     maps.finish()

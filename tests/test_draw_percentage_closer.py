@@ -53,7 +53,7 @@ def left(
     packed = pack_lights((light,), maps, bounds)
     numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     if by is opacity:
-        return np.exp([-opacity.optical_depth(x, y, z, *numbers) for x, y, z in np.float32(points)])
+        return np.exp([-opacity.optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
     found = np.concatenate([leave(some, veil, *numbers) for some in np.split(points, range(W, len(points), W))])
     return found[:, 0] if veil is None else found
 

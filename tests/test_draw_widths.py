@@ -13,7 +13,7 @@ from strandcli.draw.camera import View
 from strandcli.draw.coverage import Coverage
 from strandcli.draw.curves import Polylines
 from strandcli.draw.extent import widths_of
-from strandcli.draw.kernels import opacity
+from strandcli.draw.kernels import opacity, opacity_maps
 from strandcli.draw.raster import draw, kernel, to_screen
 from strandcli.draw.scratch import Scratch
 from strandcli.scene.model import Material
@@ -191,16 +191,19 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     first, world = np.array([0, ALONG + 1]), line(np.array([0.55, 0.98, -1.0]), np.array([0.98, 0.55, -1.0])).world
     screen = to_screen(Polylines(first, world), view, Scratch())
     extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
-    stacks = np.zeros(size * size // 4 * opacity.stride_for(layers), np.float32)
+    rows = np.empty(size * size // 4, np.float32)
+    stacks = np.empty(0, np.float32)
     members, begin = np.zeros(1, np.int32), np.array([0, 1])
-    for into in (None, stacks):
-        opacity.draw(
+    for weigh in (False, True):
+        opacity_maps.draw(
             first, screen, members, begin, size, size, 1, np.float32(0), np.float32(view.near), np.float32(view.focal),
-            np.float32(2 * radius), np.float32(0), None, extents, np.float32(1), layers, into,
+            np.float32(2 * radius), np.float32(0), None, extents, np.float32(1), layers,
+            stacks if weigh else None,
         )  # fmt: skip
-        if into is None:
-            opacity.divide(extents, layers, np.float32(1e-3), np.float32(1), stacks)
-    texels = stacks.reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
+        if not weigh:
+            stacks = np.empty(opacity.numbers_of(len(rows), opacity_maps.number(extents, rows), layers), np.float32)
+            opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
+    texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
     area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
     length = float(np.linalg.norm(world[-1] - world[0]))
     wide = width_by_rays(view, Polylines(first, world), radius, ALONG // 2) / view.focal

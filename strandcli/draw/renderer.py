@@ -210,13 +210,14 @@ class Renderer:
     def _cast(self, maps: ShadowMaps, feed: Portions, lines: Polylines | None, workers: int) -> None:
         """Draw strands, or the ``lines`` that are all of them, into shadow maps: every strand has to be in them before
         the first is shaded."""
-        for draw, end in ((maps.add, maps.divide), (maps.weigh, maps.finish)):
-            if draw == maps.weigh and not maps.deep:
-                break
+        for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
             for some in feed.lines() if lines is None else (lines,):
                 draw(some, workers, self.scratch)
                 self._drawing.lap("shadow")
-            end()
+            if draw == maps.add:
+                maps.divide(self.scratch)
+            else:
+                maps.finish()
 
     def shade(
         self, lighting: Lighting, portion: Portion, marks: NDArray[np.uint8], clear: NDArray[np.float32] | None

@@ -18,15 +18,16 @@ from numpy.typing import NDArray
 from ..scene.model import DirectionalLight, Light
 from .camera import View, ball, parallel_view, point_views
 from .curves import Polylines
-from .kernels import opacity
+from .kernels import opacity, opacity_maps
 from .kernels import shadow as kernel
 from .raster import into_bands, to_screen
 from .scratch import Scratch
 
 TEXEL = 1.5
 """Strand spacings a texel of an opacity map."""
-FALL = 6.0
-"""h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart."""
+FALL = 9.0
+"""h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart: more than
+light takes to fall, for single strands stand off before the rest."""
 TINY = 1e-9
 NO_TEXELS = np.zeros((0, 2), np.float32)
 NO_STACKS = np.zeros(0, np.float32)
@@ -49,7 +50,7 @@ class Thickness:
         return self.width * (1 - self.taper / 2)
 
 
-@dataclass(frozen=True)
+@dataclass
 class ShadowMaps:
     """All maps, as `kernels.shadow.transmittance` and `kernels.opacity.optical_depth` read them."""
 
@@ -57,14 +58,14 @@ class ShadowMaps:
     packed: NDArray[np.float32]
     """(M, 24) the views packed."""
     starts: NDArray[np.int64]
-    """Where each map begins: in `texels`, or in `stacks` if it is an opacity map."""
+    """Where each map begins: in `texels`, or in `stacks` if it is an opacity map, as `divide` finds."""
     sizes: NDArray[np.int64]
     texels: NDArray[np.float32] | None
     """(T, 2) nearest and farthest depth, metres; None where all are opacity maps."""
     owners: list[tuple[int, int]]
     """For each light its first map and how many it has."""
     stacks: NDArray[np.float32] | None = None
-    """Flat: the texels of opacity maps; None where there are none."""
+    """Flat: opacity maps, from `divide` on; None where there are none."""
     layers: list[int] = field(default_factory=list)
     """Layers of each map, 0 for a min/max map."""
     extents: list[NDArray[np.float32]] = field(default_factory=list)
@@ -72,23 +73,36 @@ class ShadowMaps:
     thickness: Thickness = Thickness()
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
+    _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
+    """Where each opacity map ends in `stacks`."""
 
     @property
     def deep(self) -> bool:
         """Whether strands have to be drawn a second time, into layers."""
-        return self.stacks is not None
+        return any(self.layers)
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines into every map."""
         for number in range(len(self.views)):
             self._draw(number, lines, workers, scratch, None)
 
-    def divide(self) -> None:
-        """When all strands have been added: layers between the nearest and the farthest."""
-        for number, layers in enumerate(self.layers):
-            if layers:
-                least = np.float32(texel_of(self.views[number]))
-                opacity.divide(self.extents[number], layers, least, np.float32(self.over), self._stack(number))
+    def divide(self, scratch: Scratch) -> None:
+        """When all strands have been added: layers between the nearest and the farthest, where there are any."""
+        deep = [number for number, layers in enumerate(self.layers) if layers]
+        if not deep:
+            return
+        ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
+        tables = np.split(scratch.take("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
+        lengths = np.zeros(len(self.views), np.int64)
+        for number, rows in zip(deep, tables, strict=True):
+            count = opacity_maps.number(self.extents[number], rows)
+            lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
+        self._ends = np.cumsum(lengths)
+        self.starts[deep] = (self._ends - lengths)[deep]
+        self.stacks = scratch.take("stacks", int(self._ends[-1]), np.float32)
+        for number, rows in zip(deep, tables, strict=True):
+            least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
+            opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
 
     def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw the same polylines into the layers of every opacity map."""
@@ -100,19 +114,18 @@ class ShadowMaps:
         """When all strands have been weighed."""
         for number, layers in enumerate(self.layers):
             if layers:
-                opacity.add_up(len(self.extents[number]), layers, self._stack(number))
+                opacity_maps.add_up(len(self.extents[number]), layers, self._stack(number))
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """All of it, where one call brings all strands."""
         self.add(lines, workers, scratch)
-        self.divide()
+        self.divide(scratch)
         self.weigh(lines, workers, scratch)
         self.finish()
 
     def _stack(self, number: int) -> NDArray[np.float32]:
         assert self.stacks is not None
-        begin = self.starts[number]
-        return self.stacks[begin : begin + len(self.extents[number]) * opacity.stride_for(self.layers[number])]
+        return self.stacks[self.starts[number] : self._ends[number]]
 
     def _draw(
         self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
@@ -130,7 +143,7 @@ class ShadowMaps:
                 first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, self.extents[number]
             )
             return
-        opacity.draw(
+        opacity_maps.draw(
             first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
             np.float32(self.thickness.width), np.float32(self.thickness.taper), lines.scale, self.extents[number],
             np.float32(self.over), layers, stack,
@@ -157,7 +170,7 @@ def plan_maps(
         before = len(views)
         if wants_map(light) and (counted or not is_traced(light)):
             deep = light.shadow.model != "minmax"
-            size = light.shadow.size
+            size = light.shadow.side
             if deep:  # of whole cells, two texels wide, two of which a point lies between
                 size = max(size + size % 2, 4)
             found = light_views(light, size, bounds)
@@ -175,8 +188,6 @@ def plan_maps(
     deep_maps = np.array(layers) > 0
     counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
-    strides = np.array([opacity.stride_for(one) if one else 0 for one in layers])
-    floats = np.concatenate([[0], np.cumsum(counts * strides)]).astype(np.int64)
     ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
     every = scratch.take("texels", (int(ends[-1]), 2), np.float32)
@@ -190,11 +201,11 @@ def plan_maps(
     return ShadowMaps(
         views,
         np.stack([view.pack() for view in views]),
-        np.where(deep_maps, floats[:-1], begin[:-1]),
+        begin[:-1],
         sizes,
         None if deep_maps.all() else every[: int(begin[-1])],
         owners,
-        scratch.take("stacks", int(floats[-1]), np.float32) if deep_maps.any() else None,
+        None,
         layers,
         extents,
         thickness,

@@ -8,8 +8,9 @@ a disc of the light's angular radius times D, of which a texel itself is a part.
 that hide the light, by how much each texel hides, over every other texel as far as strands in the map's middle would
 blur, or at its front for points before that (Fernando 2005): what touches the skin is blurred little, however far away
 the rest of the groom is.
-Where R is more than six texels only every second one is looked at, every fourth at more than twelve, every eighth at
-more than 24, which costs no more than six do; the others fade out before, so that no step shows where they go.
+Where R is more than six texels only every second one is looked at, every fourth at more than twelve, and so on to
+every sixteenth at more than 48, which costs no more than six do; the others fade out before, so that no step shows
+where they go.
 
 Light that strands scatter on goes all ways and comes down beside their shadow, the more so the further behind them a
 point is. Of what a disc sends on, a share of about w / (w + g) falls on a disc of its size at a distance g, w being .6
@@ -64,10 +65,11 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 FOUR = np.float32(4.0)
 EIGHT = np.float32(8.0)
+SIXTEEN = np.float32(16.0)
 LEAST = np.float32(1.5)
 MOST = np.float32(6.0)
 """Texels to each side that are looked at."""
-WIDEST = np.float32(8.0) * MOST
+WIDEST = SIXTEEN * MOST
 """And over which a light is averaged at the most."""
 FADED = np.float32(0.75)
 """Of MOST, from where on every other texel fades out."""
@@ -198,7 +200,8 @@ def about(work, n, step, least):
         u = work[U + k]
         v = work[V + k]
         asked = (work[INSIDE + k] > ZERO) & (radius > least)
-        times = ONE if radius <= MOST else TWO if radius <= TWO * MOST else FOUR if radius <= FOUR * MOST else EIGHT
+        times = ONE if radius <= MOST else TWO if radius <= TWO * MOST else FOUR
+        times = times if radius <= FOUR * MOST else EIGHT if radius <= EIGHT * MOST else SIXTEEN
         stride = step * times
         share = ONE / stride
         left = -stride * below((radius - u) * share)
@@ -269,7 +272,7 @@ def sink(work, n, start, size, over, layers, stacks):
             column = np.int64(work[ACROSS + k])
             passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, over, layers, stacks)
             if passed > ZERO:
-                base = opacity.cell_of(row, column, start, size, layers)
+                base = opacity.cell_of(row, column, start, size, layers, stacks)
                 front = stacks[base]
                 back = front + np.float32(layers) / ((stacks[base + np.uint64(1)] - np.float32(layers)) * over)
         work[PASSED + k] = passed

@@ -62,7 +62,7 @@ def locate(work, n, views, one, size, bias):
 @inner
 def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres;
-    over: of `opacity.draw`."""
+    over: of `opacity_maps.draw`."""
     if size < 2:
         return
     locate(work, n, views, one, size, bias)

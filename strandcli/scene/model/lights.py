@@ -20,12 +20,20 @@ class Shadow:
         doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; traced: every strand "
         "against all others, and on solids as opacity; off: built for nobody",
     )
-    size: int = integer(512, low=1, high=8192, unit="texels", doc="texels along a side; of opacity, at most")
-    layers: int = integer(21, low=1, high=61, doc="layers of opacity")
+    size: int | None = integer(
+        None, low=1, high=8192, unit="texels",
+        doc="texels along a side; of opacity, at most; absent: 512, of opacity 1024",
+    )  # fmt: skip
+    layers: int = integer(31, low=1, high=61, doc="layers of opacity")
     texel: float | None = number(
         None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
     )
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
+
+    @property
+    def side(self) -> int:
+        """Texels along a side; of opacity, at most."""
+        return self.size or (512 if self.model == "minmax" else 1024)
 
 
 @dataclass(frozen=True, slots=True, repr=False)

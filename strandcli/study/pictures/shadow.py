@@ -167,7 +167,7 @@ class ShadowStudy(Pictures):
         """One map: timed with the strands' own material, compared on white ones."""
         picture = self.subject.draw(changed(alone(self.scene, self.light), knobs))
         point = self.point(knobs, picture, self.errors(knobs, picture))
-        size = 0 if point.series == "off" else changed(self.scene, knobs).lights[self.light].shadow.size
+        size = 0 if point.series == "off" else changed(self.scene, knobs).lights[self.light].shadow.side
         point.counts = {**picture.counts, "map_bytes": 8 * size * size} if point.series == "minmax" else picture.counts
         return point
 
