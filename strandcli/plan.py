@@ -315,6 +315,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
             total += texel * one.shadow.size**2 * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += _fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
+    if scene.image.haze is not None:  # the picture before solids are lit
+        total += plan.samples * 12
     if scene.camera.shutter > 0:  # the frame before, and the moment between
         total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
     if scene.camera.aperture > 0 or scene.camera.shutter > 0:
