@@ -296,7 +296,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
-        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
+        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
     if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
         total += strands * 12 * (2 * (TIED + 1) + n)
     # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
