@@ -121,7 +121,8 @@ def grow(
     parents, weights (A, 3), roots (A, 3) metres, shares (A,) of the guides' length, middles (C, A) of their clumps,
     from wide to narrow, pulls (C, A), radii (V, A) metres of waves, turns (V, A) radians a metre, phases (V, A)
     radians, across (A, 3) unit vectors at which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 2):
-    roundness, onset; solids packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies of the last child.
+    roundness, onset; solids packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies
+    of the last child.
     """
     m = guides.shape[1] - 1
     edge = np.float32(m - 1)
