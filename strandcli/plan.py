@@ -296,7 +296,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
-        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 8 * waves)
+        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
     if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
         total += strands * 12 * (2 * (TIED + 1) + n)
     # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
@@ -318,6 +318,8 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
             total += int(texel * one.shadow.side**2) * (1 if one.kind == "directional" else 6)
     if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
         total += _fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
+    if scene.image.haze is not None:  # the picture before solids are lit
+        total += plan.samples * 12
     if scene.camera.shutter > 0:  # the frame before, and the moment between
         total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
     if scene.camera.aperture > 0 or scene.camera.shutter > 0:

@@ -178,6 +178,19 @@ def test_waves_have_their_radius_and_length_and_a_lock_waves_as_one() -> None:
     assert np.ptp(children.family.phases[0]) > 3
 
 
+def test_of_waves_with_a_share_so_many_strands_wave_as_all_would_and_the_others_not_at_all() -> None:
+    still, few, all_ = (
+        grown(children, *bent(scene))[0]
+        for scene, children in (family(waves=waves) for waves in (
+            (Wave(radius=0.01, share=1e-9),), (Wave(radius=0.01, share=0.3),), (Wave(radius=0.01, share=1.0),)
+        ))
+    )  # fmt: skip
+    wave = (few == all_).all((1, 2))
+    np.testing.assert_array_equal(few[~wave], still[~wave])
+    assert (np.abs(all_ - still).max((1, 2)) > 0.001).all()
+    assert wave.mean() == pytest.approx(0.3, abs=0.02)
+
+
 def test_an_undercoat_is_short() -> None:
     _, children = family(undercoat=0.3, undercoat_length=0.5, count=40)
     assert (children.family.shares == 0.5).mean() == pytest.approx(0.3, abs=0.01)

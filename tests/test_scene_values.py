@@ -60,6 +60,7 @@ def test_an_empty_mapping_is_its_defaults_and_an_empty_value_a_fault() -> None:
         ("time: {fps: 0}", "time.fps: must be a number above 0"),
         ("time: {frames: 0}", "time.frames"),
         ("camera: {fov: 180}", "camera.fov: must be a number above 0 and below 180 (deg), not '180'"),
+        ("image: {haze: 0}", "image.haze: must be a number above 0 (m), not '0'"),
         ("material: {eta: 1}", "material.eta: must be a number above 1 and of at most 3, not '1'"),
         ("image: {size: [0, 5]}", 'must be a size [w, h] or "800x600" of at least 1 and at most 32768 (px), not \'0\''),
         ("image: {size: 0x600}", "not '0x600'"),

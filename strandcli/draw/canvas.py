@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from . import raster
+from . import haze, raster
 from .aovs import Recorder
 from .body import body_of
 from .coverage import Coverage
@@ -20,7 +20,7 @@ from .curves import Polylines
 from .drawing import Drawing
 from .edges import find_edges
 from .kernels import film, solids
-from .lighting import Lighting
+from .lighting import NO_SPOTS, Lighting
 from .portions import Portion
 from .scratch import Scratch
 from .solids import frames_of
@@ -87,8 +87,8 @@ class Canvas:
             self.drawing.lap("raster")
             self.before("light")
             if edges is not None and layer.top == 0:
-                light.shade_surfaces(self.keys, self.image)
-                edges.lay(light.shade_surfaces, self.image, self.backdrop)
+                self._surfaces(self.keys, self.image)
+                edges.lay(self._surfaces, self.image, self.backdrop)
             portion = self._embodied(portion, layer.marks)
             shown = None
             if exact and portion.body is not None and not self.everywhere:
@@ -132,7 +132,7 @@ class Canvas:
         """When the z-buffer holds all strands: light the solids that are seen in it."""
         if self._portions > 1:  # a later one may hide what an earlier one counted
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
-        self.lighting.shade_surfaces(self.keys, self.image)
+        self._surfaces(self.keys, self.image)
         self.drawing.lap("shade")
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)
@@ -161,8 +161,23 @@ class Canvas:
                     grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shown, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, portion, marks, found)
+        thick = self.lighting.scene.image.haze
+        if thick is not None:
+            haze.veil_strands(
+                thick, self.lighting.view, self.backdrop, portion.screen, marks, colours, portion.body
+            )  # fmt: skip
         self.drawing.lap("shade")
         return colours
+
+    def _surfaces(
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
+    ) -> None:
+        """Light solids as `Lighting.shade_surfaces` does, through haze where there is any."""
+        thick = self.lighting.scene.image.haze
+        behind = None if thick is None else image.copy()
+        self.lighting.shade_surfaces(keys, image, spots)
+        if thick is not None and behind is not None:
+            haze.veil_solids(thick, self.lighting.view, behind, keys, image)
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:

@@ -52,6 +52,8 @@ class _Family(NamedTuple):
     """(C, A)"""
     pulls: NDArray[np.float32]
     """(C, A)"""
+    radii: NDArray[np.float32]
+    """(V, A) metres, 0 of children that do not wave so."""
     phases: NDArray[np.float32]
     """(V, A) radians."""
     turns: NDArray[np.float32]
@@ -69,7 +71,7 @@ class Children:
         self.groom = groom
         self.settings = scene.children
         self.count = groom.strands * scene.children.count
-        self._waves = [wave for wave in scene.children.waves if wave.radius > 0]
+        self._waves = [wave for wave in scene.children.waves if wave.radius > 0 and wave.share > 0]
         self.steps: int = scene.children.steps(scene.emitter.segment)
         """Steps in which a guide's segment is drawn."""
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
@@ -111,10 +113,10 @@ class Children:
         blocks = -(-strands // W)
         out = scratch.take("children", (blocks, m + 1, 3 * W), np.float32)
         rest = scratch.take("children_lengths", (blocks, W), np.float32)
-        waves = np.array([[wave.radius, wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 3)
+        waves = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         kernel.grow(
             guides, rests, own, family.parents, family.weights, roots, family.shares, family.middles, family.pulls,
-            ramps, waves, family.turns, family.phases, (family.across @ rotation.T).astype(np.float32),
+            ramps, waves, family.radii, family.turns, family.phases, (family.across @ rotation.T).astype(np.float32),
             *self._solids(at), out, rest,
         )  # fmt: skip
         return out, rest
@@ -151,10 +153,11 @@ class Children:
         shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
         # strands of a lock wave together
         lock = level.middles[0] if settings.clumps else np.zeros(count, np.int32)
-        phases, turns = [], []
+        radii, phases, turns = [], [], []
         for number, wave in enumerate(self._waves):
             each = stream(seed, RANDOM + 40 + 2 * number, count)[lock]
             own = stream(seed, RANDOM + 41 + 2 * number, count)
+            radii.append(np.where(stream(seed, RANDOM + 100 + number, count) < wave.share, wave.radius, 0.0))
             phases.append(2 * np.pi * (each + wave.disorder * (own - 0.5)))
             longer = stream(seed, RANDOM + 80 + number, count)[lock] - 0.5
             turns.append(2 * np.pi / (wave.length * (1.0 + UNEVEN * longer)))
@@ -171,6 +174,7 @@ class Children:
             np.maximum(shares, 1e-3).astype(np.float32),
             level.middles,
             np.array(pulls, np.float32).reshape(-1, count),
+            np.array(radii, np.float32).reshape(-1, count),
             np.array(phases, np.float32).reshape(-1, count),
             np.array(turns, np.float32).reshape(-1, count),
             across,

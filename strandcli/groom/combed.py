@@ -18,6 +18,7 @@ from ..constants import W
 from ..scene.motion import Pose, emitter_pose, solid_pose
 from .emit import Groom, stream
 from .tie import Floats, paths
+from .wisps import chosen, wisps
 
 AT_ONCE = 1 << 16
 """Strands that are combed at once, which bounds what that takes."""
@@ -35,6 +36,7 @@ class Combed:
         self.scene = scene
         self.groom = groom
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self._wisps: NDArray[np.float32] | None = None
 
     def join(
         self, hanging: NDArray[np.float32], at: float, strands: int, scratch: Any, ids: NDArray[np.int32] | None = None
@@ -48,7 +50,30 @@ class Combed:
         blocks = -(-strands // W)
         out = scratch.take("combed", (blocks, combed.shape[1] + hanging.shape[1] - 1, 3 * W), np.float32)
         kernel.join(combed, hanging, np.array(rotation, np.float32).ravel(), np.array(shift, np.float32), out)
+        if len(self.short):
+            own = np.arange(strands) if ids is None else ids[:strands]
+            number = np.searchsorted(self.short, own)
+            place = np.flatnonzero(self.short[np.minimum(number, len(self.short) - 1)] == own)
+            points = self._short(out.shape[1])[number[place]] @ np.array(rotation).T + np.array(shift)
+            out.reshape(blocks, -1, 3, W)[place // W, :, :, place % W] = points
         return out
+
+    @cached_property
+    def short(self) -> NDArray[np.int64]:
+        """(K,) which strands are too short for the tie, in rising order."""
+        groom, emitter = self.groom, self.scene.emitter
+        if emitter.tie.wisps == 0:
+            return np.zeros(0, np.int64)
+        return chosen(emitter, groom, groom.placed(stream(self.scene.seed, 11, groom.strands)))
+
+    def _short(self, rows: int) -> NDArray[np.float32]:
+        """(K, rows, 3) metres in the emitter's frame: those strands."""
+        if self._wisps is None or self._wisps.shape[1] != rows:
+            groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
+            assert groom.grown is not None
+            lots = np.stack([groom.placed(stream(seed, 12 + k, groom.strands))[self.short] for k in range(4)], 1)
+            self._wisps = wisps(emitter, groom.grown[self.short], lots, rows, _Over(self.scene))
+        return self._wisps
 
     @cached_property
     def packed(self) -> NDArray[np.float32]:

@@ -112,16 +112,17 @@ def refine(positions, steps, out):
 
 @parallel
 def grow(
-    guides, rests, own, parents, weights, roots, shares, middles, pulls, ramps, waves, turns, phases, across,
+    guides, rests, own, parents, weights, roots, shares, middles, pulls, ramps, waves, radii, turns, phases, across,
     spheres, capsules, planes, boxes, out, lengths,
 ):  # fmt: skip
     """Place children.
 
     guides (G, m + 1, 3) and rests (G,), metres a segment; own (N,) int32: which of all A children are placed; of all:
     parents, weights (A, 3), roots (A, 3) metres, shares (A,) of the guides' length, middles (C, A) of their clumps,
-    from wide to narrow, pulls (C, A), turns (V, A) radians a metre, phases (V, A) radians, across (A, 3) unit vectors
-    at which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 3): radius, roundness, onset; solids
-    packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies of the last child.
+    from wide to narrow, pulls (C, A), radii (V, A) metres of waves, turns (V, A) radians a metre, phases (V, A)
+    radians, across (A, 3) unit vectors at which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 2):
+    roundness, onset; solids packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies
+    of the last child.
     """
     m = guides.shape[1] - 1
     edge = np.float32(m - 1)
@@ -159,7 +160,7 @@ def grow(
                     g = parents[i, p]
                     back += weights[i, p] * (guides[g, 0, c] - guides[g, 1, c])
                 path[0, c] = back
-            lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane)
+            lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane)
             lengths[b, lane] = rest
 
 
@@ -213,7 +214,7 @@ def straighten(path, rest):
 
 
 @inner
-def lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane):
+def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane):
     """Wind the waves about a path, root to tip, give its segments their length, and write it."""
     m = path.shape[0] - 1
     solid = spheres.shape[0] + capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0
@@ -247,9 +248,9 @@ def lay(path, i, rest, waves, turns, phases, across, spheres, capsules, planes, 
             share = along / np.float32(m - 1)
             for w in range(waves.shape[0]):
                 angle = phases[w, i] + turns[w, i] * along * rest
-                size = waves[w, 0] * min(share / max(waves[w, 2], TINY), ONE)
+                size = radii[w, i] * min(share / max(waves[w, 1], TINY), ONE)
                 f = size * math.cos(angle)
-                g = size * waves[w, 1] * math.sin(angle)
+                g = size * waves[w, 0] * math.sin(angle)
                 x += f * ax + g * bx
                 y += f * ay + g * by
                 z += f * az + g * bz

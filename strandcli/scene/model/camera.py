@@ -57,6 +57,13 @@ class Image:
     supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
     background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
     horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
+    haze: float | None = number(
+        None,
+        above=0,
+        unit="m",
+        doc="depth at which haze leaves 37 % (1/e) of the light of strands and solids and the rest is the background; "
+        "absent: clear air",
+    )
     exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
     resolver: str = choice(
         "zbuffer",

@@ -60,6 +60,12 @@ class Tie:
     slack: float = number(
         0.0, low=0, unit="m", doc="how far some strands bow off their way, up and aside; most do so much less"
     )
+    wisps: float = number(
+        0.0, low=0, high=1, doc="share of the strands at the rim that are too short for the tie; fewer farther inside"
+    )
+    wisp_length: float = number(
+        0.025, above=0, unit="m", doc="length of the longest of these; so far inside they are 37 % (1/e) as frequent"
+    )
     over: tuple[str, ...] = names(doc="names of spheres and capsules that it is combed over, as they stand at first")
 
 

@@ -38,6 +38,7 @@ class Wave:
     disorder: float = number(
         0.1, low=0, high=1, doc="0: the strands of a lock wave as one; 1: each by itself, which is frizz"
     )
+    share: float = number(1.0, low=0, high=1, doc="share of the strands that wave so; 0.02: stray hair")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -59,5 +60,6 @@ class Children:
 
     def steps(self, segment: float) -> int:
         """In how many steps a guide's segment of so many metres is drawn, for the waves' sake."""
-        shortest = min((wave.length for wave in self.waves if wave.radius > 0), default=math.inf)
+        seen = (wave.length for wave in self.waves if wave.radius > 0 and wave.share > 0)
+        shortest = min(seen, default=math.inf)
         return min(max(math.ceil(PER_WAVE * segment / shortest), 1), MOST_STEPS)
