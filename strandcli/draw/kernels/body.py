@@ -111,7 +111,7 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
             m_r = light * work[R + k]
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]
-            if paths is not None:  # strands with a colour of their own; a node's path is near enough here
+            if paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
                 m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
                 m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
             for q in range(COLUMNS):
