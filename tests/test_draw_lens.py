@@ -137,12 +137,12 @@ def test_with_lens_and_shutter_closed_there_is_one_exposure() -> None:
 def test_more_samples_have_less_variance_about_the_same_mean() -> None:
     """Over seeds: the mean is the closed form whatever the count; the mean square error falls faster than 1 / n."""
     errors = {}
+    truth = line("aperture: 0.3, focus: 2, samples: 2048")[30]
     for count in (4, 64):
         rows = []
         for seed in range(12):
             scene = scene_of(LINE % ("[]", f"aperture: 0.3, focus: 2, samples: {count}") + f"seed: {seed}\n")
             rows.append(frames_of(scene, 1)[0].aovs["linear"][30, :, 0].astype(float))
-        truth = line("aperture: 0.3, focus: 2, samples: 2048")[30]
         errors[count] = np.mean((np.array(rows) - truth) ** 2)
         assert np.mean(rows, 0).sum() == pytest.approx(1, abs=1e-4)
         assert np.abs(np.mean(rows, 0) - truth).max() < 3.5 * np.sqrt(np.mean(np.var(rows, 0).max()) / 12) + 0.002

@@ -144,7 +144,8 @@ def lit(share: float, colour: float) -> float:
     work[batch.COLOUR : batch.COLOUR + 3 * W] = colour
     volume = np.tile(np.array([share, 0, 0, 0], np.float32), (8, 1))
     box = np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32)
-    ambient.ambient_light.py_func(work, np.int64(1), np.ones(3, np.float32), None, volume, box)
+    no_sky = np.zeros((0, 9, 3), np.float32)
+    ambient.ambient_light.py_func(work, np.int64(1), np.ones(3, np.float32), no_sky, volume, box)
     return float(work[batch.RADIANCE])
 
 

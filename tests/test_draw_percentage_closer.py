@@ -17,6 +17,7 @@ from strandcli.draw.camera import axes
 from strandcli.draw.curves import Polylines
 from strandcli.draw.kernels import batch, opacity, percentage_closer, surface_batch
 from strandcli.draw.kernels import dual as kernel
+from strandcli.draw.lighting import given
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import Thickness, plan_maps
@@ -63,7 +64,7 @@ def leave(points: NDArray[np.float64], veil: NDArray[np.float32] | None, *number
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
-    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], veil, *numbers[2:])
+    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], given(veil, 3), *numbers[2:])
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 

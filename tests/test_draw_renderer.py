@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+from numba import typeof
+from PIL import Image
 from reference.rules import depth
 from strand_kit import frames_of, scene_of
 from test_draw_film import encoded
+
+from strandcli.draw.kernels import shade_strands, shade_surfaces
 
 GROUND = """
 emitter: {position: [0, 50, 0], strands: 1, particles: 2, length: 0.001, shape: {kind: disc, radius: 0.001}}
@@ -183,3 +190,31 @@ def test_supersampling_takes_more_samples_of_the_same_view() -> None:
     assert four.image.shape == one.image.shape
     assert four.report["counts"]["fragments"] > 10 * one.report["counts"]["fragments"] / 4
     assert len(np.unique(four.image[..., 0])) > len(np.unique(one.image[..., 0]))
+
+
+BALL = """
+emitter: {strands: 20, particles: 3}
+solids: [{kind: sphere, radius: 0.2%s}]
+image: {size: 8x6}
+material: {model: chiang%s}
+lights: [{kind: directional, direction: [0, -1, 0], shadow: {model: opacity}}]
+"""
+
+
+@pytest.mark.parametrize(("kernels", "name"), [(shade_strands, "strands"), (shade_surfaces, "surfaces")])
+def test_what_a_scene_goes_without_asks_for_no_kernel_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, kernels: Any, name: str
+) -> None:
+    """One more type of an argument is seconds of compiling for whoever draws the first scene that has it."""
+    found = []
+
+    def note(*given: Any) -> None:
+        found.append([str(typeof(one)) for one in given])
+        given[-1].fill(0)
+
+    monkeypatch.setattr(kernels, name, note)
+    Image.new("RGB", (4, 2)).save(tmp_path / "sky.png")
+    more = f"environment: {{image: {tmp_path / 'sky.png'}}}\nambient_occlusion: {{cells: 2000}}\n"
+    for text in (BALL % ("", ""), BALL % (", coat: 0.1", ", tip_colour: [1, 1, 1]") + more):
+        frames_of(scene_of(text), 1)
+    assert found[0] == found[1]

@@ -186,19 +186,17 @@ def test_pictures_with_exact_shadows(other: tuple[str, str]) -> None:
     """As light as with opacity maps, which are right on average, and darker than without shadows."""
     text = PRESET.replace(*other) if other else PRESET
     assert not other or text != PRESET
-    exact, maps, none = (
-        frames_of(scene_of(text.replace("traced", model)))[0].image.astype(np.float64).mean()
-        for model in ("traced", "opacity", "'off'")
-    )
+    frames = [frames_of(scene_of(text.replace("traced", model)), 1)[0] for model in ("traced", "opacity", "'off'")]
+    exact, maps, none = (frame.image.astype(np.float64).mean() for frame in frames)
     assert exact < 0.98 * none
     assert exact == pytest.approx(maps, rel=0.05)
-    assert frames_of(scene_of(text))[0].report["counts"]["grid_bytes"] > 0
+    assert frames[0].report["counts"]["grid_bytes"] > 0
 
 
 def test_motion_blur_and_a_lens_have_exact_shadows_too() -> None:
     scene = scene_of(PRESET.replace("fov: 30}", "fov: 30, aperture: 0.1, shutter: 0.5, samples: 4}"))
-    sharp = frames_of(scene_of(PRESET))[0].image.astype(np.float64)
-    assert frames_of(scene)[0].image.mean() == pytest.approx(sharp.mean(), rel=0.05)
+    sharp = frames_of(scene_of(PRESET), 1)[0].image.astype(np.float64)
+    assert frames_of(scene, 1)[0].image.mean() == pytest.approx(sharp.mean(), rel=0.05)
 
 
 @pytest.mark.parametrize(("pixels", "alike"), [(400, 1), (64, 2), (16, 4)])

@@ -8,7 +8,7 @@ import pytest
 from strandcli.study.kernels import occupancy as kernel
 
 COUNT, PIXELS = 40, 5
-NONE = np.zeros((0, 3))
+NONE = np.zeros((0, 3), np.float32)
 
 
 def lists(seed: int, even: bool) -> tuple[np.ndarray, ...]:
@@ -21,13 +21,13 @@ def lists(seed: int, even: bool) -> tuple[np.ndarray, ...]:
     steps = np.concatenate([rng.permutation(COUNT) for _ in range(PIXELS)])
     depth = -1 + steps / COUNT if even else -rng.uniform(0.1, 1, total) ** 3
     alpha = np.full(total, 0.05) if even else rng.uniform(0.01, 0.4, total)
-    vertex = rng.uniform(0, 1, (2 * COUNT, 3))
+    vertex = rng.uniform(0, 1, (2 * COUNT, 3)).astype(np.float32)
     return begin, place, alpha.astype(np.float32), np.zeros(total, np.float32), depth.astype(np.float32), vertex
 
 
 def laid(seed: int, even: bool, slices: int = 0, slabs: int = 4) -> np.ndarray:
     begin, place, alpha, along, depth, vertex = lists(seed, even)
-    image = np.full((PIXELS, 3), 0.25)
+    image = np.full((PIXELS, 3), 0.25, np.float32)
     if slices:
         kernel.by_occupancy(begin, place, alpha, along, depth, slices, slabs, 1, vertex, NONE, image)
     else:
@@ -55,7 +55,7 @@ def test_otherwise_fewer_slices_are_worse_and_the_background_stays_exact() -> No
     apart = [np.abs(laid(3, False, slices) - laid(3, False)).mean() for slices in (4, 128)]
     assert apart[0] > apart[1] > 1e-3
     begin, place, alpha, along, depth, vertex = lists(3, False)
-    image = np.ones((PIXELS, 3))
+    image = np.ones((PIXELS, 3), np.float32)
     kernel.by_occupancy(begin, place, alpha, along, depth, 128, 4, 1, 0 * vertex, NONE, image)
     np.testing.assert_allclose(image[:, 0], np.prod(1 - alpha.reshape(PIXELS, -1), 1), rtol=1e-5)
 

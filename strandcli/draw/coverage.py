@@ -36,6 +36,7 @@ TASKS_A_WORKER = 16
 NONE = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NOWHERE = np.zeros(0, np.int64)
+NO_BITS = np.zeros(0, np.uint64)
 LAST = 1 << 40
 """A fragment that no pixel has."""
 BROAD = 16.0
@@ -78,17 +79,20 @@ class Layer:
         bytes_ = scratch.take("shown", (body.profile.shape[1], LINES, BYTES), np.uint8)
         bytes_.fill(0)
         expose(
-            self.begin, self.kept, self.place, self.along, self.seen, None if self.seen is None else sides(),
+            self.begin, self.kept, self.place, self.along, *self._bits(),
             body.screen, body.widths, body.slots, self.top, self.width, bytes_,
         )  # fmt: skip
         return bytes_.view(np.uint64)[..., 0]
 
+    def _bits(self) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
+        """Which points of its sample each fragment shows, and the table that tells; without points, all of them."""
+        return (NO_BITS, NO_BITS) if self.seen is None else (self.seen, sides())
+
     def round_off(self, body: Body, image: NDArray[np.float32]) -> None:
         """Add how the light of wide strands departs from its average over their width."""
         over_fragments(
-            self.begin, self.kept, self.place, self.weight, self.along, self.seen,
-            None if self.seen is None else sides(), self.stride, body.screen, body.widths, body.samples, body.start,
-            body.full, body.slots, body.profile, body.shades, self.top, image,
+            self.begin, self.kept, self.place, self.weight, self.along, *self._bits(), self.stride, body.screen,
+            body.widths, body.samples, body.start, body.full, body.slots, body.profile, body.shades, self.top, image,
         )  # fmt: skip
 
 

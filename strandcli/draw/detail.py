@@ -103,11 +103,10 @@ def level_of(
         return None
     near, by_distance = near_of(scene, time)
     total = scene.drawn_strands
-    eye = np.array(camera_at(scene.camera, time)[0])
+    eye = np.array(camera_at(scene.camera, time)[0] if by_distance else (), np.float64)
+    places = np.zeros(0, np.int32) if ids is None else ids
     fade, scale = np.empty(strands, np.float32), np.empty(strands, np.float32)
-    kernel.choose(
-        positions, ids, total, eye if by_distance else None, near, scene.detail.fraction, BAND, fade, scale
-    )
+    kernel.choose(positions, places, total, eye, near, scene.detail.fraction, BAND, fade, scale)
     if not scene.detail.widen or scene.material.width == 0:
         scale.fill(1)
     if thin:

@@ -17,8 +17,15 @@ from .shading import Palette
 from .shadow import ShadowMaps, map_arrays
 from .solids import NONE, finish_of, paint_of
 
+NO_BOX = np.zeros(10, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """The pixels of a picture lie where they belong."""
+
+
+def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]:
+    """What a kernel asks the length of: it is compiled once, with and without, where None would be another type. Rows
+    have this shape."""
+    return np.zeros((0, *shape), np.float32) if array is None else array
 
 
 @dataclass(frozen=True)
@@ -60,9 +67,9 @@ class Lighting:
         p = self.palette
         wide = (None,) * 3 if body is None else (body.slots, p.columns, body.profile)
         shade_strands.strands(
-            lines.first, lines.world, marks, tones, self.view.pack(), p.colour, p.tint, p.diffuse, *self._sky(),
-            p.lobes, p.fibre, p.nodes, p.paths, p.dual, p.dual_scale, self.lights, clear, *map_arrays(self.maps),
-            *(self.solids or NONE), self.skin, self.sized, *wide, colours,
+            lines.first, lines.world, marks, tones, self.view.pack(), p.colour, given(p.tint, 0, 6),
+            p.diffuse, *self._sky(), p.lobes, p.fibre, p.nodes, given(p.paths, 0, 2), p.dual, p.dual_scale, self.lights,
+            given(clear, 0), *map_arrays(self.maps), *(self.solids or NONE), self.skin, self.sized, *wide, colours,
         )  # fmt: skip
 
     def shade_surfaces(
@@ -77,11 +84,11 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, self.palette.veil,
-            *map_arrays(self.maps), *self.solids, paint, finish_of(seen), self.skin, self.sized, spots, image,
+            keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, given(self.palette.veil, 3),
+            *map_arrays(self.maps), *self.solids, paint, given(finish_of(seen), 4), self.skin, self.sized, spots, image,
         )  # fmt: skip
 
     def _sky(self) -> tuple[Any, ...]:
         found = self.occlusion
-        around = (None, None) if found is None else (found.volume, found.box)
-        return np.array(self.scene.ambient, np.float32), self.sky, *around
+        around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
+        return np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around

@@ -41,6 +41,7 @@ PLACES = 2.0
 """Along a strand, to its width, that are lit or dark."""
 WORDS = 8
 """Of 64 places along a piece of a strand, at most."""
+ALL_SHOWN = np.zeros((0, 0), np.uint64)
 APART = 2.0
 """Widths aside of itself, as the light sees it, within which a strand does not shade itself."""
 
@@ -79,7 +80,7 @@ class Grid:
             lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
             self.keys, self.rows, self.words, self.veil, self.bias, np.float32(APART * self.thickness.width),
             None if eye is None else eye.pack(), np.float32(self.thickness.width), np.float32(self.thickness.taper),
-            lines.scale, slots, shown, shades, out,
+            lines.scale, slots, ALL_SHOWN if shown is None else shown, shades, out,
         )  # fmt: skip
 
 

@@ -29,18 +29,18 @@ FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
 
 @inner
 def ambient_light(work, n, ambient, sky, volume, box):
-    """Radiance of the first n vertices of a batch in the light from everywhere, ambient (3,) and sky of
-    `strandcli.draw.environment` or None; volume, box: of `strandcli.draw.occlusion`, volume None where nothing is in
-    that light's way."""
+    """Radiance of the first n vertices of a batch in the light from everywhere, ambient (3,), sky of
+    `strandcli.draw.environment`, and volume, box of `strandcli.draw.occlusion`; sky and volume as in
+    `shade_strands.strands`."""
     for c in range(3):
         for k in range(n):
             work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
-    if sky is not None:
+    if sky.shape[0] > 0:
         for c in range(3):
             for k in range(n):
                 whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
                 work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
-    if volume is not None:
+    if volume.shape[0] > 0:
         for k in range(n):
             share = seen(volume, box, work[X + k], work[Y + k], work[Z + k], ZERO, ZERO, ZERO)
             for c in range(3):

@@ -111,7 +111,7 @@ def highlights(work, n, which, slots, lights, one, nodes, paths, columns, profil
             m_r = light * work[R + k]
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]
-            if paths is not None:  # strands with a colour of their own; a node's path is near enough here
+            if paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
                 m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
                 m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
             for q in range(COLUMNS):
@@ -274,7 +274,7 @@ def over_fragments(
     shades, top, image,
 ):  # fmt: skip
     """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; bits (F,) uint64: the
-    points of its sample that each shows, by the table of `masks.sides`; both may be None; the rest as above."""
+    points of its sample that each shows, by the table of `masks.sides`, or (0,): all of them; the rest as above."""
     for one in prange(begin.shape[0]):
         tile = np.int64(one)
         f = begin[tile]
@@ -289,7 +289,7 @@ def over_fragments(
                 if v < slots.shape[0]:  # beyond are the edges of solids
                     add(
                         x + p % TILE_WIDTH, y + p // TILE_WIDTH, v, along[f], stride, weight[f],
-                        WHOLE if bits is None else bits[f], table, screen, widths, samples, start, full, slots, profile,
-                        shades, shares, image,
+                        WHOLE if bits.shape[0] == 0 else bits[f], table, screen, widths, samples, start, full, slots,
+                        profile, shades, shares, image,
                     )  # fmt: skip
                 f += 1

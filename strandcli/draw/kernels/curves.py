@@ -96,15 +96,15 @@ def count(
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `project.points`;
     most: greatest number of pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves
-    their strands out); kept (strands,): 0 for strands that are left out, or None; as_printed: array or None, a switch
-    for the source's tangents; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it
+    their strands out); kept (strands,): 0 for strands that are left out, (0,) where none is; as_printed: whether
+    tangents are the source's; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it
     is left out; error (strands,) float32: bound in pixels that is left.
     """
     n = positions.shape[1] - 1
     per = ONE / tolerance
     limit = np.float32(most)
     for s in prange(strands):
-        if kept is not None and kept[s] == ZERO:
+        if kept.shape[0] > 0 and kept[s] == ZERO:
             sizes[s] = 0
             error[s] = ZERO
             continue
@@ -120,7 +120,7 @@ def count(
         seen = False
         total = 1
         for i in range(1, n):
-            if as_printed is not None:
+            if as_printed:
                 sx, sy, sz = printed(block, lane, i, n)
             elif lengths is None:
                 sx, sy, sz = circle(block, lane, i, n)
@@ -218,8 +218,8 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
     """Write each strand's polyline.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; pieces (strands, n − 1) uint16, or
-    None with `fixed` pieces for every segment; as_printed, straight: array or None switches for the source's tangents
-    and for no smoothing; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
+    (0, 0) with `fixed` pieces for every segment; as_printed, straight: whether tangents are the source's, and whether
+    nothing is smoothed; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
     """
     n = positions.shape[1] - 1
     for s in prange(strands):
@@ -237,7 +237,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
         third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
         tx, ty, tz = difference(block, lane, 0, n)
         for i in range(1, n):
-            m = fixed if pieces is None else np.int64(pieces[s, i - 1])
+            m = np.int64(fixed) if pieces.shape[0] == 0 else np.int64(pieces[s, i - 1])
             bx = block[i + 1, lane]
             by = block[i + 1, W + lane]
             bz = block[i + 1, 2 * W + lane]
@@ -245,8 +245,8 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             ey = by - ay
             ez = bz - az
             per = ONE / np.float32(m)
-            if straight is None:
-                if as_printed is not None:
+            if not straight:
+                if as_printed:
                     sx, sy, sz = printed(block, lane, i, n)
                 elif lengths is None:
                     sx, sy, sz = circle(block, lane, i, n)

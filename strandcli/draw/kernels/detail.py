@@ -18,13 +18,13 @@ TINY = np.float32(1e-30)
 def choose(positions, ids, total, eye, near, least, band, fade, wider):
     """What is drawn of each strand, and by how much wider.
 
-    positions (blocks, n + 1, 3 W) float32; ids (strands,) int32: places in the order of all `total`, or None where they
-    are 0, 1, …; eye (3,) float64 metres, or None where `near` is the share itself; near: distance up to which all are
+    positions (blocks, n + 1, 3 W) float32; ids (strands,) int32: places in the order of all `total`, or (0,) where they
+    are 0, 1, …; eye (3,) float64 metres, or (0,) where `near` is the share itself; near: distance up to which all are
     kept; least: smallest share; band: see `strandcli.draw.detail`; fade, wider (strands,) float32.
     """
     for s in prange(fade.shape[0]):
         k = near
-        if eye is not None:
+        if eye.shape[0] > 0:
             square = 0.0
             for c in range(3):
                 d = positions[s // W, 1, c * W + s % W] - eye[c]
@@ -32,7 +32,7 @@ def choose(positions, ids, total, eye, near, least, band, fade, wider):
             k = near / max(math.sqrt(square), 1e-30)
         k = min(max(k, least), 1.0)
         wide = max(band * k, 1.0 / total)
-        place = ((s if ids is None else ids[s]) + 0.5) / total
+        place = ((s if ids.shape[0] == 0 else np.int64(ids[s])) + 0.5) / total
         fade[s] = min(max((k + wide - place) / wide, 0.0), 1.0)
         beyond = max(k + wide - 1.0, 0.0)
         wider[s] = 1.0 / (k + 0.5 * wide - 0.5 * beyond * beyond / wide)

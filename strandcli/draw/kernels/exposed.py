@@ -22,7 +22,7 @@ def expose(begin, kept, place, along, bits, table, screen, widths, slots, top, w
     """Mark what `lit.lit` will read of exact shadows.
 
     begin, kept, place, along, bits, top: of sorted fragments, as `resolve.resolve` leaves them, of a picture of
-    this width; table: of `masks.sides`; bits and table may be None; screen (V, 3), widths (V,) samples; slots (V,)
+    this width; table: of `masks.sides`; bits may be (0,); screen (V, 3), widths (V,) samples; slots (V,)
     int32: number of a vertex' profile, or −1.
     shown (n, LINES, BYTES) uint8: `SHOWN` where a byte's places along a line of the piece after a vertex are seen. Two
     tiles may mark the same byte, both with the same number.
@@ -41,7 +41,8 @@ def expose(begin, kept, place, along, bits, table, screen, widths, slots, top, w
                 if v < slots.shape[0] and slots[v] >= 0:  # beyond are the edges of solids
                     mark(
                         np.float32(x + p % TILE_WIDTH) + HALF, np.float32(y + p // TILE_WIDTH) + HALF, v, along[f],
-                        WHOLE if bits is None else bits[f], table, screen, widths, np.int64(slots[v]), shares, shown,
+                        WHOLE if bits.shape[0] == 0 else bits[f], table, screen, widths, np.int64(slots[v]), shares,
+                        shown,
                     )  # fmt: skip
                 f += 1
 

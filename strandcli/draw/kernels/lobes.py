@@ -24,8 +24,9 @@ def azimuthal(
 ) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
     """S cos θ_l in red, green and blue, 1/sr: the tables at (x, y), weighted with what `longitudinal` gave.
 
-    m_rest: None with tables that have no rest; nodes (n_θ, n_φ, 8 or more) and paths (n_θ, n_φ, 2 or more), or None
-    where every strand has the tables' absorption; extra_*: this strand's absorption less that of the tables, 1/radius.
+    m_rest: None with tables that have no rest; nodes (n_θ, n_φ, 8 or more) and paths (n_θ, n_φ, 2 or more), without
+    nodes or None where every strand has the tables' absorption; extra_*: this strand's absorption less that of the
+    tables, 1/radius.
     """
     i = int(x)
     j = int(y)
@@ -42,7 +43,7 @@ def azimuthal(
     trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
     trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
     trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
-    if paths is not None:
+    if paths is not None and paths.shape[0] > 0:
         l_tt = mix(paths, i, j, np.int64(0), w00, w01, w10, w11)
         l_trt = mix(paths, i, j, np.int64(1), w00, w01, w10, w11)
         tt_r *= grown(extra_r, l_tt)
@@ -60,7 +61,7 @@ def azimuthal(
         rest_r = m_rest * (near * nodes[i, j, REST] + x * nodes[i + 1, j, REST])
         rest_g = m_rest * (near * nodes[i, j, REST + 1] + x * nodes[i + 1, j, REST + 1])
         rest_b = m_rest * (near * nodes[i, j, REST + 2] + x * nodes[i + 1, j, REST + 2])
-        if paths is not None:
+        if paths is not None and paths.shape[0] > 0:
             l_rest = near * paths[i, j, 2] + x * paths[i + 1, j, 2]
             rest_r *= grown(extra_r, l_rest)
             rest_g *= grown(extra_g, l_rest)

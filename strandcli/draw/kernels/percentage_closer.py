@@ -91,7 +91,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
 
     Rows of `surface_batch`: from the points and what `ARRIVES`, to `LEFT`, which is 1 where nothing arrives. lights …
     views: as `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.shading.pack_lights`; veil
-    (n, 3): of `strandcli.draw.dual.veil_of`, None where strands shade in grey and by e^-τ alone.
+    (n, 3): of `strandcli.draw.dual.veil_of`, none where strands shade in grey and by e^-τ alone.
 
     Texel by texel, each of which is the same place about all points: those that a point has none at weigh nothing.
     """
@@ -114,7 +114,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
             for column in range(wide):
                 weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
                 sink(work, n, start, size, lights[i, 14], layers, stacks)
-                if veil is None:
+                if veil.shape[0] == 0:
                     for k in range(n):
                         passed = work[PASSED + k]
                         lost = work[WEIGHT + k] * (ONE - exp(-passed))
@@ -122,7 +122,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
                 else:
                     dim(work, n, veil)
         for c in range(3):
-            row = LOST if veil is None else LOST + c * W
+            row = LOST if veil.shape[0] == 0 else LOST + c * W
             for k in range(n):
                 left = ONE - work[row + k] * (ONE / max(work[TOTAL + k], DARK))
                 work[LEFT + c * W + k] = left if work[INSIDE + k] > ZERO else work[LEFT + c * W + k]

@@ -64,19 +64,20 @@ def strands(
     """Radiance toward the camera at the marked vertices.
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (26,);
-    colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption, or None;
-    diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`, or None;
-    volume, box: of `strandcli.draw.occlusion`, volume None without;
+    colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption;
+    diffuse: scale; ambient (3,); sky: of `strandcli.draw.environment`; volume, box: of `strandcli.draw.occlusion`;
     lobes, nodes, paths: tables of `strandcli.draw.marschner`, or fibre, nodes, paths: those of `strandcli.draw.chiang`;
     twice, scale: of `strandcli.draw.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
-    only count strands; clear None where there is none; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids
-    packed, `skin` metres; sized: None where no light has a size, [12] in lights: the sine of its angular radius, or its
-    radius in metres, [13] mean width of strands, metres, [14] 1 / h of
-    `opacity`; slots, columns, profile: of `strandcli.draw.body`, None where
-    no strand is wide; out (V, 3).
+    only count strands; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids packed, `skin` metres; sized:
+    None where no light has a size, [12] in lights: the sine of its angular radius, or its radius in metres, [13] mean
+    width of strands, metres, [14] 1 / h of `opacity`; slots, columns, profile: of `strandcli.draw.body`, None where no
+    strand is wide; out (V, 3).
+
+    tint, sky, volume, paths and clear have no rows where there are none of them: what is asked once a batch or costs
+    next to nothing is not worth a kernel of its own, as what is None has.
     """
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -120,7 +121,7 @@ def gather(world, v, begin, end, tone, per, colour, tint, work, k):
     for c in range(3):
         work[X + c * W + k] = world[v, c]
         work[TX + c * W + k] = world[high, c] - world[low, c]
-    if tint is None:
+    if tint.shape[0] == 0:
         for c in range(3):
             work[COLOUR + c * W + k] = colour[c]
     else:
@@ -168,13 +169,13 @@ def batch(
                     beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
-            if clear is None or lights[i, 11] == ZERO:
+            if clear.shape[0] == 0 or lights[i, 11] == ZERO:
                 for k in range(n):
                     work[ARRIVES + k] *= exp(-work[PASSED + k])
         row = np.int64(0)
-        if slots is not None and clear is not None and twice is None:  # exact shadows across the width come at the end
+        if slots is not None and twice is None and clear.shape[0] > 0:  # exact shadows across the width come at the end
             row = np.int64(lights[i, 11])
-        if clear is not None and lights[i, 11] > ZERO and row == 0:
+        if clear.shape[0] > 0 and lights[i, 11] > ZERO and row == 0:
             for k in range(n):
                 work[ARRIVES + k] *= clear[np.int64(lights[i, 11]) - 1, which[k]]
         if slots is not None:
@@ -196,7 +197,7 @@ def batch(
             highlights(work, n, lights, i, lobes, fibre, nodes, paths)
             if slots is not None:
                 body.highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile, row)
-        if slots is not None and clear is not None and row > 0:
+        if slots is not None and twice is None and row > 0:
             body.darken(work, n, which, slots, profile, row, clear)
     if slots is not None:
         for k in range(n):

@@ -37,11 +37,12 @@ def surfaces(
     """Radiance of the solids that are seen: Lambertian, under a coat where there is one.
 
     keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused; coats
-    (m, 4) as in `kernels.finish`, None where all solids are matte and even;
+    (m, 4) as in `kernels.finish`;
     spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
-    bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.dual.veil_of`, None where strands shade in grey;
+    bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.dual.veil_of`;
     image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
-    `shade_strands.strands`. What blends may end in front of itself, which no identity tells: there the mean of 4×4
+    `shade_strands.strands`. Where all solids are matte and even coats has no rows, and where strands shade in grey veil
+    has none. What blends may end in front of itself, which no identity tells: there the mean of 4×4
     rays is taken.
     """
     count = np.int64(keys.shape[0])
@@ -70,7 +71,7 @@ def surfaces(
 def surroundings(ambient, sky, x, y, z):
     """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
     r, g, b = ambient[0], ambient[1], ambient[2]
-    if sky is not None:
+    if sky.shape[0] > 0:
         r += around(sky, 1, 0, x, y, z)
         g += around(sky, 1, 1, x, y, z)
         b += around(sky, 1, 2, x, y, z)
@@ -87,7 +88,7 @@ def batch(
     face(work, n, spheres, capsules, planes, boxes, which)
     surround(work, n, ambient, sky, volume, box, bounce)
     fade(work, n, paint, which)
-    if coats is not None:
+    if coats.shape[0] > 0:
         cover(work, n, ambient, sky, volume, box, coats, which)
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
@@ -114,13 +115,13 @@ def batch(
                 arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, 4 + c] * work[LEFT + c * W + k]
                 work[ARRIVED + c * W + k] = arrived
                 work[RADIANCE + c * W + k] += INV_PI * arrived
-        if coats is not None:
+        if coats.shape[0] > 0:
             gleam(work, n, lights, i, coats, which)
     for c in range(3):
         tone = paint[which, c]
         for k in range(n):
             under = work[RADIANCE + c * W + k]
-            if coats is None:
+            if coats.shape[0] == 0:
                 work[RADIANCE + c * W + k] = under * tone
             else:
                 work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
@@ -175,7 +176,7 @@ def surround(work, n, ambient, sky, volume, box, bounce):
         work[RADIANCE + k] = r
         work[RADIANCE + W + k] = g
         work[RADIANCE + 2 * W + k] = b
-    if volume is not None:
+    if volume.shape[0] > 0:
         for k in range(n):
             share = occlusion.seen(
                 volume, box, work[X + k], work[Y + k], work[Z + k], work[NX + k], work[NY + k], work[NZ + k]
@@ -216,7 +217,7 @@ def cover(work, n, ambient, sky, volume, box, coats, which):
             my = (facing + facing) * ny - wy
             mz = (facing + facing) * nz - wz
             r, g, b = surroundings(ambient, sky, mx, my, mz)
-            if volume is not None:
+            if volume.shape[0] > 0:
                 share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
             r *= share
             g *= share

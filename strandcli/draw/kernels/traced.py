@@ -52,8 +52,8 @@ def visibility(
 
     Where slots is not None: eye (26,) the camera; width metres at the root, of which `taper` is lost to the tip; scale
     (S,) or None; slots (V,) int32: number of each wide vertex, or −1; shown (n, LINES) uint64: what is wanted of the
-    piece after each, a bit for each of 64 places along each of the lines across it that the camera sees, or None: all;
-    shades (n, LINES) uint64: what of that is dark, and what is not wanted.
+    piece after each, a bit for each of 64 places along each of the lines across it that the camera sees, or (0, 0):
+    all; shades (n, LINES) uint64: what of that is dark, and what is not wanted.
 
     The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
     farther.
@@ -111,7 +111,7 @@ def across(
     places = np.int64(0)
     for j in range(0, LINES, together):
         # of narrow ones, which may count in part, the mean over all of them is of account too
-        need = ALL if shown is None or together > 2 else together_shown(shown, slot, j, together)
+        need = ALL if shown.shape[0] == 0 or together > 2 else together_shown(shown, slot, j, together)
         single[0] = ~need
         if need != NONE:
             h = np.float32(2 * j + together) / np.float32(LINES) - ONE

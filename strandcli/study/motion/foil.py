@@ -71,7 +71,7 @@ class Foil(Solver):
         self.before[:, 0] = self.x[:, 0]
         if self.moving:
             self._place(max(time, 0.0))
-        held = None
+        held = np.zeros(0)
         light = np.append(0.0, 1 / self.mass)
         if self.held is not None:
             start, goal, seconds = self.held
@@ -111,11 +111,11 @@ class Foil(Solver):
             total += speed * np.array(wind_rule.downwind(wind, time, phases[3:]))
         return total
 
-    def _gust(self, time: float) -> NDArray[np.float64] | None:
-        """(blocks, W) factor of the air's velocity at each root where gusts travel, else None."""
+    def _gust(self, time: float) -> NDArray[np.float64]:
+        """(blocks, W) factor of the air's velocity at each root: other than one where gusts travel."""
         travelling = [wind for wind in self.winds if wind_rule.travels(wind)]
         if not travelling:
-            return None
+            return np.ones((len(self.x), W))
         wind = travelling[0]
         way = np.array(wind.direction) / np.linalg.norm(wind.direction)
         along = np.einsum("bck,c->bk", self.x[:, 0].reshape(-1, 3, W), way) / wind.wavelength
@@ -125,10 +125,8 @@ class Foil(Solver):
         )
         return np.asarray(1 - wind.gust * 0.5 * (1 - wave))
 
-    def _solids(self, time: float) -> tuple[NDArray[np.float64], ...] | None:
+    def _solids(self, time: float) -> tuple[NDArray[np.float64], ...]:
         touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
-        if not touched:
-            return None
         now = max(time, 0.0)
         return tuple(
             solids.pack(kind, list(touched.values()), self.scene.emitter, now, np.float64) for kind in solids.COLUMNS

@@ -25,17 +25,14 @@ def step(x, v, before, clamp, lengths, stiffness, light, joint, gust, numbers, h
     v (blocks, n, 3 W) m/s; before as x: where particles were, row 0 filled in by the driver, which has moved the root
     already; clamp (blocks, 3 W): unit directions; lengths, stiffness (blocks, W): ℓ in m and κ; light (n,): inverse
     masses, 0 where a particle is held; joint (n − 1,): rigidity of the joint before each segment over that of the rod;
-    gust (blocks, W): factor of the air's velocity, or None; numbers: [0] step h in s, [1:4] gravity m/s², [4:7]
-    velocity of the air m/s, [7] drag 1/s, [8] material damping s; held (3,): where the tip is held, or None; solids:
-    four arrays as in `strandcli.solids`, or None.
+    gust (blocks, W): factor of the air's velocity; numbers: [0] step h in s, [1:4] gravity m/s², [4:7]
+    velocity of the air m/s, [7] drag 1/s, [8] material damping s; held (3,): where the tip is held, or (0,); solids:
+    four arrays as in `strandcli.solids`.
     """
     for b in prange(x.shape[0]):
         n = x.shape[1]
-        if gust is None:
-            predict(x[b], v[b], before[b], None, numbers)
-        else:
-            predict(x[b], v[b], before[b], gust[b], numbers)
-        if held is not None:
+        predict(x[b], v[b], before[b], gust[b], numbers)
+        if held.shape[0] > 0:
             for c in range(3):
                 for k in range(W):
                     x[b, n - 1, c * W + k] = held[c]
@@ -44,12 +41,11 @@ def step(x, v, before, clamp, lengths, stiffness, light, joint, gust, numbers, h
             bend(x[b], before[b], i, stiffness[b], light, joint[i], numbers)
         for i in range(1, n):
             stretch(x[b, i - 1], x[b, i], lengths[b], light[i - 1], light[i])
-        if solids is not None:
-            for i in range(1, n):
-                sphere(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[0], i, n)
-                capsule(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[1], i, n)
-                plane(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[2], i, n)
-                box(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[3], i, n)
+        for i in range(1, n):
+            sphere(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[0], i, n)
+            capsule(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[1], i, n)
+            plane(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[2], i, n)
+            box(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[3], i, n)
         per = 1 / numbers[0]
         for i in range(n):
             for j in range(3 * W):
@@ -69,10 +65,7 @@ def predict(x, v, before, gust, numbers):
             for k in range(W):
                 j = c * W + k
                 before[i, j] = x[i, j]
-                if gust is None:
-                    x[i, j] += h * (v[i, j] + pull + push) * slow
-                else:
-                    x[i, j] += h * (v[i, j] + pull + push * gust[k]) * slow
+                x[i, j] += h * (v[i, j] + pull + push * gust[k]) * slow
 
 
 @function
