@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -95,6 +98,47 @@ def test_a_presets_own_scene_goes_through_it_too(command: Runner) -> None:
     assert name.startswith("thesis/preset/")
     assert json.loads(command("stress", "own.yaml", "--case", name, "--json").out)["cases"] == [data["cases"][4]]
     assert "no case of a preset" in command("stress", "own.yaml", "--case", "thesis/preset/dt=7").error()
+
+
+def test_what_a_preset_is_not_judged_by_has_a_row_and_a_reason(command: Runner) -> None:
+    balls = "solids: [{kind: sphere, position: [0.5, 0, 0]}, {kind: sphere, position: [-0.5, 0, 0]}]\n"
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, collision]\n" + balls)
+    told = command("stress", "own.yaml", "--filter", "dt=24Hz", "--solver", "rod").out.splitlines()
+    rows = {tuple(line.split()[1:3]): line.split() for line in told if line.startswith("rod")}
+    assert ("penetration", "<=") not in rows
+    assert ("stretch", "<=") in rows
+    deepest = rows["penetration", "told"]
+    assert float(deepest[3]) > 0.01
+    assert any(line.startswith("  penetration: only who wrote a preset") for line in told)
+    case = command("stress", "own.yaml", "--case", deepest[6]).out
+    assert f"{deepest[6]}: pass (penetration " in case
+    assert "not held to <= 1e-06: only who" in case
+    soft = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale", "--solver", "thesis").out
+    assert "  stretch: strands of the rules" in soft
+
+
+def test_a_preset_whose_gusts_travel_goes_through_other_winds_too(command: Runner) -> None:
+    wind = "{wind: {strength: 3, gust: 0.5, wavelength: 2}}"
+    Path("own.yaml").write_text(f"emitter: {{strands: 9, particles: 4}}\nsolver: rod\nrules: [gravity, {wind}]\n")
+    result = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale emitter=flip")
+    assert result.code == 0, result.err
+    assert "3 pass" in result.out
+
+
+def test_a_process_ends_when_the_one_that_began_it_is_killed() -> None:
+    code = (
+        "import os, signal\n"
+        "from concurrent.futures import ProcessPoolExecutor\n"
+        "from multiprocessing import get_context\n"
+        "from strandcli.study.stress import run\n"
+        "pool = ProcessPoolExecutor(1, get_context('spawn'), initializer=run._begin)\n"
+        "print(pool.submit(os.getppid).result() == os.getpid(), flush=True)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    # whoever is left holds on to the pipe of the standard output, and its end would not come
+    found = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert found.stdout == "True\n"
+    assert found.returncode == -signal.SIGKILL
 
 
 def test_rules_that_a_preset_brings_are_run(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -75,7 +75,9 @@ def test_verdicts() -> None:
         assert bad.verdict == "fail"
         assert bad.failed == (metric,)
         assert metric in bad.why
-    assert judged({"residual": 7.0}, unjudged=("residual",)).verdict == "pass"
+    loose = judged({"residual": 7.0, "stretch": 0.0}, unjudged={"residual": "steps are long", "stretch": "soft"})
+    assert (loose.verdict, loose.why) == ("pass", "residual 7, not held to <= 0.001: steps are long")
+    assert judged({"residual": 1e-4}, unjudged={"residual": "steps are long"}).why == ""
     assert judged({}, error="ValueError: no").why == "ValueError: no"
     assert judged({}, error="ValueError: no").verdict == "fail"
     assert judged({}, absent="no mass").verdict == "not_represented"

@@ -47,8 +47,9 @@ def command(
 ) -> None:
     """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
 
-    With PRESET, that preset's own scene through every extreme of step, wind and motion instead. Exit code 3 where a
-    case fails that was not expected to; each can be run again by its name with --case.
+    With PRESET, that preset's own scene through every extreme of step, wind and motion instead; depths in its solids
+    are told and not judged, for only who wrote it knows which of them are meant to overlap. Exit code 3 where a case
+    fails that was not expected to; each can be run again by its name with --case.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
     if pattern is not None and not pattern.strip():
@@ -126,23 +127,17 @@ def detail(verdict: Verdict) -> str:
 
 def table(result: Result) -> str:
     """A row for each solver and metric with its worst case, then the failures by name, then how many of what."""
-    from ..study.stress.verdicts import LIMITS, MEANING
+    from ..study.stress.verdicts import LIMITS
 
     head = ("solver", "metric", "must be", "worst", "cases", "beyond")
     lines = ["{:<8}{:<20}{:>10}{:>11}{:>8}{:>8}  worst case, and what it is".format(*head)]
     for solver in result.solvers:
         mine = [one for one in result.verdicts if one.name.partition("/")[0] == solver]
         for metric, (word, limit) in LIMITS.items():
-            known = [(one.metrics[metric], one) for one in mine if metric in one.metrics]
-            if not known:
-                continue
-            value, worst = (min if word == ">=" else max)(known, key=lambda pair: _ranked(pair[0], word))
-            beyond = sum(metric in one.failed for _, one in known)
-            must = f"{word} {limit:g}" if word else "told"
-            lines.append(
-                f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  "
-                f"({MEANING[metric]})"
-            )
+            told = [one for one in mine if metric in one.told]
+            held = [one for one in mine if metric not in one.told]
+            lines += _row(solver, metric, f"{word} {limit:g}" if word else "told", held)
+            lines += _row(solver, metric, "told", told)
         ended = [one for one in mine if "exception" in one.failed]
         lines.append(f"{solver:<8}{'exception':<20}{'none':>10}{'':>11}{len(mine):>8,}{len(ended):>8,}")
     failed = [one for one in result.verdicts if one.verdict == "fail"]
@@ -150,6 +145,9 @@ def table(result: Result) -> str:
         lines += ["", "failed:"] + [f"  {one.name}: {one.why}" for one in failed[:MOST_TOLD]]
         if len(failed) > MOST_TOLD:
             lines.append(f"  and {len(failed) - MOST_TOLD:,} more, which --json names")
+    over = {(metric, one.told[metric]) for one in result.verdicts for metric in one.told if metric in one.metrics}
+    if over:
+        lines += ["", "told and not judged:", *(f"  {metric}: {reason}" for metric, reason in sorted(over))]
     absent = [one for one in result.verdicts if one.verdict == "not_represented"]
     if absent:
         reasons = dict.fromkeys(f"  {one.name.partition('/')[0]}: {one.why}" for one in absent)
@@ -160,6 +158,22 @@ def table(result: Result) -> str:
     if better:
         lines.append(f"{len(better)} were listed to fail and did not, or in less, such as {better[0]}")
     return "\n".join(lines)
+
+
+def _row(solver: str, metric: str, must: str, cases: Sequence[Verdict]) -> list[str]:
+    """The table's row of a metric in those of some cases that have it; none where none has."""
+    from ..study.stress.verdicts import LIMITS, MEANING
+
+    word = LIMITS[metric][0]
+    known = [(one.metrics[metric], one) for one in cases if metric in one.metrics]
+    if not known:
+        return []
+    value, worst = (min if word == ">=" else max)(known, key=lambda pair: _ranked(pair[0], word))
+    beyond = sum(metric in one.failed for _, one in known)
+    return [
+        f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  "
+        f"({MEANING[metric]})"
+    ]
 
 
 def _ranked(value: float, word: str) -> float:

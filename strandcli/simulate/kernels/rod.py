@@ -56,21 +56,16 @@ SEGMENT = 17
 """An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
 E, D, C, G, T, DI, N1, N2, R = 0, 3, 6, 9, 12, 13, 14, 15, 16
 # vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved, κ where
-# joints have a rigidity of 1; for the sweep in the end, 1 over the length of a segment, how far a particle is put off,
-# where edges are lost and where hit, all forces of contact, and two places for a solid, 8 each
-HARD, SHIFT, STIFF, OVER, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 6, 9, 10, 11, 12
-FIRST = 28 + 2 * SEGMENT
+# joints have a rigidity of 1, 1 over the length of a segment; what u* takes: the velocity that loads add, and how far a
+# velocity and an acceleration lead, in segments; for the sweep in the end, how far a particle is put off, where edges
+# are lost and where hit, all forces of contact, and two places for a solid, 8 each
+HARD, SHIFT, STIFF, OVER, FALL, REST, PRESS, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 6, 9, 10, 11, 14, 15, 16, 17
+FIRST = 33 + 2 * SEGMENT
 
 
 def rows_for(n: int) -> int:
     """Vectors of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
-    return FIRST + (n + 2) * SEGMENT + 3 * n
-
-
-@inlined
-def aim(n, j):
-    """Where u* of a segment is, three vectors: apart, for iterations need only what is left of it."""
-    return FIRST + (n + 2) * SEGMENT + 3 * j
+    return FIRST + (n + 2) * SEGMENT
 
 
 @inner
@@ -181,21 +176,27 @@ def shorten(s, n, share):
 
 
 @inner
-def respond(s, n):
-    """R := H⁻¹ R with the factors that there are, of one number a particle."""
+def yield_to(s, n, edge, mass, push):
+    """Begin H⁻¹ M χ with the factors that there are, from the tip to the root: how far forces of contact move
+    particles, as a share of how far they would move each alone, with χ = 1 where there are some. R takes what
+    `yielding` ends it with."""
     p = spread(s, 0.0)
     q = p
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        p -= get(s, o + R)
+        x, y, z = get3(push, edge + j * AXES, PACK)
+        p -= where(abs(x) + abs(y) + abs(z) > 0.0, spread(s, mass[j]), 0.0)
         sum = p + q
         put(s, o + R, get(s, o + DI) * sum)
         p -= get(s, o + N2) * sum
         q = get(s, o + N1) * sum
-    y = spread(s, 0.0)
-    z = y
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        z = get(s, o + N1) * z - get(s, o + N2) * y - get(s, o + R)
-        y += z
-        put(s, o + R, y)
+
+
+@inlined
+def yielding(s, o, y, z):
+    """From the root to the tip, the same of a segment's particle and edge, given those of the one before: R ends as
+    that of the particle."""
+    z = get(s, o + N1) * z - get(s, o + N2) * y - get(s, o + R)
+    y += z
+    put(s, o + R, y)
+    return y, z

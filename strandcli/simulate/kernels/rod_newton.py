@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ...jit import inner
-from ...simd import get, get3, put, root, some, spread, where
-from . import rod, rod_descent, rod_tension
-from .rod import FIRST, SEGMENT, T, aim
+from ...simd import get, put, root, some, spread, where
+from . import rod, rod_descent, rod_start, rod_tension
+from .rod import AXES, FIRST, SEGMENT, T
 
 PATIENCE = 6
 """Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
@@ -26,11 +26,12 @@ FAST = 1.9
 
 
 @inner
-def iterate(s, n, mass, joint, iterations, enough):
+def iterate(s, n, mass, joint, iterations, enough, given):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
     greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
-    loads turn out to be far greater than that knows of, for more.
+    loads turn out to be far greater than that knows of, for more; ``given``: the first segment's row, and the rest of
+    what `rod_start.wish` makes u* of.
 
     From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
     changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
@@ -49,7 +50,7 @@ def iterate(s, n, mass, joint, iterations, enough):
         if count == 0:
             if not some(worst > WILD):
                 continue
-            pull(s, n, mass)
+            pull(s, n, mass, given)
         stale = programmed
         programmed = count > 0 and (hard or programmed)
         if count > 0:
@@ -87,16 +88,17 @@ def iterate(s, n, mass, joint, iterations, enough):
 
 
 @inner
-def pull(s, n, mass):
+def pull(s, n, mass, given):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
     from the tip."""
+    edge, velocity, before, moved, push, third, second, pressed = given
     x = spread(s, 0.0)
     y = x
     z = x
     sum = x
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        ax, ay, az = get3(s, aim(n, j), 1)
+        ax, ay, az = rod_start.wish(s, edge + j * AXES, velocity, before, moved, push, third, second, pressed)
         x += mass[j] * ax
         y += mass[j] * ay
         z += mass[j] * az

@@ -14,14 +14,11 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
-from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, spread, where, width
-from . import rod, rod_curl, rod_newton, rod_sweep
-from .rod import AXES, FIRST, HARD, PACK, SEGMENT, SHIFT, STIFF, C, D, E, R, T, aim
+from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, where, width
+from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
+from .rod import AXES, FIRST, PACK, SEGMENT, SHIFT, E
 from .rod_sweep import ROW
 from .tickets import ALL, take
-
-HUGE = 1e18
-FARTHEST = 1e10
 
 # places of a book: after the tickets numbers, and then an address for each array and a size for each kind of solids
 SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, AT = 2, 3, 4, 5, 6, 7, 8, 9, 10
@@ -111,25 +108,25 @@ def run(
         edge = pack * n * AXES + lane
         place = rod_sweep.place_of(strand, n)
         place_root(scratch, pack * AXES + lane, place + ROW, roots, directions, pose, positions)
-        weigh(scratch, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers)
-        predict(scratch, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second)
+        touched = solid and some(get(touching, strand) > 0.0)
+        rod_start.start(
+            scratch, n, edge, tip, strand, edges, tension, velocity, before, moved, push, lengths, stiffness, gust,
+            numbers, second, touched,
+        )  # fmt: skip
         if curled:
             rod_curl.recall(
                 scratch, n, edge, pack * (n + 1) * AXES + lane, tip, edges, bends, twist, pose, joint,
                 numbers[13], numbers[8] / numbers[0],
             )  # fmt: skip
-        touched = solid and some(get(touching, strand) > 0.0)
-        if touched:
-            press(scratch, n, edge, strand, push, lengths, numbers)
-        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11])
+        given = edge, velocity, before, moved, push, numbers[9], second, touched
+        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], given)
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
         put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
-        keep(scratch, n, tip, tension, numbers[0])
         if touched:
-            yield_to(scratch, n, edge, mass, push)
+            rod.yield_to(scratch, n, edge, mass, push)
         rod_sweep.sweep(
-            scratch, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths,
-            positions, numbers, second, solid, solids, whole, touched,
+            scratch, n, edge, tip, place, strand, coming, edges, velocity, before, moved, tension, push, touching,
+            lengths, positions, numbers, second, solid, solids, whole, touched,
         )  # fmt: skip
 
 
@@ -154,86 +151,3 @@ def place_root(s, local, place, roots, directions, pose, positions):
     x, y, z = get3(directions, local, PACK)
     x, y, z = rotated(pose, 0, x, y, z)
     put3(s, FIRST - SEGMENT + E, 1, x, y, z)
-
-
-@inner
-def weigh(s, n, edge, tip, strand, edges, tension, lengths, stiffness, numbers):
-    """Fill the scratch: the coefficients of the step, in units of a segment, and edges as they are when the root has
-    moved and nothing else. Internal damping pulls each joint to the bend that it had."""
-    h = numbers[0]
-    damping = numbers[8] / h
-    put(s, STIFF, get(stiffness, strand) * (h * h * (1 + damping)))
-    share = damping / (1 + damping)
-    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        put(s, o + T, get(tension, tip + j * PACK) * (h * h))
-        x, y, z = get3(edges, edge + j * AXES, PACK)
-        put3(s, o + E, 1, x, y, z)
-        put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
-        x0 = x
-        y0 = y
-        z0 = z
-    over = 1.0 / get(lengths, strand)
-    for c in range(3):
-        put(s, FIRST + E + c, get(s, FIRST + E + c) - get(s, SHIFT + c) * over)
-
-
-@inner
-def predict(s, n, edge, strand, velocity, before, moved, lengths, gust, numbers, second):
-    """u*: where particles would go alone, in units of a segment, and none further than `FARTHEST`.
-
-    BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
-    """
-    h = numbers[0]
-    third = numbers[9]
-    drag = numbers[7] * h
-    over = 1.0 / get(lengths, strand)
-    rest = h / (1 + drag) * over
-    for c in range(3):
-        fall = h * numbers[1 + c] + drag * numbers[4 + c] * get(gust, strand)
-        for j in range(n):
-            row = edge + j * AXES + c * PACK
-            v = get(velocity, row)
-            if second:
-                v += (v - get(before, row)) * third
-                u = get(moved, row) * third * over + rest * (v + fall)
-            else:
-                u = rest * (v + fall)
-            u = min(max(u, -FARTHEST), FARTHEST)
-            put(s, FIRST + j * SEGMENT + D + c, u)
-            put(s, aim(n, j) + c, u)
-
-
-@inner
-def keep(s, n, tip, tension, h):
-    """τ / h² for the next step, which does not begin with compression that made H indefinite."""
-    over = 1 / (h * h)
-    least = where(get(s, HARD) > 0.0, spread(s, 0.0), -HUGE)
-    for j in range(n):
-        t = max(get(s, FIRST + j * SEGMENT + T), least)
-        put(tension, tip + j * PACK, where(abs(t) < HUGE, t * over, 0.0))
-
-
-@inner
-def press(s, n, edge, strand, push, lengths, numbers):
-    """Add the force of contact to u*, as it was in the step before."""
-    f = rod_sweep.alone(numbers) / get(lengths, strand)
-    for j in range(n):
-        o = aim(n, j)
-        x, y, z = get3(push, edge + j * AXES, PACK)
-        ax, ay, az = get3(s, o, 1)
-        x, y, z = ax + f * x, ay + f * y, az + f * z
-        put3(s, o, 1, x, y, z)
-        put3(s, FIRST + j * SEGMENT + D, 1, x, y, z)
-
-
-@inner
-def yield_to(s, n, edge, mass, push):
-    """R := how far such forces move particles, as a share of how far they would move each alone: H⁻¹ M χ, with χ = 1
-    where there are some."""
-    for j in range(n):
-        o = FIRST + j * SEGMENT
-        x, y, z = get3(push, edge + j * AXES, PACK)
-        put(s, o + R, where(abs(x) + abs(y) + abs(z) > 0.0, spread(s, mass[j]), 0.0))
-    rod.respond(s, n)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import inlined, inner
 from ...simd import ask, ask3, get, get3, put, put3, root, rounded, some, spread, where
-from . import contact
-from .rod import AXES, FIRST, GRIP, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, aim
+from . import contact, rod, rod_start
+from .rod import AXES, FIRST, GRIP, HARD, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, T
 
 ROW = 3 * W
 """Numbers of a row of positions, which are drawn and lie in blocks."""
@@ -17,15 +17,8 @@ U = D
 
 
 @inner
-def alone(numbers):
-    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
-    h = numbers[0]
-    return h * h / (1 + numbers[7] * h)
-
-
-@inner
 def sweep(
-    s, n, edge, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
+    s, n, edge, tip, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
     numbers, second, solid, solids, whole, touched,
 ):  # fmt: skip
     """Every edge gets its length exactly, heading for where the iterations put its end, and is turned off the solids;
@@ -33,8 +26,7 @@ def sweep(
     is that of the iterations and how far the particle is put off: what rounding does to edges, an error of places, must
     not become one of velocities, which would last."""
     length = get(lengths, strand)
-    over = 1.0 / length
-    put(s, OVER, over)
+    over = get(s, OVER)
     px, py, pz = get3(positions, place + ROW, W)
     ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
     # as `rod.place_roots` rounds it
@@ -43,8 +35,12 @@ def sweep(
     put(s, LOST, 0.0)
     put(s, HIT, 0.0)
     put(s, GRIP, 0.0)
-    far = alone(numbers)
+    far = rod_start.alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
+    least = where(get(s, HARD) > 0.0, spread(s, 0.0), -HUGE)
+    rate = 1 / (numbers[0] * numbers[0])
+    y0 = spread(s, 0.0)
+    z0 = y0
     lost = False
     after = coming * PACK + strand % PACK
     for j in range(n):
@@ -53,15 +49,22 @@ def sweep(
         here = place + (j + 2) * ROW
         o = FIRST + j * SEGMENT
         lost = straighten(s, o, row, edges, numbers[12]) or lost
+        x, y, z = rod_start.wish(s, row, velocity, before, moved, push, numbers[9], second, touched)
+        dx, dy, dz = get3(s, o + D, 1)
+        put3(s, o + U, 1, x - dx, y - dy, z - dz)
+        # τ / h² for the next step, which does not begin with compression that made H indefinite
+        t = max(get(s, o + T), least)
+        put(tension, tip + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
+        if touched:
+            y0, z0 = rod.yielding(s, o, y0, z0)
         if solid:
             contact.touch(
                 s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
                 0.25 * numbers[12], solids, whole, j == 0, touched,
             )  # fmt: skip
         x, y, z = get3(s, OFF, 1)
-        ax, ay, az = get3(s, aim(n, j), 1)
-        dx, dy, dz = get3(s, o + D, 1)
-        put3(s, o + U, 1, (ax - dx) + x, (ay - dy) + y, (az - dz) + z)
+        ax, ay, az = get3(s, o + U, 1)
+        put3(s, o + U, 1, ax + x, ay + y, az + z)
         if lost:
             turn_alone(s, o, j, row, edges, over)
         x, y, z = get3(s, o + E, 1)

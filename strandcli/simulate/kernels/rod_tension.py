@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from ...jit import inlined, inner
 from ...simd import get, get3, put, put3, root, spread, where
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, aim, rows_for
+from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, rows_for
 
 SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: S then takes this."""
@@ -32,6 +32,12 @@ what was observed beyond, over its variance, that of r."""
 def size_for(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
     return rows_for(n) + n * GAIN
+
+
+@inlined
+def gain(n, j):
+    """Where a segment's is: apart, for nothing else needs it."""
+    return FIRST + (n + 2) * SEGMENT + j * GAIN
 
 
 @inner
@@ -104,7 +110,7 @@ def observe(s, n, mass, foreseen):
         wz += kz * seen
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
-        put3(s, aim(n, n) + j * GAIN, 1, dx, dy, dz)
+        put3(s, gain(n, j), 1, dx, dy, dz)
         put3(s, o + G, 1, ex, ey, ez)
         axx -= dx * hx
         axy -= dx * hy
@@ -129,7 +135,7 @@ def recall(s, n, j, ahead):
     i κ and i B; and the same of this one, as they are before τ changes."""
     (mx, my, mz), (wx, wy, wz), (f, g) = ahead
     o = FIRST + j * SEGMENT
-    dx, dy, dz = get3(s, aim(n, n) + j * GAIN, 1)
+    dx, dy, dz = get3(s, gain(n, j), 1)
     ex, ey, ez = get3(s, o + G, 1)
     change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
     wx += mx

@@ -23,10 +23,12 @@ from .drive import Meter
 from .scenes import keys_of, times_of, wind_of
 from .sheets import values
 from .task import Task
-from .verdicts import Verdict, judge, judged_by_residual
+from .verdicts import Verdict, judge, told_of
 
 VARIED = ("dt", "substeps", "wind", "emitter")
 MOST_STRANDS = 256
+DEPTH = "only who wrote a preset knows which solids are meant to overlap"
+STRETCHES = "strands of the rules stretch where elasticity is not among them"
 AFTER_WIND = ("stiffness", "collision", "elasticity")
 
 
@@ -68,10 +70,10 @@ def perform(task: Task) -> Verdict:
         raise
     except Exception as error:  # whatever a solver raises is what is looked for here
         return judge(name, labels, {}, f"{type(error).__name__}: {error}")
-    told = ["penetration"] if judged_by_residual(case) else ["penetration", "residual"]
+    told = {"penetration": DEPTH, **told_of(case)}
     if task.solver == "thesis" and not any(use.name == "elasticity" for use in scene.rules):
-        told.append("stretch")  # the source's strands stretch, where no rule forbids it
-    return judge(name, labels, metrics, unjudged=tuple(told))
+        told["stretch"] = STRETCHES
+    return judge(name, labels, metrics, unjudged=told)
 
 
 def changed(scene: Scene, case: Case) -> Scene:
@@ -81,6 +83,8 @@ def changed(scene: Scene, case: Case) -> Scene:
     place = next((i for i, use in enumerate(rules) if use.name in AFTER_WIND), len(rules))
     length = scene.emitter.length
     if case.value("wind"):
+        if scene.solver == "rod":  # which lets gusts travel where there is no other wind
+            rules = [_at_once(use) for use in rules]
         parameters = registry()["wind"].Parameters(**wind_of(case.value("wind") * length, float(times[0])))
         rules.insert(place, RuleUse("wind", parameters, "wind"))
     emitter = scene.emitter
@@ -101,6 +105,11 @@ def changed(scene: Scene, case: Case) -> Scene:
         emitter = replace(emitter, keys=keys)
     emitter = replace(emitter, strands=min(emitter.strands, MOST_STRANDS))
     return replace(scene, rules=tuple(rules), emitter=emitter)
+
+
+def _at_once(use: RuleUse) -> RuleUse:
+    """A wind with gusts that are everywhere at once, and any other rule as it is."""
+    return replace(use, parameters=replace(use.parameters, wavelength=0.0)) if use.name == "wind" else use
 
 
 def _drive(scene: Scene, groom: Groom, times: np.ndarray) -> dict[str, float]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -19,7 +21,7 @@ from . import checks, drive, expected, inputs, preset, sheets
 from .axes import AXES, SOLVERS, Case, case_named
 from .strand import NotRepresented
 from .task import Task
-from .verdicts import WORDS, Verdict, judge, judged_by_residual
+from .verdicts import WORDS, Verdict, judge, told_of
 
 Notify = Callable[[str], None]
 CHUNK = 12
@@ -155,7 +157,17 @@ def _results(work: Sequence[Task], processes: int, notify: Notify | None) -> Ite
 def _begin() -> None:
     """What a process does first: one thread, and an interruption is its parent's to handle."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     runtime.start(1)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that began it has ended, however: where that was killed nobody says so, and a
+    process that is handed no more work waits for it for good."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def _one_of_each(work: Iterable[Task]) -> list[Task]:
@@ -178,13 +190,7 @@ def perform(task: Task) -> list[Verdict]:
     if task.solver == "thesis" and task.cases[0].label("tip") != "1":
         return [judge(case.name, case.parameters, {}, absent=MASSLESS) for case in task.cases]
     return [
-        judge(
-            one.case.name,
-            one.case.parameters,
-            one.metrics,
-            one.error,
-            () if judged_by_residual(one.case) else ("residual",),
-        )
+        judge(one.case.name, one.case.parameters, one.metrics, one.error, told_of(one.case))
         for one in drive.run(task.cases)
     ]
 

@@ -7,7 +7,7 @@ physics for the checks made for them. Nobody's failure is expected but by name a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from . import expected
@@ -75,7 +75,8 @@ WORDS = ("pass", "expected_failure", "fail", "not_represented")
 
 @dataclass
 class Verdict:
-    """One case's outcome, judged. ``failed`` are the metrics beyond their limits."""
+    """One case's outcome, judged. ``failed`` are the metrics beyond their limits, ``told`` those that no limit of the
+    case holds to, with the reasons."""
 
     name: str
     parameters: Mapping[str, Any]
@@ -83,6 +84,7 @@ class Verdict:
     verdict: str
     why: str = ""
     failed: tuple[str, ...] = ()
+    told: Mapping[str, str] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, numbers to four digits."""
@@ -95,9 +97,13 @@ class Verdict:
         }
 
 
-def judged_by_residual(case: Case) -> bool:
-    """Whether the residual has a threshold: steps of at most 1/24 s and at most 32 segments."""
-    return bool(case.value("dt") / case.value("substeps") <= 1 / 24 and case.value("n") <= 32)
+RESIDUAL_WITHIN = "has a limit in steps of at most 1/24 s and up to 32 segments; lengths are made exact after it"
+
+
+def told_of(case: Case) -> dict[str, str]:
+    """What of a case no limit holds to, and why: the residual of long steps and of long strands."""
+    within = case.value("dt") / case.value("substeps") <= 1 / 24 and case.value("n") <= 32
+    return {} if within else {"residual": RESIDUAL_WITHIN}
 
 
 def beyond(metric: str, value: float) -> bool:
@@ -110,25 +116,29 @@ def beyond(metric: str, value: float) -> bool:
 
 def judge(
     name: str, parameters: Mapping[str, Any], metrics: Mapping[str, float], error: str = "",
-    unjudged: tuple[str, ...] = (), absent: str = "",
+    unjudged: Mapping[str, str] | None = None, absent: str = "",
 ) -> Verdict:  # fmt: skip
-    """The verdict on what was measured. ``unjudged`` metrics are told alone; ``absent`` says why the solver does not
-    represent what the case is about."""
+    """The verdict on what was measured. ``unjudged`` metrics are told alone, for the reasons given, which a case that
+    passed gives where they are beyond their limits; ``absent`` says why the solver does not represent what the case is
+    about."""
     if absent:
         return Verdict(name, parameters, metrics, "not_represented", absent)
+    unjudged = unjudged or {}
     failed = tuple(key for key, value in metrics.items() if key not in unjudged and beyond(key, value))
     if error:
         failed = (*failed, "exception")
     if not failed:
-        return Verdict(name, parameters, metrics, "pass")
+        over = [key for key in metrics if key in unjudged and beyond(key, metrics[key])]
+        why = "; ".join(f"{_told(key, metrics[key], 'not held to')}: {unjudged[key]}" for key in over)
+        return Verdict(name, parameters, metrics, "pass", why, told=unjudged)
     reasons = {key: expected.reason(name, key) for key in failed}
     if all(reasons.values()):
         why = "; ".join(dict.fromkeys(reasons.values()))
-        return Verdict(name, parameters, metrics, "expected_failure", why, failed)
+        return Verdict(name, parameters, metrics, "expected_failure", why, failed, unjudged)
     told = [error if key == "exception" else _told(key, metrics[key]) for key in failed if not reasons[key]]
-    return Verdict(name, parameters, metrics, "fail", "; ".join(told), failed)
+    return Verdict(name, parameters, metrics, "fail", "; ".join(told), failed, unjudged)
 
 
-def _told(metric: str, value: float) -> str:
+def _told(metric: str, value: float, must: str = "must be") -> str:
     word, limit = LIMITS[metric]
-    return f"{metric} {value:.3g}, must be {word} {limit:g}"
+    return f"{metric} {value:.3g}, {must} {word} {limit:g}"

@@ -1,0 +1,82 @@
+"""The start of a rod's step: its coefficients, edges as they are before anything else has moved, and u*."""
+
+from __future__ import annotations
+
+from ...jit import inlined, inner
+from ...simd import get, get3, put, put3
+from .rod import AXES, FALL, FIRST, OVER, PACK, PRESS, REST, SEGMENT, SHIFT, STIFF, C, D, E, T
+
+FARTHEST = 1e10
+
+
+@inner
+def alone(numbers):
+    """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
+    h = numbers[0]
+    return h * h / (1 + numbers[7] * h)
+
+
+@inner
+def start(
+    s, n, edge, tip, strand, edges, tension, velocity, before, moved, push, lengths, stiffness, gust, numbers, second,
+    pressed,
+):  # fmt: skip
+    """Fill the scratch, in units of a segment: edges are as they are when the root has moved and nothing else. Internal
+    damping pulls each joint to the bend that it had. All in one pass: of long strands, what it reads comes from far."""
+    h = numbers[0]
+    length = get(lengths, strand)
+    over = 1.0 / length
+    put(s, OVER, over)
+    drag = numbers[7] * h
+    put(s, REST, h / (1 + drag) * over)
+    put(s, PRESS, alone(numbers) / length)
+    for c in range(3):
+        put(s, FALL + c, h * numbers[1 + c] + drag * numbers[4 + c] * get(gust, strand))
+    damping = numbers[8] / h
+    put(s, STIFF, get(stiffness, strand) * (h * h * (1 + damping)))
+    share = damping / (1 + damping)
+    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
+    for j in range(n):
+        o = FIRST + j * SEGMENT
+        row = edge + j * AXES
+        put(s, o + T, get(tension, tip + j * PACK) * (h * h))
+        x, y, z = get3(edges, row, PACK)
+        put3(s, o + E, 1, x, y, z)
+        put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
+        x0 = x
+        y0 = y
+        z0 = z
+        x, y, z = wish(s, row, velocity, before, moved, push, numbers[9], second, pressed)
+        put3(s, o + D, 1, x, y, z)
+    for c in range(3):
+        put(s, FIRST + E + c, get(s, FIRST + E + c) - get(s, SHIFT + c) * over)
+
+
+@inlined
+def wish(s, row, velocity, before, moved, push, third, second, pressed):
+    """u* of a particle, in units of a segment: where it would go alone, and no further than `FARTHEST`, and where
+    ``pressed`` by the force that contact had in the step before. Scratch that kept it would be more than it takes.
+
+    BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
+    """
+    x = wish_along(s, row, 0, velocity, before, moved, push, third, second, pressed)
+    y = wish_along(s, row, 1, velocity, before, moved, push, third, second, pressed)
+    z = wish_along(s, row, 2, velocity, before, moved, push, third, second, pressed)
+    return x, y, z
+
+
+@inlined
+def wish_along(s, row, c, velocity, before, moved, push, third, second, pressed):
+    """Coordinate c of it."""
+    place = row + c * PACK
+    rest = get(s, REST)
+    v = get(velocity, place)
+    if second:
+        v += (v - get(before, place)) * third
+        u = get(moved, place) * third * get(s, OVER) + rest * (v + get(s, FALL + c))
+    else:
+        u = rest * (v + get(s, FALL + c))
+    u = min(max(u, -FARTHEST), FARTHEST)
+    if pressed:
+        u += get(s, PRESS) * get(push, place)
+    return u
