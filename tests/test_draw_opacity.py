@@ -77,6 +77,7 @@ def test_a_map_counts_projected_area() -> None:
     assert maps.stacks is not None
     rows = maps.stacks[32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
     assert not rows[0].any()  # of cells that no strand comes to
+    assert np.count_nonzero(maps.stacks[: 32 * 32]) == len(rows) - 1 < 32 * 32
     texels = 4 * rows[:, -1].astype(np.float64)  # of cells the means of four
     whole = texels.sum() / maps.views[0].focal ** 2
     world = lines.world.astype(np.float64).reshape(200, 9, 3)
