@@ -80,6 +80,7 @@ def test_help_lists_every_command_and_each_has_help_of_its_own(run: Runner) -> N
         (["presets", "copy", "hair", ""], "the path is empty"),
         (["sheet", "", "-o", "a.png"], "the path is empty"),
         (["compare", "a.png"], "Missing argument 'B'"),
+        (["golden"], "error: Missing command (see 'strandcli golden --help')"),
     ],
 )
 def test_wrong_usage_is_one_line_and_exit_code_2(run: Runner, arguments: list[str], words: str) -> None:

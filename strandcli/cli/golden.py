@@ -13,7 +13,7 @@ from . import options
 from .progress import Progress
 
 
-@click.group()
+@click.group(no_args_is_help=False)
 def command() -> None:
     """Check or update golden images: a folder with a list of presets, golden.yaml, and a small picture of each.
 
