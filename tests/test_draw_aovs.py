@@ -188,6 +188,20 @@ def test_strands_shade_in_the_shadow_layer() -> None:
     assert shadow[ids == SOLID].max() == 1
 
 
+def test_under_a_thin_sheet_solids_have_the_light_that_it_lets_through() -> None:
+    """Parallel strands 1 mm wide, 300 a metre: τ is .3, none of which is a point's own as on a strand."""
+    sun = "[{kind: directional, direction: [0, -1, 0], shadow: {model: opacity}}]"
+    text = SHEET % (300, [0, 0, 1], [0, 0, -1], 1, "perspective", 1, sun, "[{kind: plane, position: [0, -0.5, 0]}]")
+    text = text.replace("[0.3, 0.2, 4]", "[0, 3, 3]").replace("{specular: 0", "{width: 0.001, taper: 0, specular: 0")
+    scene = scene_of(text)
+    frame = frames_of(scene, 1)[0]
+    origin, way = rays(scene)
+    place = origin + np.nan_to_num(frame.aovs["depth"], posinf=0)[..., None] * way
+    under = (frame.aovs["strand_id"] == SOLID) & (abs(place[..., 0]) < 0.4) & (abs(place[..., 2] - 0.7) < 0.2)
+    assert under.sum() > 20
+    assert np.mean(frame.aovs["shadow"][under]) == pytest.approx(np.exp(-0.3), abs=0.005)
+
+
 @settings(max_examples=8, deadline=None)
 @given(st.lists(st.sampled_from(AOVS), unique=True, max_size=4))
 def test_layers_that_are_asked_for_are_there_and_the_picture_stays(names: list[str]) -> None:
