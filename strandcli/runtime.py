@@ -165,9 +165,8 @@ def source_hash() -> str:
     because Numba itself does not notice that a function in another file has changed."""
     digest = hashlib.sha256()
     root = Path(__file__).parent
-    rules, others = root.glob("simulate/rules/*.py"), ("jit.py", "simd.py", "compiler.py", "constants.py")
-    kernels = [*root.rglob("kernels/*.py"), *rules, *(root / name for name in others)]
-    for path in sorted(kernels):
+    patterns = "**/kernels/*.py", "simulate/rules/*.py", "simd/*.py", "jit.py", "compiler.py", "constants.py"
+    for path in sorted(path for pattern in patterns for path in root.glob(pattern)):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
 

@@ -109,6 +109,7 @@ def test_the_folders_name_follows_every_kernel_source(tmp_path: Path, monkeypatc
         "simulate/kernels/measure.py",
         "simulate/rules/wind.py",
         "simulate/rules/collision_segments.py",
+        "simd/lanes.py",
         "constants.py",
         "jit.py",
     ):

@@ -1,0 +1,113 @@
+"""What is done lane by lane, and what is asked of all lanes together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.extending import intrinsic
+
+from .kinds import Lanes, Mask, Rows, call_of, lanes_of, widened
+
+
+@intrinsic
+def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
+    """x in lanes where the mask holds, else y."""
+    wide = [one for one in (x, y) if isinstance(one, Lanes)]
+    if not isinstance(mask, Mask) or not wide:
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.return_type
+        first, second = (widened(context, builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
+        return builder.select(args[0], first, second)
+
+    return wide[0](mask, x, y), emit
+
+
+@intrinsic
+def some(typingctx: Any, mask: Any) -> Any:
+    """Whether a mask holds in any lane."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = ir.IntType(sig.args[0].count)
+        return builder.icmp_unsigned("!=", builder.bitcast(args[0], kind), ir.Constant(kind, 0))
+
+    return types.boolean(mask), emit
+
+
+@intrinsic
+def pattern(typingctx: Any, mask: Any) -> Any:
+    """The lanes in which a mask holds, as bits of a number, the first the lowest."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+        return builder.zext(bits, context.get_value_type(sig.return_type))
+
+    return types.uint64(mask), emit
+
+
+def _of_each(function: str, doc: str) -> Any:
+    """An LLVM function of each lane."""
+    call = call_of(function)
+
+    def typed(typingctx: Any, x: Any) -> Any:
+        if not isinstance(x, Lanes):
+            return None
+        return x(x), lambda context, builder, sig, args: call(builder, *args)
+
+    typed.__doc__ = doc
+    return intrinsic(typed)
+
+
+root = _of_each("llvm.sqrt", "Square root.")
+whole = _of_each("llvm.floor", "The greatest whole number that is no greater.")
+sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
+cosine = _of_each("llvm.cos", "Cosine likewise.")
+
+
+@intrinsic
+def rounded(typingctx: Any, x: Any) -> Any:
+    """A product as a number of its own, which is not fused."""
+    if not isinstance(x, Lanes):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = args[0].type
+        return builder.fadd(args[0], ir.Constant(kind, [-0.0] * kind.count))  # which changes no number
+
+    return x(x), emit
+
+
+@intrinsic
+def greatest(typingctx: Any, x: Any) -> Any:
+    """The greatest number of all lanes, none of which is NaN."""
+    if not isinstance(x, Lanes):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        lane = ir.IntType(32)
+        most = builder.extract_element(args[0], ir.Constant(lane, 0))
+        for i in range(1, args[0].type.count):
+            one = builder.extract_element(args[0], ir.Constant(lane, i))
+            most = builder.select(builder.fcmp_ordered(">", one, most), one, most)
+        return most
+
+    return x.dtype(x), emit
+
+
+@intrinsic
+def spread(typingctx: Any, like: Any, x: Any) -> Any:
+    """The number x in all lanes of a vector, of the kind of numbers that rows or a vector ``like`` hold."""
+    if not (isinstance(like, (Rows, Lanes)) and isinstance(x, types.Number)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return widened(context, builder, args[1], sig.args[1], sig.return_type)
+
+    return lanes_of(like)(like, x), emit

@@ -1,0 +1,196 @@
+"""Where vectors lie: rows of numbers and heaps of vectors, how they are got, put and fetched."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.cgutils import get_or_insert_function
+from numba.core.extending import intrinsic, lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+
+from ..constants import VECTOR
+from ..jit import inner
+from .kinds import Rows, lanes_of, widened
+
+FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
+"""What LLVM's prefetch is told."""
+
+
+def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
+    def typed(typingctx: Any, array: Any) -> Any:
+        if not (isinstance(array, types.Array) and array.layout == "C"):
+            return None
+
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return context.make_array(sig.args[0])(context, builder, value=args[0]).data
+
+        return Rows(array.dtype, whole, size, fused=False)(array), emit
+
+    return typed
+
+
+lay: Any = intrinsic(_address(False))
+"""The numbers of a contiguous array."""
+strip: Any = intrinsic(_address(False, VECTOR // 2))
+"""The same, for vectors of half the length."""
+heap: Any = intrinsic(_address(True))
+"""The vectors of a contiguous array."""
+
+
+def _addressed(whole: bool) -> Callable[..., Any]:
+    def typed(typingctx: Any, kind: Any, address: Any) -> Any:
+        if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
+            return None
+
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
+
+        return Rows(kind.instance_type, whole, VECTOR, fused=True)(kind, address), emit
+
+    return typed
+
+
+lay_at: Any = intrinsic(_addressed(False))
+"""The numbers of a type, such as np.float32, that begin at an address."""
+heap_at: Any = intrinsic(_addressed(True))
+"""The vectors of such numbers."""
+
+
+@infer_global(operator.getitem)
+class _Item(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if isinstance(args[0], Rows) and not args[0].whole and isinstance(args[1], types.Integer):
+            return signature(args[0].dtype, *args)
+        return None
+
+
+@lower_builtin(operator.getitem, Rows, types.Integer)
+def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.load(builder.gep(args[0], [args[1]]))
+
+
+def _here(context: Any, builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
+    """Pointer to a vector. Functions that have vectors keep them on their stack, too; LLVM finds out too late to align
+    it by itself, and half of them would lie across two cache lines, or not, as the process happens to be loaded."""
+    traits = builder.function.attributes
+    traits.alignstack = VECTOR
+    traits.add("nounwind")  # as all of Numba's are; without any other, llvmlite does not write the alignment
+    wide = context.get_value_type(lanes_of(kind)).as_pointer()
+    if kind.whole:
+        return builder.gep(builder.bitcast(rows, wide), [o])
+    return builder.bitcast(builder.gep(rows, [o]), wide)
+
+
+@intrinsic
+def get(typingctx: Any, rows: Any, o: Any) -> Any:
+    """A vector from place o on."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.load(_here(context, builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
+
+    return lanes_of(rows)(rows, o), emit
+
+
+@intrinsic
+def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
+    """Keep a vector from place o on; a plain number in all of its lanes."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0]
+        value = widened(context, builder, args[2], sig.args[2], lanes_of(kind))
+        builder.store(value, _here(context, builder, kind, *args[:2]), align=kind.dtype.bitwidth // 8)
+        return context.get_dummy_value()
+
+    return types.void(rows, o, x), emit
+
+
+@inner
+def get3(rows, o, stride):
+    """Vectors from places o, o + stride and o + 2 stride on."""
+    return get(rows, o), get(rows, o + stride), get(rows, o + 2 * stride)
+
+
+@inner
+def put3(rows, o, stride, x, y, z):
+    """Keep three vectors so."""
+    put(rows, o, x)
+    put(rows, o + stride, y)
+    put(rows, o + 2 * stride, z)
+
+
+@intrinsic
+def deal(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Three vectors, of numbers that take turns from place o on."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0]
+        place = _here(context, builder, kind, *args)
+        count = place.type.pointee.count
+        every = builder.bitcast(place, ir.VectorType(place.type.pointee.element, 3 * count).as_pointer())
+        numbers = builder.load(every, align=kind.dtype.bitwidth // 8)
+        turns = ir.VectorType(ir.IntType(32), count)
+        out = [
+            builder.shuffle_vector(numbers, numbers, ir.Constant(turns, list(range(i, 3 * count, 3)))) for i in range(3)
+        ]
+        return context.make_tuple(builder, sig.return_type, out)
+
+    return types.UniTuple(lanes_of(rows), 3)(rows, o), emit
+
+
+@intrinsic
+def ask(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Have the processor fetch the cache line of place o, and go on meanwhile."""
+    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(builder.gep(args[0], [args[1]]), ir.IntType(8).as_pointer())
+        number = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [place.type, number, number, number])
+        fetch = get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(fetch, [place, number(FOR_READING), number(SECOND_CACHE), number(DATA)])
+        return context.get_dummy_value()
+
+    return types.void(rows, o), emit
+
+
+@inner
+def ask3(rows, o, stride):
+    """Have three places fetched, o, o + stride and o + 2 stride."""
+    ask(rows, o)
+    ask(rows, o + stride)
+    ask(rows, o + 2 * stride)
+
+
+@intrinsic
+def width(typingctx: Any, rows: Any) -> Any:
+    """How many lanes a vector of these rows has."""
+    if not isinstance(rows, Rows):
+        return None
+    count = lanes_of(rows).mask.count
+    return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
+
+
+@inner
+def deal_out(rows, o, count, work, to, stride):
+    """So many triples of numbers from place o on into a flat array, from places to, to + stride and to + 2 stride on:
+    vectors as far as they go."""
+    out = strip(work)
+    whole = count - count % width(rows)
+    for k in range(0, whole, width(rows)):
+        x, y, z = deal(rows, o + 3 * k)
+        put3(out, to + k, stride, x, y, z)
+    for k in range(whole, count):
+        work[to + k] = rows[o + 3 * k]
+        work[to + k + stride] = rows[o + 3 * k + 1]
+        work[to + k + 2 * stride] = rows[o + 3 * k + 2]
