@@ -12,6 +12,11 @@ ROW = 3 * W
 """Numbers of a row of positions, which are drawn and lie in blocks."""
 HUGE = 1e18
 NONE = 1e-12
+LONG = 300
+"""Segments beyond which a vector of strands and its scratch do not fit the second-level cache together: what the start
+of the step has read is gone by its end."""
+AHEAD = 24
+"""Segments that are fetched ahead then."""
 U = D
 """The displacement takes the place of what was left of u*."""
 
@@ -42,9 +47,12 @@ def sweep(
     y0 = spread(s, 0.0)
     z0 = y0
     lost = False
-    after = coming * PACK + strand % PACK
+    fetched, ahead = coming * PACK + strand % PACK, 0
+    if n > LONG:
+        fetched, ahead = strand, AHEAD
     for j in range(n):
-        fetch(n, j, after, edges, velocity, before, moved, tension, push, positions, second, solid)
+        near = min(j + ahead, n - 1)
+        fetch(n, near, fetched, edges, velocity, before, moved, tension, push, positions, second, solid)
         row = edge + j * AXES
         here = place + (j + 2) * ROW
         o = FIRST + j * SEGMENT
@@ -86,8 +94,8 @@ def place_of(strand, n):
 
 @inner
 def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions, second, solid):
-    """Have the processor fetch what the step has of segment j of a strand to come. None of it has been used since the
-    step before, and asked for all at once it would be waited for."""
+    """Have the processor fetch what the step has of segment j of a strand: of one to come, of which none has been used
+    since the step before, and asked for all at once it would be waited for; of a long one itself."""
     segment = strand // PACK * n + j
     row = segment * AXES + strand % PACK
     ask3(edges, row, PACK)
