@@ -12,6 +12,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
+    pick(rows, o, x, stride, y) a vector of the numbers at places o + stride * x + y, where x and y are whole
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
     x, y, z = deal(rows, o)     vectors of every third number from places o, o + 1 and o + 2 on
@@ -20,6 +21,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
     pattern(x < y)              in which, as bits of a number, the first the lowest
+    tally(x < y)                in how many
     greatest(x), spread(x, 2.0)
     rounded(x * y) + z          the product is rounded, where it would be fused
     ask3(rows, o, stride)       has the processor fetch what `get3` is going to read; a place that is none does no harm
@@ -309,6 +311,39 @@ def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
     return types.void(rows, o, x), emit
 
 
+@intrinsic
+def pick(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
+    """A vector of the numbers at places o + stride * x + y; x: vector of whole numbers, y likewise or one number. What
+    is added to o has to be less than 2^31."""
+    if not (isinstance(rows, Rows) and not rows.whole and isinstance(x, Lanes) and isinstance(stride, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        base, begin, first, step, second = args
+        kind = _lanes(sig.args[0])
+        wide = context.get_value_type(kind)
+        whole = ir.VectorType(ir.IntType(32), wide.count)
+        turn = context.cast(builder, step, sig.args[3], types.int32)
+        none = ir.Constant(whole, ir.Undefined)
+        same = ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None)
+        turn = builder.shuffle_vector(builder.insert_element(none, turn, ir.Constant(ir.IntType(32), 0)), none, same)
+        place = builder.mul(builder.fptosi(first, whole), turn)
+        place = builder.add(place, builder.fptosi(_wide(context, builder, second, sig.args[4], kind), whole))
+        places = builder.gep(builder.gep(base, [begin]), [ir.Constant(ir.IntType(32), 0)])
+        # llvmlite knows of no addresses that are vectors, LLVM does
+        places.indices, places.operands = [place], [places.pointer, place]
+        places.type = ir.VectorType(base.type, wide.count)
+        mask = ir.Constant(ir.VectorType(ir.IntType(1), wide.count), [1] * wide.count)
+        number = ir.IntType(32)
+        typed = ir.FunctionType(wide, [places.type, number, mask.type, wide])
+        name = f"llvm.masked.gather.v{wide.count}f{kind.dtype.bitwidth}.v{wide.count}p0"
+        gather = get_or_insert_function(builder.module, typed, name)
+        size = number(kind.dtype.bitwidth // 8)
+        return builder.call(gather, [places, size, mask, ir.Constant(wide, ir.Undefined)])
+
+    return _lanes(rows)(rows, o, x, stride, y), emit
+
+
 @inner
 def get3(rows, o, stride):
     """Vectors from places o, o + stride and o + 2 stride on."""
@@ -415,6 +450,19 @@ def pattern(typingctx: Any, mask: Any) -> Any:
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
         return builder.zext(bits, context.get_value_type(sig.return_type))
+
+    return types.uint64(mask), emit
+
+
+@intrinsic
+def tally(typingctx: Any, mask: Any) -> Any:
+    """In how many lanes a mask holds."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+        return builder.zext(builder.ctpop(bits), context.get_value_type(sig.return_type))
 
     return types.uint64(mask), emit
 
