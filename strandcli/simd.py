@@ -6,6 +6,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
 
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
     rows = strip(array)         the same, and vectors of half as many: where most loops are short
+    rows = three(array)         the same, and vectors of three numbers in single precision
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
     rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address; these
                                 are fused
@@ -231,6 +232,8 @@ lay: Any = intrinsic(_address(False))
 """The numbers of a contiguous array."""
 strip: Any = intrinsic(_address(False, VECTOR // 2))
 """The same, for vectors of half the length."""
+three: Any = intrinsic(_address(False, 3 * 4))
+"""The same, for vectors of three numbers in single precision."""
 heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...constants import VECTOR
 from ...jit import inlined, inner, parallel, prange
-from ...simd import get, lay, put, spread, strip, tally, where, width
+from ...simd import get, lay, put, spread, strip, tally, three, where, width
 from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
@@ -253,48 +253,38 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""
     vertices = np.uint64(vertex.shape[0])
-    colours = lay(vertex)
+    colours = three(vertex)
+    edges = three(light)
+    picture = three(image)
+    width = image.shape[1]
     at = np.uint64(o)
     last = np.uint64(place.shape[0] - 1)
-    reach = THREE * np.uint64(stride) + TWO
+    step = THREE * np.uint64(stride)
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
             if n == NONE:
                 continue
-            r = ZERO
-            g = ZERO
-            b = ZERO
+            shown = spread(colours, ZERO)
             total = ZERO
             for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
                 later = THREE * np.uint64(place[min(i + AHEAD, last)])
                 prefetch(vertex, later)
-                prefetch(vertex, later + reach)
+                prefetch(vertex, later + step + TWO)
                 if v < vertices:
                     # of the light at both lit vertices
                     far = w * along[i]
                     near = w - far
-                    v *= THREE
-                    u = v + THREE * np.uint64(stride)
-                    r += near * colours[v] + far * colours[u]
-                    g += near * colours[v + ONE_ON] + far * colours[u + ONE_ON]
-                    b += near * colours[v + TWO] + far * colours[u + TWO]
+                    shown += near * get(colours, THREE * v) + far * get(colours, THREE * v + step)
                 else:
-                    e = v - vertices
-                    r += w * light[e, 0]
-                    g += w * light[e, 1]
-                    b += w * light[e, 2]
+                    shown += w * get(edges, THREE * (v - vertices))
                 total += w
             at += n
             through = ONE - total
             if through < OPAQUE:
-                scale = ONE / total
-                r *= scale
-                g *= scale
-                b *= scale
+                shown *= ONE / total
                 through = ZERO
-            image[y, x, 0] = r + through * image[y, x, 0]
-            image[y, x, 1] = g + through * image[y, x, 1]
-            image[y, x, 2] = b + through * image[y, x, 2]
+            here = np.uint64(3 * (y * width + x))
+            put(picture, here, shown + through * get(picture, here))
