@@ -32,7 +32,7 @@ def nearest(positions, strands, points, own, out):
         least = np.empty(W, np.float32)
         for k in range(out.shape[1]):
             out[p, k] = np.inf
-        home = own[p] // W  # first, so that few others are near enough
+        home = max(own[p], 0) // W  # first, so that few others are near enough
         for turn in range(blocks):
             block = np.int64(turn if turn > home else turn - 1 if turn > 0 else home)
             if beyond(boxes, block, points[p, 0], points[p, 1], points[p, 2]) > out[p, -1]:
