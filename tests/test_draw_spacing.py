@@ -40,10 +40,12 @@ def test_a_square_grid_has_its_own_spacing() -> None:
 
 
 def test_nearest_strands_are_those_of_all_pairs() -> None:
-    """Those of other blocks too, in the order of which there is nothing to tell; −1: a point on none of them."""
-    strands = crooked(300)
+    """Those of blocks beside each other too; −1: a point on none of them."""
+    strands = 0.1 * crooked(300)
+    strands[:, :, 0] += 0.01 * np.arange(300)[:, None]
     rng = np.random.default_rng(2)
-    points, own = rng.normal(size=(20, 3)).astype(np.float32), rng.integers(-1, 300, 20)
+    points = (0.3 * rng.normal(size=(20, 3)) + [1.3, 0, 0]).astype(np.float32)
+    own = rng.integers(-1, 300, 20)
     own[:3] = -1, 0, 299
     found = np.empty((20, 5), np.float32)
     kernel.nearest(pack(strands), 300, points, own, found)
