@@ -287,7 +287,7 @@ def test_points_on_a_strand_change_nothing(wide: float) -> None:
         assert one.max() > 0.3 * min(wide, 1)
 
 
-@pytest.mark.parametrize("count", [5, 8, 9, 100, 128, 129, 700])
+@pytest.mark.parametrize("count", [1, 5, 8, 9, 16, 17, 100, 128, 129, 700])
 def test_a_pixel_of_any_number_of_fragments_is_in_order(count: int) -> None:
     """Against the same laid one over the other; some as far as others, which go by their index."""
     rng = np.random.default_rng(16)

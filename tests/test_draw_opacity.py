@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from strand_kit import frames_of, scene_of
 
+from strandcli.draw import shadow
 from strandcli.draw.curves import Polylines
 from strandcli.draw.kernels import opacity
 from strandcli.draw.kernels import shadow as minmax
 from strandcli.draw.scratch import Scratch
 from strandcli.draw.shading import pack_lights
 from strandcli.draw.shadow import ShadowMaps, Thickness, plan_maps
+from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance
 
@@ -150,6 +152,17 @@ def test_portions_add_up() -> None:
         maps.weigh(part, 2, Scratch())
     maps.finish()
     np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
+
+
+def test_a_map_beyond_what_a_kernel_can_address_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    sun, lines = DirectionalLight(direction=(0, -1, 0), shadow=DEEP), straight(300, 4)
+    stacks = maps_of(sun, lines).stacks
+    assert stacks is not None
+    monkeypatch.setattr(shadow, "PLACES", len(stacks))
+    maps_of(sun, lines)
+    monkeypatch.setattr(shadow, "PLACES", len(stacks) - 1)
+    with pytest.raises(RefusedError, match=r"shadow.size"):
+        maps_of(sun, lines)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 5])

@@ -40,11 +40,15 @@ def test_a_square_grid_has_its_own_spacing() -> None:
 
 
 def test_nearest_strands_are_those_of_all_pairs() -> None:
-    strands = crooked(150)
+    """Those of blocks beside each other too; −1: a point on none of them."""
+    strands = 0.1 * crooked(300)
+    strands[:, :, 0] += 0.01 * np.arange(300)[:, None]
     rng = np.random.default_rng(2)
-    points, own = rng.normal(size=(20, 3)).astype(np.float32), rng.integers(-1, 150, 20)
+    points = (0.3 * rng.normal(size=(20, 3)) + [1.3, 0, 0]).astype(np.float32)
+    own = rng.integers(-1, 300, 20)
+    own[:3] = -1, 0, 299
     found = np.empty((20, 5), np.float32)
-    kernel.nearest(pack(strands), 150, points, own, found)
+    kernel.nearest(pack(strands), 300, points, own, found)
     for point, one, mine in zip(points, own, found, strict=True):
         others = sorted(distances(strand, point) for s, strand in enumerate(strands) if s != one)
         np.testing.assert_allclose(mine, others[:5], atol=2e-3)

@@ -23,6 +23,7 @@ from strandcli.simd import (
     lay,
     lay_at,
     pattern,
+    pick,
     put,
     put3,
     root,
@@ -30,6 +31,8 @@ from strandcli.simd import (
     some,
     spread,
     strip,
+    tally,
+    three,
     where,
     whole,
     width,
@@ -116,6 +119,40 @@ def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
     expected[2 : 2 + lanes] = np.arange(lanes)[: 2 * count - 2]
     expected[:lanes] = -7
     np.testing.assert_array_equal(numbers, expected)
+
+
+@njit
+def picked(given, first, second, out):
+    """Numbers from anywhere: by two vectors, and by one and a number."""
+    rows, to = lay(given), lay(out)
+    x, y = get(lay(first), 0), get(lay(second), 0)
+    put(to, 0, pick(rows, 5, x, 7, y))
+    put(to, width(to), pick(rows, np.int64(0), x, 3, 2.0))
+    return tally(x > y)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_numbers_are_picked_from_where_they_are_said_to_be(dtype: Any) -> None:
+    count = VECTOR // np.dtype(dtype).itemsize
+    rng = np.random.default_rng(6)
+    given, out = rng.normal(size=400).astype(dtype), np.zeros(2 * count, dtype)
+    first, second = (rng.integers(0, 40, count).astype(dtype) for _ in range(2))
+    assert picked(given, first, second, out) == np.count_nonzero(first > second)
+    places = np.concatenate([5 + 7 * first + second, 3 * first + 2]).astype(int)
+    np.testing.assert_array_equal(out, given[places])
+
+
+@njit
+def tripled(given, out):
+    """Twice three numbers."""
+    put(three(out), 1, 2.0 * get(three(given), 1))
+    return width(three(out))
+
+
+def test_three_numbers_are_a_vector() -> None:
+    given, out = np.arange(5, dtype=np.float32), np.full(5, 9, np.float32)
+    assert tripled(given, out) == 3
+    np.testing.assert_array_equal(out, [9, 2, 4, 6, 9])
 
 
 @njit(error_model="numpy")

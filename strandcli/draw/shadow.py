@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import RefusedError
 from ..scene.model import DirectionalLight, Light
 from .camera import View, ball, parallel_view, point_views
 from .curves import Polylines
 from .kernels import opacity, opacity_maps
 from .kernels import shadow as kernel
-from .raster import into_bands, to_screen
+from .raster import Bands, into_bands, to_screen
 from .scratch import Scratch
 
 TEXEL = 1.5
@@ -28,6 +29,8 @@ TEXEL = 1.5
 FALL = 9.0
 """h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart: more than
 light takes to fall, for single strands stand off before the rest."""
+PLACES = 2**31 - 1
+"""Numbers of an opacity map: its kernel counts them in 32 bits (`simd.pick`)."""
 TINY = 1e-9
 NO_TEXELS = np.zeros((0, 2), np.float32)
 NO_STACKS = np.zeros(0, np.float32)
@@ -75,6 +78,8 @@ class ShadowMaps:
     """1 / h of `kernels.opacity`, 1/m."""
     _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
     """Where each opacity map ends in `stacks`."""
+    _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
+    """What was drawn last, in which map, and how its light sees it."""
 
     @property
     def deep(self) -> bool:
@@ -97,6 +102,11 @@ class ShadowMaps:
         for number, rows in zip(deep, tables, strict=True):
             count = opacity_maps.number(self.extents[number], rows)
             lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
+        if lengths.max() > PLACES:
+            raise RefusedError(
+                f"shadow: an opacity map would hold {4 * lengths.max() / 1e9:.1f} GB, more than the "
+                f"{4 * PLACES / 1e9:.1f} GB that a kernel counts; a smaller shadow.size or fewer layers take less"
+            )
         self._ends = np.cumsum(lengths)
         self.starts[deep] = (self._ends - lengths)[deep]
         self.stacks = scratch.take("stacks", int(self._ends[-1]), np.float32)
@@ -105,8 +115,8 @@ class ShadowMaps:
             opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
 
     def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw the same polylines into the layers of every opacity map."""
-        for number, layers in enumerate(self.layers):
+        """Draw the same polylines into the layers of every opacity map, first of that which was drawn last."""
+        for number, layers in reversed(list(enumerate(self.layers))):
             if layers:
                 self._draw(number, lines, workers, scratch, self._stack(number))
 
@@ -131,11 +141,13 @@ class ShadowMaps:
         self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
     ) -> None:
         view, size, layers = self.views[number], int(self.sizes[number]), self.layers[number]
-        stride = coarseness(lines, view)
-        screen = to_screen(lines, view, scratch, "light_screen", stride)
-        ends = np.arange(len(lines.first), dtype=np.int64)
-        first = (lines.first - ends) // stride + ends
-        bands = into_bands(first, screen, size, 1.0, workers, scratch)
+        if self._seen is None or self._seen[0] is not lines or self._seen[1] != number:
+            stride = coarseness(lines, view)
+            screen = to_screen(lines, view, scratch, "light_screen", stride)
+            ends = np.arange(len(lines.first), dtype=np.int64)
+            first = (lines.first - ends) // stride + ends
+            self._seen = lines, number, first, screen, into_bands(first, screen, size, 1.0, workers, scratch)
+        _, _, first, screen, bands = self._seen
         far = np.float32(0.0 if view.perspective else view.far - view.near)
         near = np.float32(view.near)
         if not layers:

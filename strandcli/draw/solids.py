@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -80,13 +81,13 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
             if z <= radius or flat <= radius * radius:
                 return None
             # tangents from the eye to the circle in this plane
-            middle, reach = np.arctan2(along, z), np.arcsin(radius / np.sqrt(flat))
-            if abs(middle) + reach >= np.pi / 2 - 1e-6:
+            middle, reach = math.atan2(along, z), math.asin(radius / math.sqrt(flat))
+            if abs(middle) + reach >= math.pi / 2 - 1e-6:
                 return None
-            low, high = view.focal * np.tan([middle - reach, middle + reach])
+            low, high = view.focal * math.tan(middle - reach), view.focal * math.tan(middle + reach)
         else:
             low, high = view.focal * (along - radius), view.focal * (along + radius)
-        out += [int(np.clip(np.floor(axis + low), 0, size)), int(np.clip(np.ceil(axis + high), 0, size))]
+        out += [int(min(max(side, 0.0), size)) for side in (math.floor(axis + low), math.ceil(axis + high))]
     return out[0], out[1], out[2], out[3]
 
 

@@ -6,12 +6,14 @@ vectorises always; a vector that is wider than the machine's registers takes sev
 
     rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
     rows = strip(array)         the same, and vectors of half as many: where most loops are short
+    rows = three(array)         the same, and vectors of three numbers in single precision
     pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
     rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address; these
                                 are fused
     rows[o]                     a number
     width(rows)                 how many of them are a vector
     x = get(rows, o)            a vector from place o on
+    pick(rows, o, x, stride, y) a vector of the numbers at places o + stride * x + y, where x and y are whole
     put(rows, o, x)
     x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
     x, y, z = deal(rows, o)     vectors of every third number from places o, o + 1 and o + 2 on
@@ -20,6 +22,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
     some(x < y)                 whether it holds in any lane
     pattern(x < y)              in which, as bits of a number, the first the lowest
+    tally(x < y)                in how many
     greatest(x), spread(x, 2.0)
     rounded(x * y) + z          the product is rounded, where it would be fused
     ask3(rows, o, stride)       has the processor fetch what `get3` is going to read; a place that is none does no harm
@@ -37,11 +40,28 @@ products it is, is settled here and not by LLVM: bits are the same on all proces
 from __future__ import annotations
 
 from .arithmetic import fuses
-from .lanes import cosine, greatest, pattern, root, rounded, sine, some, spread, where, whole
-from .memory import ask, ask3, deal, deal_out, get, get3, heap, heap_at, lay, lay_at, put, put3, strip, width
+from .lanes import cosine, greatest, pattern, root, rounded, sine, some, spread, tally, where, whole
+from .memory import (
+    ask,
+    ask3,
+    deal,
+    deal_out,
+    get,
+    get3,
+    heap,
+    heap_at,
+    lay,
+    lay_at,
+    pick,
+    put,
+    put3,
+    strip,
+    three,
+    width,
+)
 
 __all__ = [
     "ask", "ask3", "cosine", "deal", "deal_out", "fuses", "get", "get3", "greatest", "heap", "heap_at", "lay",
-    "lay_at", "pattern", "put", "put3", "root", "rounded", "sine", "some", "spread", "strip", "where", "whole",
-    "width",
+    "lay_at", "pattern", "pick", "put", "put3", "root", "rounded", "sine", "some", "spread", "strip", "tally", "three",
+    "where", "whole", "width",
 ]  # fmt: skip

@@ -52,6 +52,19 @@ def pattern(typingctx: Any, mask: Any) -> Any:
     return types.uint64(mask), emit
 
 
+@intrinsic
+def tally(typingctx: Any, mask: Any) -> Any:
+    """In how many lanes a mask holds."""
+    if not isinstance(mask, Mask):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+        return builder.zext(builder.ctpop(bits), context.get_value_type(sig.return_type))
+
+    return types.uint64(mask), emit
+
+
 def _of_each(function: str, doc: str) -> Any:
     """An LLVM function of each lane."""
     call = call_of(function)

@@ -14,7 +14,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 
 from ..constants import VECTOR
 from ..jit import inner
-from .kinds import Rows, lanes_of, widened
+from .kinds import Lanes, Rows, lanes_of, widened
 
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 """What LLVM's prefetch is told."""
@@ -37,6 +37,8 @@ lay: Any = intrinsic(_address(False))
 """The numbers of a contiguous array."""
 strip: Any = intrinsic(_address(False, VECTOR // 2))
 """The same, for vectors of half the length."""
+three: Any = intrinsic(_address(False, 3 * 4))
+"""The same, for vectors of three numbers in single precision."""
 heap: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
@@ -110,6 +112,39 @@ def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(rows, o, x), emit
+
+
+@intrinsic
+def pick(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
+    """A vector of the numbers at places o + stride * x + y; x: vector of whole numbers, y likewise or one number. What
+    is added to o has to be less than 2^31."""
+    if not (isinstance(rows, Rows) and not rows.whole and isinstance(x, Lanes) and isinstance(stride, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        base, begin, first, step, second = args
+        kind = lanes_of(sig.args[0])
+        wide = context.get_value_type(kind)
+        whole = ir.VectorType(ir.IntType(32), wide.count)
+        turn = context.cast(builder, step, sig.args[3], types.int32)
+        none = ir.Constant(whole, ir.Undefined)
+        same = ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None)
+        turn = builder.shuffle_vector(builder.insert_element(none, turn, ir.Constant(ir.IntType(32), 0)), none, same)
+        place = builder.mul(builder.fptosi(first, whole), turn)
+        place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
+        places = builder.gep(builder.gep(base, [begin]), [ir.Constant(ir.IntType(32), 0)])
+        # llvmlite knows of no addresses that are vectors, LLVM does
+        places.indices, places.operands = [place], [places.pointer, place]
+        places.type = ir.VectorType(base.type, wide.count)
+        mask = ir.Constant(ir.VectorType(ir.IntType(1), wide.count), [1] * wide.count)
+        number = ir.IntType(32)
+        typed = ir.FunctionType(wide, [places.type, number, mask.type, wide])
+        name = f"llvm.masked.gather.v{wide.count}f{kind.dtype.bitwidth}.v{wide.count}p0"
+        gather = get_or_insert_function(builder.module, typed, name)
+        size = number(kind.dtype.bitwidth // 8)
+        return builder.call(gather, [places, size, mask, ir.Constant(wide, ir.Undefined)])
+
+    return lanes_of(rows)(rows, o, x, stride, y), emit
 
 
 @inner

@@ -25,6 +25,7 @@ import math
 import numpy as np
 
 from ...jit import function, inlined, inner
+from ...simd import greatest, lay, pick, spread, where, whole
 from .approximations import exp
 from .shadow import between, held, texel_of
 
@@ -40,7 +41,10 @@ FIVE = 5
 """Numbers of the end of a layer: each texel's, and their mean."""
 OWN = np.float32(0.375)
 """Half of what a strand as wide as a texel leaves in the middle of a quadratic spline about it."""
-THIRD = np.float32(1 / 3)
+BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + FIVE)
+"""Where the ends of a row's first and second layer are,"""
+EACH, MEAN = np.float32(FIVE), np.float32(TEXELS)
+"""how far from each other, and which of the five is the mean."""
 CLOSE = np.float32(0.8)
 """Texels that strands are apart, by the layers, up to which texels are read, and beyond twice as many cells' means."""
 
@@ -65,93 +69,98 @@ def cell_of(row, column, start, size, layers, stacks):
 
 
 @inlined
-def layer_at(d, base, over, layers, stacks):
-    """Where the row that begins at `base` (uint64) keeps what begins the layer of depth d, how much of τ in the layer
-    is in front, the layer's number, and how many layers there are a metre."""
-    far = max((d - stacks[base]) * over, ZERO)
+def layers_at(d, rows, start, number, over, layers):
+    """Of the rows of these numbers, in the map that begins at `start`, the layers of depths d, how much of τ in the
+    layer is in front, and how many layers there are a metre. Vectors, as `number`; rows: `lay` of the maps."""
+    stride = HEAD + FIVE * (layers + 1)
+    far = max(ZERO, (d - pick(rows, start, number, stride, ZERO)) * over)
     near = ONE / (far + ONE)
-    ended = min(stacks[base + np.uint64(1)] * (far * near), np.float32(layers))
-    k = min(np.int64(ended), layers - 1)
-    return base + np.uint64(HEAD + FIVE * k), ended - np.float32(k), k, stacks[base + np.uint64(1)] * over * near * near
+    most = pick(rows, start, number, stride, ONE)
+    ended = min(np.float32(layers), most * (far * near))
+    k = min(np.float32(layers - 1), whole(ended))
+    return k, ended - k, most * over * near * near
 
 
 @inlined
-def within(at, part, which, stacks):
-    """Of one of a cell's five, τ in front of a depth, of which `layer_at` tells where it is."""
-    low = stacks[at + np.uint64(which)]
-    return low + part * (stacks[at + np.uint64(which + FIVE)] - low)
+def within(rows, start, number, k, part, which, layers):
+    """Of one of a cell's five, τ in front of depths, of which `layers_at` tells where they are."""
+    stride = HEAD + FIVE * (layers + 1)
+    low = pick(rows, start, number, stride, BEGIN + EACH * k + which)
+    high = pick(rows, start, number, stride, NEXT + EACH * k + which)
+    return low + part * (high - low)
 
 
 @inlined
-def growth_at(base, k, dense, layers, stacks):
-    """By how much the mean τ of a cell grows a metre, about the layer k, where there are so many layers a metre."""
-    span = min(layers, 3)
-    before = min(max(k - 1, 0), layers - span)
-    mean = base + np.uint64(HEAD + TEXELS + FIVE * before)
-    return (stacks[mean + np.uint64(FIVE * span)] - stacks[mean]) * dense * (THIRD if span == 3 else ONE / span)
-
-
-@inner
-def depth_at(d, row, column, start, size, over, layers, stacks):
-    """τ in front of depth d in a texel of the map that begins at `start` (uint64)."""
-    at, part, _, _ = layer_at(d, cell_of(row, column, start, size, layers, stacks), over, layers, stacks)
-    return within(at, part, 2 * (row & 1) + (column & 1), stacks)
+def growth_at(rows, start, number, k, dense, layers):
+    """By how much the mean τ of cells grows a metre, about the layers k, where there are so many layers a metre."""
+    stride = HEAD + FIVE * (layers + 1)
+    span = np.float32(min(layers, 3))
+    mean = BEGIN + MEAN + EACH * min(np.float32(layers) - span, max(ZERO, k - ONE))
+    low = pick(rows, start, number, stride, mean)
+    return (pick(rows, start, number, stride, mean + EACH * span) - low) * dense * (ONE / span)
 
 
 @inlined
 def one_of(lower, right, a, b, c, d):
-    """Of a square's four."""
-    return (d if right else c) if lower else (b if right else a)
+    """Of squares' four."""
+    return where(lower, where(right, d, c), where(right, b, a))
 
 
-@inner
-def in_front(u, v, d, start, size, over, layers, stacks):
-    """τ in front of a place of a map, column and row, whole at the texels' middles, and depth: by the texels about it,
-    by the cells about it, of which these texels are some, and what the latter grows by a metre."""
+@inlined
+def in_front(u, v, d, rows, start, size, over, layers):
+    """τ in front of places of the map that begins at `start`, column and row, whole at the texels' middles, and depth:
+    by the texels about them, by the cells about them, of which these texels are some, and what the latter grows by a
+    metre. Vectors; rows: `lay` of the maps."""
     half = size >> 1
+    last = np.float32(half - 2)
+    body = start + half * half
     wide_u = HALF * (u - HALF)
     wide_v = HALF * (v - HALF)
-    left = min(max(np.int64(np.floor(wide_u)), 0), half - 2)
-    up = min(max(np.int64(np.floor(wide_v)), 0), half - 2)
-    wide_u = min(max(wide_u - np.float32(left), ZERO), ONE)
-    wide_v = min(max(wide_v - np.float32(up), ZERO), ONE)
-    a = cell_of(2 * up, 2 * left, start, size, layers, stacks)
-    b = cell_of(2 * up, 2 * left + 2, start, size, layers, stacks)
-    c = cell_of(2 * up + 2, 2 * left, start, size, layers, stacks)
-    e = cell_of(2 * up + 2, 2 * left + 2, start, size, layers, stacks)
-    at_a, part_a, k_a, dense_a = layer_at(d, a, over, layers, stacks)
-    at_b, part_b, k_b, dense_b = layer_at(d, b, over, layers, stacks)
-    at_c, part_c, k_c, dense_c = layer_at(d, c, over, layers, stacks)
-    at_e, part_e, k_e, dense_e = layer_at(d, e, over, layers, stacks)
+    left = min(last, max(ZERO, whole(wide_u)))
+    up = min(last, max(ZERO, whole(wide_v)))
+    wide_u = min(max(wide_u - left, ZERO), ONE)
+    wide_v = min(max(wide_v - up, ZERO), ONE)
+    a = pick(rows, start, up, half, left)
+    b = pick(rows, start, up, half, left + ONE)
+    c = pick(rows, start, up + ONE, half, left)
+    e = pick(rows, start, up + ONE, half, left + ONE)
+    k_a, part_a, dense_a = layers_at(d, rows, body, a, over, layers)
+    k_b, part_b, dense_b = layers_at(d, rows, body, b, over, layers)
+    k_c, part_c, dense_c = layers_at(d, rows, body, c, over, layers)
+    k_e, part_e, dense_e = layers_at(d, rows, body, e, over, layers)
     cells = between(
         wide_u, wide_v,
-        within(at_a, part_a, TEXELS, stacks), within(at_b, part_b, TEXELS, stacks),
-        within(at_c, part_c, TEXELS, stacks), within(at_e, part_e, TEXELS, stacks),
+        within(rows, body, a, k_a, part_a, MEAN, layers), within(rows, body, b, k_b, part_b, MEAN, layers),
+        within(rows, body, c, k_c, part_c, MEAN, layers), within(rows, body, e, k_e, part_e, MEAN, layers),
     )  # fmt: skip
     growth = between(
         wide_u, wide_v,
-        growth_at(a, k_a, dense_a, layers, stacks), growth_at(b, k_b, dense_b, layers, stacks),
-        growth_at(c, k_c, dense_c, layers, stacks), growth_at(e, k_e, dense_e, layers, stacks),
+        growth_at(rows, body, a, k_a, dense_a, layers), growth_at(rows, body, b, k_b, dense_b, layers),
+        growth_at(rows, body, c, k_c, dense_c, layers), growth_at(rows, body, e, k_e, dense_e, layers),
     )  # fmt: skip
-    low_u = np.floor(u)
-    low_v = np.floor(v)
-    column = np.int64(low_u)
-    row = np.int64(low_v)
-    first = column >> 1 > left
-    last = (column + 1) >> 1 > left
-    upper = row >> 1 > up
-    lower = (row + 1) >> 1 > up
-    here = 2 * (row & 1) + (column & 1)
+    column = whole(u)
+    row = whole(v)
+    first = whole(HALF * column)
+    upper = whole(HALF * row)
+    right = column - (first + first)  # 1 where it is odd
+    low = row - (upper + upper)
+    here = low + low + right
+    beside = low + low + (ONE - right)
+    below = (ONE - low) + (ONE - low)
+    across = first + right > left
+    first = first > left
+    lower = upper + low > up
+    upper = upper > up
     texels = between(
-        u - low_u, v - low_v,
-        within(one_of(upper, first, at_a, at_b, at_c, at_e), one_of(upper, first, part_a, part_b, part_c, part_e),
-               here, stacks),
-        within(one_of(upper, last, at_a, at_b, at_c, at_e), one_of(upper, last, part_a, part_b, part_c, part_e),
-               here ^ 1, stacks),
-        within(one_of(lower, first, at_a, at_b, at_c, at_e), one_of(lower, first, part_a, part_b, part_c, part_e),
-               here ^ 2, stacks),
-        within(one_of(lower, last, at_a, at_b, at_c, at_e), one_of(lower, last, part_a, part_b, part_c, part_e),
-               here ^ 3, stacks),
+        u - column, v - row,
+        within(rows, body, one_of(upper, first, a, b, c, e), one_of(upper, first, k_a, k_b, k_c, k_e),
+               one_of(upper, first, part_a, part_b, part_c, part_e), here, layers),
+        within(rows, body, one_of(upper, across, a, b, c, e), one_of(upper, across, k_a, k_b, k_c, k_e),
+               one_of(upper, across, part_a, part_b, part_c, part_e), beside, layers),
+        within(rows, body, one_of(lower, first, a, b, c, e), one_of(lower, first, k_a, k_b, k_c, k_e),
+               one_of(lower, first, part_a, part_b, part_c, part_e), below + right, layers),
+        within(rows, body, one_of(lower, across, a, b, c, e), one_of(lower, across, k_a, k_b, k_c, k_e),
+               one_of(lower, across, part_a, part_b, part_c, part_e), below + (ONE - right), layers),
     )  # fmt: skip
     return texels, cells, growth
 
@@ -198,9 +207,11 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
             continue
         scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
         d -= lights[i, 9]
-        start, size = np.uint64(starts[one]), np.int64(sizes[one])
-        texels, cells, growth = in_front(u, v, d, start, size, lights[i, 14], layers, stacks)
-        return settled(texels, cells, growth, width, scale)
+        rows = lay(stacks)
+        texels, cells, growth = in_front(
+            spread(rows, u), spread(rows, v), spread(rows, d), rows, starts[one], sizes[one], lights[i, 14], layers
+        )
+        return settled(greatest(texels), greatest(cells), greatest(growth), width, scale)
     return ZERO
 
 

@@ -29,6 +29,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, inner
+from ...simd import get, lay, pick, put, where, whole, width
 from . import opacity
 from .approximations import exp
 from .batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
@@ -102,7 +103,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
     layers = np.int64(lights[i, 10])
     for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
         size = sizes[one]
-        start = np.uint64(starts[one])
+        start = starts[one]
         hold(work, n, lights, i, views, one, size)
         search(work, n, np.float32(size), start, lights[i, 14], layers, stacks)
         wide, tall = about(work, n, ONE, ZERO)
@@ -265,19 +266,29 @@ def odd(half):
 def sink(work, n, start, size, over, layers, stacks):
     """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
     and end."""
-    for k in range(n):
-        passed = front = back = ZERO
-        if work[ACROSS + k] >= ZERO:
-            row = np.int64(work[DOWN + k])
-            column = np.int64(work[ACROSS + k])
-            passed = opacity.depth_at(work[DEPTH + k], row, column, start, size, over, layers, stacks)
-            if passed > ZERO:
-                base = opacity.cell_of(row, column, start, size, layers, stacks)
-                front = stacks[base]
-                back = front + np.float32(layers) / ((stacks[base + np.uint64(1)] - np.float32(layers)) * over)
-        work[PASSED + k] = passed
-        work[FRONT + k] = front
-        work[BACK + k] = back
+    rows, maps = lay(work), lay(stacks)
+    half = size >> 1
+    body = start + half * half
+    most = np.float32(layers)
+    stride = opacity.HEAD + opacity.FIVE * (layers + 1)
+    for k in range(n, W):  # the last vector's other lanes read something too
+        work[ACROSS + k] = -ONE
+    for k in range(0, n, width(rows)):
+        across = get(rows, ACROSS + k)
+        there = across >= ZERO
+        column = where(there, across, ZERO)
+        row = where(there, get(rows, DOWN + k), ZERO)
+        left, up = whole(HALF * column), whole(HALF * row)
+        number = pick(maps, start, up, half, left)
+        layer, part, _ = opacity.layers_at(get(rows, DEPTH + k), maps, body, number, over, layers)
+        which = TWO * (row - (up + up)) + (column - (left + left))
+        passed = where(there, opacity.within(maps, body, number, layer, part, which, layers), ZERO)
+        front = pick(maps, body, number, stride, ZERO)
+        ended = pick(maps, body, number, stride, ONE)
+        some = passed > ZERO
+        put(rows, PASSED + k, passed)
+        put(rows, FRONT + k, where(some, front, ZERO))
+        put(rows, BACK + k, where(some, front + most / ((ended - most) * over), ZERO))
 
 
 @inner

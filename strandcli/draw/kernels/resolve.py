@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...constants import VECTOR
 from ...jit import inlined, inner, parallel, prange
-from ...simd import get, lay, put, spread, strip, where, width
+from ...simd import get, lay, put, spread, strip, tally, three, where, width
 from . import pieces
 from .coverage import CELLS, INTEGERS, ROWS
 from .gather import gather
@@ -17,13 +18,17 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 RUN = 128
 """Lists no longer than this are sorted by counting."""
-FEW_LANES = 8
-"""Fragments that are a vector of `strip`, which most lists are."""
+FEW_LANES = VECTOR // 2 // 4
+"""Fragments that are a vector of `strip`, which most lists are,"""
+MORE_LANES = VECTOR // 4
+"""or one of `lay`."""
+STEPS = np.arange(MORE_LANES, dtype=np.float32)
 FEW = np.int64(16384)
 """Fragments of a tile that there is room for to begin with."""
 AHEAD = np.uint64(24)
 """Fragments that the light is asked for before it is needed."""
 IN_PIXEL = np.int32(PIXELS - 1)
+ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 NONE, ONE_ON, TWO, THREE, FOUR = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(NUMBERS)
 
 
@@ -55,11 +60,11 @@ def resolve(
         room = np.int64(min(FEW, share))
         fragments = np.empty(room * NUMBERS, np.int32)
         depths = np.empty(room + RUN, np.float32)
-        order = np.empty(room, np.uint32)
-        sorted_ = np.empty(room, np.uint32)
+        order = np.empty(room + RUN, np.uint32)
+        sorted_ = np.empty(room + RUN, np.uint32)
         spare = np.empty(room, np.uint32)
-        counts = np.empty(PIXELS, np.int64)
-        starts = np.empty(PIXELS, np.int64)
+        counts = np.empty(PIXELS, np.int32)
+        starts = np.empty(PIXELS, np.int32)
         strand = np.empty(pieces.ROWS * pieces.ROW, np.float32)
         work = np.empty(ROWS * CELLS, np.float32)
         cells = np.empty(INTEGERS * CELLS, np.int32)
@@ -82,8 +87,8 @@ def resolve(
                 room = min(n + n // 4, share)
                 fragments = np.empty(room * NUMBERS, np.int32)
                 depths = np.empty(room + RUN, np.float32)
-                order = np.empty(room, np.uint32)
-                sorted_ = np.empty(room, np.uint32)
+                order = np.empty(room + RUN, np.uint32)
+                sorted_ = np.empty(room + RUN, np.uint32)
                 spare = np.empty(room, np.uint32)
             begin[tile] = -1
             found[tile] = n if n <= end - o else -n
@@ -133,14 +138,19 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
     for p in range(counts.shape[0]):
-        n = counts[p]
-        first = ends[p] - n
+        n = np.int64(counts[p])
+        first = np.int64(ends[p]) - n
+        if n <= FEW_LANES:
+            if tied(strip(depths), get(strip(STEPS), 0), first, n, FEW_LANES, listed, order):
+                insert(fragments, listed, first, n, order)
+            continue
+        if n <= MORE_LANES:
+            if tied(lay(depths), get(lay(STEPS), 0), first, n, MORE_LANES, listed, order):
+                insert(fragments, listed, first, n, order)
+            continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            if size <= FEW_LANES:
-                count_nearer(strip(depths), strip(behind), low, size)
-            else:
-                count_nearer(lay(depths), lay(behind), low, size)
+            count_nearer(lay(depths), lay(behind), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
@@ -150,6 +160,21 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
                 insert(fragments, listed, low, size, order)
         if n > RUN:
             merge(fragments, first, n, order, spare)
+
+
+@inlined
+def tied(rows, steps, low, n, lanes, listed, order):
+    """Sort n that are no more than a vector from place `low` on, and tell whether some are equally far. As many steps
+    for a few as for all: when a short loop ends has to be guessed. What is no part of the list goes behind it, where
+    the next one comes."""
+    own = get(rows, low)
+    there = steps < np.float32(n)
+    taken = np.uint64(0)
+    for i in range(lanes):
+        o = tally((own > rows[low + i]) & there) if i < n else np.uint64(lanes)
+        order[np.uint64(low) + o] = listed[np.uint64(low + i)]
+        taken |= ONE_ON << o
+    return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))
 
 
 @inlined
@@ -228,48 +253,38 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""
     vertices = np.uint64(vertex.shape[0])
-    colours = lay(vertex)
+    colours = three(vertex)
+    edges = three(light)
+    picture = three(image)
+    width = image.shape[1]
     at = np.uint64(o)
     last = np.uint64(place.shape[0] - 1)
-    reach = THREE * np.uint64(stride) + TWO
+    step = THREE * np.uint64(stride)
     for y in range(top, bottom):
         for x in range(left, right):
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
             if n == NONE:
                 continue
-            r = ZERO
-            g = ZERO
-            b = ZERO
+            shown = spread(colours, ZERO)
             total = ZERO
             for i in range(at, at + n):
                 v = np.uint64(place[i])
                 w = weight[i]
                 later = THREE * np.uint64(place[min(i + AHEAD, last)])
                 prefetch(vertex, later)
-                prefetch(vertex, later + reach)
+                prefetch(vertex, later + step + TWO)
                 if v < vertices:
                     # of the light at both lit vertices
                     far = w * along[i]
                     near = w - far
-                    v *= THREE
-                    u = v + THREE * np.uint64(stride)
-                    r += near * colours[v] + far * colours[u]
-                    g += near * colours[v + ONE_ON] + far * colours[u + ONE_ON]
-                    b += near * colours[v + TWO] + far * colours[u + TWO]
+                    shown += near * get(colours, THREE * v) + far * get(colours, THREE * v + step)
                 else:
-                    e = v - vertices
-                    r += w * light[e, 0]
-                    g += w * light[e, 1]
-                    b += w * light[e, 2]
+                    shown += w * get(edges, THREE * (v - vertices))
                 total += w
             at += n
             through = ONE - total
             if through < OPAQUE:
-                scale = ONE / total
-                r *= scale
-                g *= scale
-                b *= scale
+                shown *= ONE / total
                 through = ZERO
-            image[y, x, 0] = r + through * image[y, x, 0]
-            image[y, x, 1] = g + through * image[y, x, 1]
-            image[y, x, 2] = b + through * image[y, x, 2]
+            here = np.uint64(3 * (y * width + x))
+            put(picture, here, shown + through * get(picture, here))

@@ -6,6 +6,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import inner
+from ...simd import get, lay, put3
+from ...simd import width as lanes
 from . import opacity
 from .batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from .shadow import between, held, texel_of, through
@@ -66,13 +68,14 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
-    for k in range(n):
+    rows, maps = lay(work), lay(stacks)
+    for k in range(n, W):  # the last vector's other lanes read something too
+        work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
+    for k in range(0, n, lanes(rows)):
         texels, cells, growth = opacity.in_front(
-            work[U + k], work[V + k], work[DEPTH + k], np.uint64(start), size, over, layers, stacks
+            get(rows, U + k), get(rows, V + k), get(rows, DEPTH + k), maps, start, size, over, layers
         )
-        work[TEXELS + k] = texels
-        work[TEXELS + W + k] = cells
-        work[TEXELS + 2 * W + k] = growth
+        put3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
         scale = scale_at(work, k, views, one, bias)
         passed = opacity.settled(work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k], width, scale)
