@@ -42,6 +42,8 @@ GUIDES = 20
 """Strands that are drawn for each that is simulated."""
 WIDTH, USUAL = 0.00026, 20_000
 """Metres, of so many strands; fewer are wider, more are thinner."""
+ENDS = ((-0.18, -0.5, -0.036), (0.18, -0.5, -0.036), (0.0, -0.5, 0.0))
+"""Metres; where arms and chest of the bust have begun to round off below."""
 SKIN = ("skull", "face", "neck")
 CLOTHES = ("left_shoulder", "right_shoulder", "left_arm", "right_arm", "back")
 
@@ -55,9 +57,9 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         return float(rng.uniform(low, high))
 
     length = math.exp(between(math.log(0.06), math.log(0.5)))
-    azimuth, height = math.radians(between(-180, 180)), math.radians(between(-15, 40))
+    azimuth, height = math.radians(between(-180, 180)), math.radians(between(-15, 18))
     away = between(0.9, 1.4)
-    target = [between(-0.03, 0.03), between(-0.05, 0.0) - 0.25 * length, between(-0.03, 0.03)]
+    target = [between(-0.03, 0.03), between(-0.05, 0.0) - 0.15 * length, between(-0.03, 0.03)]
     eye = [
         target[0] + away * math.cos(height) * math.sin(azimuth),
         target[1] + away * math.sin(height),
@@ -98,7 +100,7 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         "wind.direction": [between(-1, 1), between(-0.2, 0.3), between(-1, 1)],
         **{f"solids.{name}.colour": skin for name in SKIN},
         **{f"solids.{name}.colour": cloth for name in CLOTHES},
-        "camera": {"position": eye, "target": target, "fov": between(22, 32) + 16 * length},
+        "camera": {"position": eye, "target": target, "fov": min(between(22, 32) + 16 * length, widest(eye, target))},
         "image.size": list(size),
         "image.background": [between(0.02, 0.45) for _ in range(3)],
         "image.horizon": None,
@@ -114,6 +116,15 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         "material.width": min(WIDTH * USUAL / max(strands, 1), 0.001),
     }
     return strandcli.load("hair", settings=settings)
+
+
+def widest(eye: list[float], target: list[float]) -> float:
+    """The vertical angle of view in degrees at which a camera begins to see where the bust ends below."""
+    way = np.subtract(target, eye) / math.dist(target, eye)
+    up = np.array([0.0, 1.0, 0.0]) - way[1] * way
+    ends = np.subtract(ENDS, eye)
+    tangents = -(ends @ up) / math.hypot(*up) / (ends @ way)
+    return 2 * math.degrees(math.atan(float(tangents.min())))
 
 
 def random_lights(azimuth: float, power: float, between: Callable[[float, float], float]) -> list[dict[str, Any]]:

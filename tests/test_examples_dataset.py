@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 import strandcli
+from strandcli.draw.camera import camera_view
 from strandcli.output.layers import read_layer
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject
@@ -87,6 +88,16 @@ def test_what_the_camera_sees_is_lit(dataset: Any) -> None:
         assert np.dot(rim.direction, ahead) < 0
         assert 0.2 * key.intensity <= fill.intensity <= 0.5 * key.intensity
         assert min(scene.ambient) > 0.1
+
+
+def test_the_bust_has_no_end_in_the_picture(dataset: Any) -> None:
+    """It goes on to the lower edge, and is seen at about its own height."""
+    for index in range(50):
+        scene = dataset.random_scene(0, index, (64, 48), 300)
+        view = camera_view(scene.camera, 0.0, 64, 48, np.zeros((2, 3)))
+        ends = (np.array(dataset.ENDS) - view.eye) @ np.stack([view.right, view.up, view.forward]).T
+        assert (view.middle[1] - view.focal * ends[:, 1] / ends[:, 2] > 48 - 1e-6).all()
+        assert abs(view.forward[1]) < 0.31
 
 
 def test_bad_input_is_one_line(dataset: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

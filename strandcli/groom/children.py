@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from ..constants import W
 from ..errors import SimulationError
 from ..scene.model import DiscShape, Emitter, PlaneShape
 from ..scene.motion import emitter_pose
+from . import fringe
 from .emit import Groom, emit, frame, sides, stream
 
 PARENTS = 3
@@ -131,7 +132,11 @@ class Children:
     @cached_property
     def every(self) -> Groom:
         """The children as the emitter makes them."""
-        return emit(dataclasses.replace(self.scene.emitter, strands=self.count), self.scene.seed)
+        emitter, seed, edges = self.scene.emitter, self.scene.seed, self.settings.fringe
+        moved = None
+        if edges is not None:
+            moved = partial(fringe.roots, edges, emitter, seed, guides=self.groom.strands)
+        return emit(dataclasses.replace(emitter, strands=self.count), seed, fringe=moved)
 
     @cached_property
     def family(self) -> _Family:
@@ -151,6 +156,8 @@ class Children:
         ]
         shares = 1.0 - settings.cut * stream(seed, RANDOM + 1, count)
         shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
+        if settings.fringe is not None:
+            shares *= fringe.lengths(settings.fringe, seed, count, self.groom.strands)
         # strands of a lock wave together
         lock = level.middles[0] if settings.clumps else np.zeros(count, np.int32)
         radii, phases, turns = [], [], []

@@ -9,6 +9,7 @@ NumPy's counter-based Philox generator, one stream a quantity.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from ..scene.model import DiscShape, Emitter, SphereShape
 from .tie import bind
 
+Moved = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Roots (strands, 3) in metres, on a sphere about the origin, to where they are moved on it."""
 PLASTIC = 1.3247179572447460260  # the real root of x³ = x + 1
 
 
@@ -75,14 +78,17 @@ def stream(seed: int, number: int, count: int) -> NDArray[np.float64]:
     return np.random.Generator(np.random.Philox(key=(seed, number))).random(count)
 
 
-def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
-    """The first ``strands`` strands of an emitter (all of them by default)."""
+def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved | None = None) -> Groom:
+    """The first ``strands`` strands of an emitter (all of them by default); ``fringe`` moves some of the roots."""
     count = emitter.strands if strands is None else min(strands, emitter.strands)
     start = stream(seed, 1, 2)
     index = np.arange(count, dtype=np.float64)
     u = (start[0] + index / PLASTIC) % 1.0
     v = (start[1] + index / PLASTIC**2) % 1.0
     roots, normals = _surface(emitter, u, v, seed)
+    if fringe is not None:
+        roots = fringe(roots)
+        normals = roots / np.linalg.norm(roots, axis=1)[:, None]
     grown = None
     if emitter.tie is not None:
         grown = roots
@@ -115,7 +121,7 @@ def _surface(
     """Points spread by area and the normals there, both (strands, 3)."""
     shape = emitter.shape
     if isinstance(shape, SphereShape):
-        y = 1.0 - u * (1.0 - np.cos(np.radians(_rim(shape, v, seed))))
+        y = 1.0 - u * (1.0 - np.cos(np.radians(rim(shape, v, seed))))
         ring = np.sqrt(np.maximum(1.0 - y * y, 0.0))
         normals = np.stack([ring * np.cos(2 * np.pi * v), y, ring * np.sin(2 * np.pi * v)], 1)
         return shape.radius * normals, normals
@@ -127,7 +133,7 @@ def _surface(
     return np.stack([(u - 0.5) * shape.width, 0 * u, (v - 0.5) * shape.depth], 1), up
 
 
-def _rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.float64] | float:
+def rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.float64] | float:
     """Polar angle in degrees that each strand's meridian, at the share v of a turn, has its roots down to: the cap's
     less up to `ragged`, half of it by waves along the rim and half at random, so that the rim thins out."""
     if shape.ragged == 0:

@@ -20,6 +20,7 @@ from .model import (
     PoseKey,
     Scene,
     Solid,
+    SphereShape,
     Tie,
 )
 from .motion import camera_key
@@ -48,6 +49,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _spacing(scene.emitter)
     yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
+    yield from _fringe(scene.children, scene.emitter)
     yield from _times(scene.emitter.keys, "emitter.keys")
     yield from _solid_names(scene.solids)
     for index, solid in enumerate(scene.solids):
@@ -122,6 +124,19 @@ def _locks(children: Children | None) -> Iterator[Finding]:
                 f"{clumps[index - 1].size:g} m",
                 (path, f"children.clumps.{index - 1}.size"),
             )
+
+
+def _fringe(children: Children | None, emitter: Emitter) -> Iterator[Finding]:
+    """There is an edge that a fringe can grow at."""
+    if children is None or children.fringe is None:
+        return
+    path, shape = "children.fringe", emitter.shape
+    if emitter.tie is not None:
+        places = (path, "emitter.tie")
+        yield Finding(places, "strands that are tied have `emitter.tie.wisps` in its place; take it out", places)
+    elif not isinstance(shape, SphereShape) or (shape.cap == 180 and emitter.parting is None):
+        message = "a fringe grows at a sphere's `cap` of less than 180 degrees or at its parting; there is none"
+        yield Finding((path,), message, (path, "emitter.shape", "emitter.parting"))
 
 
 def _times(keys: Sequence[PoseKey | CameraKey], path: str) -> Iterator[Finding]:

@@ -19,7 +19,7 @@ from .rod import Rod
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SphereSolid
 from .strands import PIGMENTS, Curves, Detail, Material
-from .style import Children, Clump, Wave
+from .style import Children, Clump, Fringe, Wave
 
 __all__ = [
     "AOVS",
@@ -39,6 +39,7 @@ __all__ = [
     "DiscShape",
     "Emitter",
     "Environment",
+    "Fringe",
     "Image",
     "Light",
     "Material",

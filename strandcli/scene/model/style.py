@@ -1,11 +1,12 @@
-"""What is drawn about the strands that are simulated: locks, waves, an undercoat."""
+
+# ruff: noqa: RUF009 - these calls make dataclass fields
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from ..fields import integer, items, number
+from ..fields import integer, items, number, optional
 
 PER_WAVE = 6
 """Pieces that a wave is drawn with, at least."""
@@ -42,6 +43,16 @@ class Wave:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
+class Fringe:
+    """More of the children at the hairline, which is the rim of a sphere's cap, and along the parting, so that skin is
+    covered there as soon as by real hair, which is finer and more."""
+
+    share: float = number(0.15, low=0, high=1, doc="share of the children that move there")
+    within: float = number(0.01, above=0, unit="m", doc="so far inside they are 37 % (1/e) as dense")
+    length: float = number(0.5, above=0, high=1, doc="their lengths are even in this ... 1 of the others'")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Children:
     """Strands that are drawn about the simulated ones, which guide them.
 
@@ -55,6 +66,7 @@ class Children:
     )
     undercoat: float = number(0.0, low=0, high=1, doc="share of strands that are short")
     undercoat_length: float = number(0.5, above=0, high=1, doc="of those, the length as a share of the others'")
+    fringe: Fringe | None = optional(Fringe, doc="hair at hairline and parting; absent: as dense there as anywhere")
     clumps: tuple[Clump, ...] = items(Clump, doc="locks, and locks in locks, from wide to narrow")
     waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, one upon another")
 
