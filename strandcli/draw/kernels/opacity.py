@@ -4,12 +4,14 @@ Layers divide the depths from the nearest strand about a texel to the farthest, 
 nearest, n (x / (x + h)) (1 + h / D) have ended, where D is how far the farthest is. Where light falls off, within a few
 times the length h, they are nearly even, and only what is dark anyhow shares the others. In each is gathered projected
 length × width / texel area of the strands' pieces, between the four texels that each lies between: the mean number of
-strands that a ray meets there, its optical depth τ. What is left of the light is e^-τ, the strands' places being taken
-as independent.
+strands that a ray meets there, its optical depth τ. What is left of the light is e^-τ where the strands' places are
+independent. Where they are crowded strands keep out of each other's places and cover more than that: τ is taken to be
+larger by a part of itself that grows with τ and with (width / distance between strands)².
 
 Four texels, a cell, have their layers at the same depths, so that their mean is one texel twice as wide. Where strands
 lie far apart, by what the layers about a point hold, that is read instead, and a mixture in between: an estimate of
-density with a window as wide as it takes. A strand's own share of what lies in front of it, half of what it leaves in
+density with a window as wide as it takes. The layers asked about that are as deep together as a window is wide, for
+thin ones hold a strand or none. A strand's own share of what lies in front of it, half of what it leaves in
 the window's middle, is taken off.
 
 A cell that a strand comes to is a row of numbers: nearest depth, n (1 + h / D), and then, for the ends of the layers
@@ -40,9 +42,12 @@ FIVE = 5
 """Numbers of the end of a layer: each texel's, and their mean."""
 OWN = np.float32(0.375)
 """Half of what a strand as wide as a texel leaves in the middle of a quadratic spline about it."""
-THIRD = np.float32(1 / 3)
 CLOSE = np.float32(0.8)
 """Texels that strands are apart, by the layers, up to which texels are read, and beyond twice as many cells' means."""
+REACH = np.float32(1.5)
+"""Texels to each side, in depth, over which layers are asked how far apart strands are."""
+CROWDED = np.float32(0.1)
+"""Of (width / distance between strands)² τ, the part that τ grows by: as measured in bundles."""
 
 
 def stride_for(layers: int) -> int:
@@ -67,12 +72,14 @@ def cell_of(row, column, start, size, layers, stacks):
 @inlined
 def layer_at(d, base, over, layers, stacks):
     """Where the row that begins at `base` (uint64) keeps what begins the layer of depth d, how much of τ in the layer
-    is in front, the layer's number, and how many layers there are a metre."""
+    is in front, how many layers have ended, beyond the last too, and how many there are a metre."""
     far = max((d - stacks[base]) * over, ZERO)
     near = ONE / (far + ONE)
-    ended = min(stacks[base + np.uint64(1)] * (far * near), np.float32(layers))
+    gone = stacks[base + np.uint64(1)] * (far * near)
+    ended = min(gone, np.float32(layers))
     k = min(np.int64(ended), layers - 1)
-    return base + np.uint64(HEAD + FIVE * k), ended - np.float32(k), k, stacks[base + np.uint64(1)] * over * near * near
+    dense = stacks[base + np.uint64(1)] * over * near * near
+    return base + np.uint64(HEAD + FIVE * k), ended - np.float32(k), np.int64(gone), dense
 
 
 @inlined
@@ -83,12 +90,15 @@ def within(at, part, which, stacks):
 
 
 @inlined
-def growth_at(base, k, dense, layers, stacks):
-    """By how much the mean τ of a cell grows a metre, about the layer k, where there are so many layers a metre."""
-    span = min(layers, 3)
-    before = min(max(k - 1, 0), layers - span)
-    mean = base + np.uint64(HEAD + TEXELS + FIVE * before)
-    return (stacks[mean + np.uint64(FIVE * span)] - stacks[mean]) * dense * (THIRD if span == 3 else ONE / span)
+def growth_at(base, k, dense, reach, layers, stacks):
+    """By how much the mean τ of a cell grows a metre, in the layer after k and those that `reach` metres hold to each
+    side of it, where there are so many layers a metre; 0 where none is so near."""
+    aside = np.int64(min(max(reach * dense, ZERO), np.float32(layers)))
+    first = min(max(k - aside, 0), layers)
+    last = min(k + aside + 1, layers)
+    mean = base + np.uint64(HEAD + TEXELS)
+    grown = stacks[mean + np.uint64(FIVE * last)] - stacks[mean + np.uint64(FIVE * first)]
+    return grown * dense / np.float32(max(last - first, 1))
 
 
 @inner
@@ -105,9 +115,10 @@ def one_of(lower, right, a, b, c, d):
 
 
 @inner
-def in_front(u, v, d, start, size, over, layers, stacks):
+def in_front(u, v, d, scale, start, size, over, layers, stacks):
     """τ in front of a place of a map, column and row, whole at the texels' middles, and depth: by the texels about it,
-    by the cells about it, of which these texels are some, and what the latter grows by a metre."""
+    by the cells about it, of which these texels are some, and what the latter grows by a metre; scale: texels a metre
+    there."""
     half = size >> 1
     wide_u = HALF * (u - HALF)
     wide_v = HALF * (v - HALF)
@@ -119,6 +130,7 @@ def in_front(u, v, d, start, size, over, layers, stacks):
     b = cell_of(2 * up, 2 * left + 2, start, size, layers, stacks)
     c = cell_of(2 * up + 2, 2 * left, start, size, layers, stacks)
     e = cell_of(2 * up + 2, 2 * left + 2, start, size, layers, stacks)
+    reach = REACH / scale
     at_a, part_a, k_a, dense_a = layer_at(d, a, over, layers, stacks)
     at_b, part_b, k_b, dense_b = layer_at(d, b, over, layers, stacks)
     at_c, part_c, k_c, dense_c = layer_at(d, c, over, layers, stacks)
@@ -130,8 +142,8 @@ def in_front(u, v, d, start, size, over, layers, stacks):
     )  # fmt: skip
     growth = between(
         wide_u, wide_v,
-        growth_at(a, k_a, dense_a, layers, stacks), growth_at(b, k_b, dense_b, layers, stacks),
-        growth_at(c, k_c, dense_c, layers, stacks), growth_at(e, k_e, dense_e, layers, stacks),
+        growth_at(a, k_a, dense_a, reach, layers, stacks), growth_at(b, k_b, dense_b, reach, layers, stacks),
+        growth_at(c, k_c, dense_c, reach, layers, stacks), growth_at(e, k_e, dense_e, reach, layers, stacks),
     )  # fmt: skip
     low_u = np.floor(u)
     low_v = np.floor(v)
@@ -176,12 +188,13 @@ def through(u, v, start, size, layers, stacks):
 
 @inner
 def settled(texels, cells, growth, width, scale):
-    """Which of both, in which mixture, less the strand's own share; width of strands in metres, and texels a metre
-    there."""
+    """Which of both, in which mixture, less the strand's own share, and more where strands are crowded; width: of
+    strands, metres; scale: texels a metre there."""
     apart = math.sqrt(width / max(growth, TINY)) * scale
     share = min(max(apart * (ONE / CLOSE) - ONE, ZERO), ONE)
     own = OWN * width * scale * (ONE - HALF * share)
-    return max(texels + share * (cells - texels) - own, ZERO)
+    depth = max(texels + share * (cells - texels) - own, ZERO)
+    return depth * (ONE + CROWDED * min(width * growth, ONE) * depth)
 
 
 @function
@@ -199,7 +212,7 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
         scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
         d -= lights[i, 9]
         start, size = np.uint64(starts[one]), np.int64(sizes[one])
-        texels, cells, growth = in_front(u, v, d, start, size, lights[i, 14], layers, stacks)
+        texels, cells, growth = in_front(u, v, d, scale, start, size, lights[i, 14], layers, stacks)
         return settled(texels, cells, growth, width, scale)
     return ZERO
 

@@ -67,8 +67,9 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
         return
     locate(work, n, views, one, size, bias)
     for k in range(n):
+        scale = scale_at(work, k, views, one, bias)
         texels, cells, growth = opacity.in_front(
-            work[U + k], work[V + k], work[DEPTH + k], np.uint64(start), size, over, layers, stacks
+            work[U + k], work[V + k], work[DEPTH + k], scale, np.uint64(start), size, over, layers, stacks
         )
         work[TEXELS + k] = texels
         work[TEXELS + W + k] = cells
