@@ -236,6 +236,40 @@ def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
     assert -2 * own + 0.02 < spread[6, True].max() - spread[6, False].max() < -own - 0.02
 
 
+def test_crowded_strands_let_less_light_through_than_independent_ones() -> None:
+    """Sheets as far from each other as the strands in them: by a part of τ (width / distance)², whose estimate does not
+    waver with layers thinner than a sheet's distance; always less than if each strand had a slot of its own."""
+    sun = DirectionalLight(direction=(0, -1, 0), shadow=replace(DEEP, layers=127))
+    step = 0.5 * 3.5 / 64
+    across = np.arange(-0.4, 0.4, step)
+    deep = np.arange(-0.4, 0.4, step)
+    world = np.zeros((len(deep), len(across), 2, 3), np.float32)
+    world[..., 0] = (across + step * np.random.default_rng(0).random((len(deep), 1)))[:, :, None]
+    world[..., 1] = deep[:, None, None]
+    world[..., 0, 2], world[..., 1, 2] = -0.6, 0.6
+    lines = Polylines(np.arange(world[..., 0, 0].size + 1) * 2, world.reshape(-1, 3))
+    for share in (0.05, 0.7):
+        maps = maps_of(sun, lines, Thickness(share * step))
+        packed = pack_lights((sun,), maps, BOX)
+        numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+        for y in np.linspace(0.2, -0.1, 40, dtype=np.float32):
+            place = np.float32(0.01), y, np.float32(0.02)
+            own = 0.375 * share * step * maps.views[0].focal
+            independent = float(opacity.optical_depth(*place, np.float32(0), *numbers)) - own
+            found = float(opacity.optical_depth(*place, packed[0, 13], *numbers))
+            grown = float(opacity.CROWDED) * share**2 * independent**2
+            assert found == pytest.approx(independent + grown, abs=0.005 + 0.35 * grown)
+            assert found <= independent * -np.log(1 - share) / share + 1e-3
+
+
+@pytest.mark.parametrize("spacing", [1e-4, 0.02])
+def test_layers_are_even_over_some_of_the_groom_however_dense_it_is(spacing: float) -> None:
+    """Over nine times what the light takes to fall, or a fiftieth of the groom's size."""
+    maps = plan_maps((SUN,), BOX, Scratch(), Thickness(0.01), spacing)
+    assert maps is not None
+    assert 1 / maps.over == pytest.approx(max(9 * spacing**2 / 0.01, math.dist(*BOX) / 50))
+
+
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
 def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> None:
     """Mean error under .03 on a groom of three thousand strands; a min/max map is off by some ten times that."""

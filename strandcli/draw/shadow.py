@@ -31,6 +31,9 @@ FALL = 9.0
 light takes to fall, for single strands stand off before the rest."""
 PLACES = 2**31 - 1
 """Numbers of an opacity map: its kernel counts them in 32 bits (`simd.pick`)."""
+LEAST_FALL = 1 / 50
+"""Of the groom's size, what h is at least: before a bundle in which light falls within a millimetre stand hairs that
+are centimetres off, and layers that were even no farther than the former are coarse where the bundle begins."""
 TINY = 1e-9
 NO_TEXELS = np.zeros((0, 2), np.float32)
 NO_STACKS = np.zeros(0, np.float32)
@@ -195,8 +198,8 @@ def plan_maps(
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
-    dense = spacing > 0 < thickness.mean
-    h = FALL * spacing**2 / thickness.mean if dense else float(np.linalg.norm(bounds[1] - bounds[0]))
+    dense, across = spacing > 0 < thickness.mean, float(np.linalg.norm(bounds[1] - bounds[0]))
+    h = max(FALL * spacing**2 / thickness.mean, LEAST_FALL * across) if dense else across
     deep_maps = np.array(layers) > 0
     counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)

@@ -4,12 +4,14 @@ Layers divide the depths from the nearest strand about a texel to the farthest, 
 nearest, n (x / (x + h)) (1 + h / D) have ended, where D is how far the farthest is. Where light falls off, within a few
 times the length h, they are nearly even, and only what is dark anyhow shares the others. In each is gathered projected
 length × width / texel area of the strands' pieces, between the four texels that each lies between: the mean number of
-strands that a ray meets there, its optical depth τ. What is left of the light is e^-τ, the strands' places being taken
-as independent.
+strands that a ray meets there, its optical depth τ. What is left of the light is e^-τ where the strands' places are
+independent. Where they are crowded strands keep out of each other's places and cover more than that: τ is taken to be
+larger by a part of itself that grows with τ and with (width / distance between strands)².
 
 Four texels, a cell, have their layers at the same depths, so that their mean is one texel twice as wide. Where strands
 lie far apart, by what the layers about a point hold, that is read instead, and a mixture in between: an estimate of
-density with a window as wide as it takes. A strand's own share of what lies in front of it, half of what it leaves in
+density with a window as wide as it takes. The layers asked about that are as deep together as a window is wide, for
+thin ones hold a strand or none. A strand's own share of what lies in front of it, half of what it leaves in
 the window's middle, is taken off.
 
 A cell that a strand comes to is a row of numbers: nearest depth, n (1 + h / D), and then, for the ends of the layers
@@ -47,6 +49,10 @@ EACH, MEAN = np.float32(FIVE), np.float32(TEXELS)
 """how far from each other, and which of the five is the mean."""
 CLOSE = np.float32(0.8)
 """Texels that strands are apart, by the layers, up to which texels are read, and beyond twice as many cells' means."""
+REACH = np.float32(1.5)
+"""Texels to each side, in depth, over which layers are asked how far apart strands are."""
+CROWDED = np.float32(0.1)
+"""Of (width / distance between strands)² τ, the part that τ grows by: as measured in bundles."""
 
 
 def stride_for(layers: int) -> int:
@@ -71,14 +77,16 @@ def cell_of(row, column, start, size, layers, stacks):
 @inlined
 def layers_at(d, rows, start, number, over, layers):
     """Of the rows of these numbers, in the map that begins at `start`, the layers of depths d, how much of τ in the
-    layer is in front, and how many layers there are a metre. Vectors, as `number`; rows: `lay` of the maps."""
+    layer is in front, how many layers have ended, beyond the last too, and how many there are a metre. Vectors, as
+    `number`; rows: `lay` of the maps."""
     stride = HEAD + FIVE * (layers + 1)
     far = max(ZERO, (d - pick(rows, start, number, stride, ZERO)) * over)
     near = ONE / (far + ONE)
     most = pick(rows, start, number, stride, ONE)
-    ended = min(np.float32(layers), most * (far * near))
+    gone = most * (far * near)
+    ended = min(np.float32(layers), gone)
     k = min(np.float32(layers - 1), whole(ended))
-    return k, ended - k, most * over * near * near
+    return k, ended - k, whole(gone), most * over * near * near
 
 
 @inlined
@@ -91,13 +99,17 @@ def within(rows, start, number, k, part, which, layers):
 
 
 @inlined
-def growth_at(rows, start, number, k, dense, layers):
-    """By how much the mean τ of cells grows a metre, about the layers k, where there are so many layers a metre."""
+def growth_at(rows, start, number, k, dense, reach, layers):
+    """By how much the mean τ of cells grows a metre, in the layers after k and those that `reach` metres hold to each
+    side of them, where there are so many layers a metre; 0 where none is so near."""
     stride = HEAD + FIVE * (layers + 1)
-    span = np.float32(min(layers, 3))
-    mean = BEGIN + MEAN + EACH * min(np.float32(layers) - span, max(ZERO, k - ONE))
-    low = pick(rows, start, number, stride, mean)
-    return (pick(rows, start, number, stride, mean + EACH * span) - low) * dense * (ONE / span)
+    most = np.float32(layers)
+    aside = whole(min(most, max(ZERO, reach * dense)))
+    first = min(most, max(ZERO, k - aside))
+    last = min(most, k + aside + ONE)
+    low = pick(rows, start, number, stride, BEGIN + MEAN + EACH * first)
+    high = pick(rows, start, number, stride, BEGIN + MEAN + EACH * last)
+    return (high - low) * dense / max(last - first, ONE)
 
 
 @inlined
@@ -107,10 +119,10 @@ def one_of(lower, right, a, b, c, d):
 
 
 @inlined
-def in_front(u, v, d, rows, start, size, over, layers):
+def in_front(u, v, d, scale, rows, start, size, over, layers):
     """τ in front of places of the map that begins at `start`, column and row, whole at the texels' middles, and depth:
     by the texels about them, by the cells about them, of which these texels are some, and what the latter grows by a
-    metre. Vectors; rows: `lay` of the maps."""
+    metre; scale: texels a metre there. Vectors; rows: `lay` of the maps."""
     half = size >> 1
     last = np.float32(half - 2)
     body = start + half * half
@@ -124,10 +136,11 @@ def in_front(u, v, d, rows, start, size, over, layers):
     b = pick(rows, start, up, half, left + ONE)
     c = pick(rows, start, up + ONE, half, left)
     e = pick(rows, start, up + ONE, half, left + ONE)
-    k_a, part_a, dense_a = layers_at(d, rows, body, a, over, layers)
-    k_b, part_b, dense_b = layers_at(d, rows, body, b, over, layers)
-    k_c, part_c, dense_c = layers_at(d, rows, body, c, over, layers)
-    k_e, part_e, dense_e = layers_at(d, rows, body, e, over, layers)
+    reach = REACH / scale
+    k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
+    k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)
+    k_c, part_c, gone_c, dense_c = layers_at(d, rows, body, c, over, layers)
+    k_e, part_e, gone_e, dense_e = layers_at(d, rows, body, e, over, layers)
     cells = between(
         wide_u, wide_v,
         within(rows, body, a, k_a, part_a, MEAN, layers), within(rows, body, b, k_b, part_b, MEAN, layers),
@@ -135,8 +148,10 @@ def in_front(u, v, d, rows, start, size, over, layers):
     )  # fmt: skip
     growth = between(
         wide_u, wide_v,
-        growth_at(rows, body, a, k_a, dense_a, layers), growth_at(rows, body, b, k_b, dense_b, layers),
-        growth_at(rows, body, c, k_c, dense_c, layers), growth_at(rows, body, e, k_e, dense_e, layers),
+        growth_at(rows, body, a, gone_a, dense_a, reach, layers),
+        growth_at(rows, body, b, gone_b, dense_b, reach, layers),
+        growth_at(rows, body, c, gone_c, dense_c, reach, layers),
+        growth_at(rows, body, e, gone_e, dense_e, reach, layers),
     )  # fmt: skip
     column = whole(u)
     row = whole(v)
@@ -185,12 +200,13 @@ def through(u, v, start, size, layers, stacks):
 
 @inner
 def settled(texels, cells, growth, width, scale):
-    """Which of both, in which mixture, less the strand's own share; width of strands in metres, and texels a metre
-    there."""
+    """Which of both, in which mixture, less the strand's own share, and more where strands are crowded; width: of
+    strands, metres; scale: texels a metre there."""
     apart = math.sqrt(width / max(growth, TINY)) * scale
     share = min(max(apart * (ONE / CLOSE) - ONE, ZERO), ONE)
     own = OWN * width * scale * (ONE - HALF * share)
-    return max(texels + share * (cells - texels) - own, ZERO)
+    depth = max(texels + share * (cells - texels) - own, ZERO)
+    return depth * (ONE + CROWDED * min(width * growth, ONE) * depth)
 
 
 @function
@@ -209,8 +225,9 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
         d -= lights[i, 9]
         rows = lay(stacks)
         texels, cells, growth = in_front(
-            spread(rows, u), spread(rows, v), spread(rows, d), rows, starts[one], sizes[one], lights[i, 14], layers
-        )
+            spread(rows, u), spread(rows, v), spread(rows, d), spread(rows, scale), rows, starts[one], sizes[one],
+            lights[i, 14], layers,
+        )  # fmt: skip
         return settled(greatest(texels), greatest(cells), greatest(growth), width, scale)
     return ZERO
 

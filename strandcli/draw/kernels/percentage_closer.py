@@ -280,7 +280,7 @@ def sink(work, n, start, size, over, layers, stacks):
         row = where(there, get(rows, DOWN + k), ZERO)
         left, up = whole(HALF * column), whole(HALF * row)
         number = pick(maps, start, up, half, left)
-        layer, part, _ = opacity.layers_at(get(rows, DEPTH + k), maps, body, number, over, layers)
+        layer, part, _, _ = opacity.layers_at(get(rows, DEPTH + k), maps, body, number, over, layers)
         which = TWO * (row - (up + up)) + (column - (left + left))
         passed = where(there, opacity.within(maps, body, number, layer, part, which, layers), ZERO)
         front = pick(maps, body, number, stride, ZERO)

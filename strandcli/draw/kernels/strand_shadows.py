@@ -6,7 +6,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import inner
-from ...simd import get, lay, put3
+from ...simd import get, lay, put3, spread
 from ...simd import width as lanes
 from . import opacity
 from .batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
@@ -71,9 +71,14 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     rows, maps = lay(work), lay(stacks)
     for k in range(n, W):  # the last vector's other lanes read something too
         work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
+    near = views[one, 12] > ZERO
     for k in range(0, n, lanes(rows)):
+        depth = get(rows, DEPTH + k)
+        scale = spread(rows, views[one, 13])
+        if near:
+            scale = scale / (depth + bias)
         texels, cells, growth = opacity.in_front(
-            get(rows, U + k), get(rows, V + k), get(rows, DEPTH + k), maps, start, size, over, layers
+            get(rows, U + k), get(rows, V + k), depth, scale, maps, start, size, over, layers
         )
         put3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
