@@ -87,7 +87,8 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
             low, high = view.focal * math.tan(middle - reach), view.focal * math.tan(middle + reach)
         else:
             low, high = view.focal * (along - radius), view.focal * (along + radius)
-        out += [int(min(max(side, 0.0), size)) for side in (math.floor(axis + low), math.ceil(axis + high))]
+        low, high = (min(max(axis + side, 0.0), size) for side in (low, high))
+        out += [math.floor(low), math.ceil(high)]
     return out[0], out[1], out[2], out[3]
 
 
