@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -39,30 +40,25 @@ def some(typingctx: Any, mask: Any) -> Any:
     return types.boolean(mask), emit
 
 
-@intrinsic
-def pattern(typingctx: Any, mask: Any) -> Any:
-    """The lanes in which a mask holds, as bits of a number, the first the lowest."""
-    if not isinstance(mask, Mask):
-        return None
+def _of_bits(count: Callable[..., Any], doc: str) -> Any:
+    """A number from a mask's lanes as bits of one, the first the lowest."""
 
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
-        return builder.zext(bits, context.get_value_type(sig.return_type))
+    def typed(typingctx: Any, mask: Any) -> Any:
+        if not isinstance(mask, Mask):
+            return None
 
-    return types.uint64(mask), emit
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+            return builder.zext(count(builder, bits), context.get_value_type(sig.return_type))
+
+        return types.uint64(mask), emit
+
+    typed.__doc__ = doc
+    return intrinsic(typed)
 
 
-@intrinsic
-def tally(typingctx: Any, mask: Any) -> Any:
-    """In how many lanes a mask holds."""
-    if not isinstance(mask, Mask):
-        return None
-
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
-        return builder.zext(builder.ctpop(bits), context.get_value_type(sig.return_type))
-
-    return types.uint64(mask), emit
+pattern = _of_bits(lambda _, bits: bits, "The lanes in which a mask holds, as bits of a number, the first the lowest.")
+tally = _of_bits(lambda builder, bits: builder.ctpop(bits), "In how many lanes a mask holds.")
 
 
 def _of_each(function: str, doc: str) -> Any:
