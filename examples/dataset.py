@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 import strandcli
-from strandcli.draw.camera import View, camera_view
+from strandcli.draw.view.camera import View, camera_view
 from strandcli.errors import StrandError
 from strandcli.output.files import prepare_folder, write_json, write_pieces
 from strandcli.output.layers import write_layers

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from . import runtime
 from .blocks import lanes, pack, unpack
-from .crew import in_order, share_out
 from .errors import SimulationError, UsageError
 from .frame import Frame
 from .groom.arrange import arranged
 from .groom.children import Children
 from .groom.combed import Combed
 from .groom.emit import emit
+from .ordered_map import in_order, share_out
 from .plan import needed_strands, pictures_that_fit
 from .rehearsal import Rehearsal
 from .scene.model import Scene
@@ -236,7 +236,7 @@ class _Film:
 
     def _sound(self, frame: Frame, before: NDArray[np.float32] | None) -> _Begun:
         """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
-        from .draw.detail import needed
+        from .draw.geometry.detail import needed
         from .simulate.health import drawable
 
         solver, groom, strands = self.solver, self.groom, self.groom.strands

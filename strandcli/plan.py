@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, PORTION, W
-from .draw.detail import needed, shares
+from .draw.geometry.detail import needed, shares
 from .errors import RefusedError
 from .scene.model import Scene
 from .scene.model.emitter import TIED

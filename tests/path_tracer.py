@@ -133,9 +133,9 @@ def one_strand(hair: Hair, eye: float, light: float, phi: float, folder: Path, s
 
 
 def _write(subject: Subject, folder: Path, depth: int) -> None:
-    from strandcli.draw import chiang
-    from strandcli.draw.curves import flatten
-    from strandcli.draw.scratch import Scratch
+    from strandcli.draw.common.scratch import Scratch
+    from strandcli.draw.fibre import chiang
+    from strandcli.draw.geometry.curves import flatten
 
     scene, material, camera = subject.scene, subject.scene.material, subject.scene.camera
     lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene), True,

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from strand_kit import frames_of, need_frames_at_once, scene_of
 from test_pipeline_extremes import EVERYTHING
 
-from strandcli.crew import in_order, share_out
+from strandcli.ordered_map import in_order, share_out
 
 
 def counted(most: int, seen: list[int]) -> Iterator[int]:

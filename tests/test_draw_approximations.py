@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
-from strandcli.draw.kernels import approximations as ap
+from strandcli.draw.common.kernels import approximations as ap
 
 FLOATS = st.floats(width=32, allow_nan=True, allow_infinity=True)
 

@@ -11,9 +11,9 @@ from strand_kit import groom_of, scene_of
 from test_draw_detail import positions_of
 
 from strandcli.blocks import lanes
-from strandcli.draw import chiang, marschner
-from strandcli.draw.body import N_PHI, N_THETA, columns_of
-from strandcli.draw.kernels import body as kernel
+from strandcli.draw.coverage.kernels import width_profiles as kernel
+from strandcli.draw.fibre import chiang, marschner
+from strandcli.draw.fibre.width_tables import N_PHI, N_THETA, columns_of
 from strandcli.jit import parallel
 from strandcli.scene.model import Material, Scene
 from strandcli.study import chiang_reference

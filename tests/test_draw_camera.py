@@ -7,10 +7,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from strandcli.draw.camera import View, axes, ball, camera_view, parallel_view, point_views
-from strandcli.draw.curves import Polylines
-from strandcli.draw.raster import to_screen
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.view.camera import View, axes, ball, camera_view, parallel_view, point_views
+from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.scene.model import Camera, CameraKey
 
 VECTORS = st.tuples(*[st.floats(-100, 100)] * 3).filter(lambda v: np.linalg.norm(v) > 1e-3)

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strandcli.draw import chiang as tables_of
-from strandcli.draw.kernels import chiang as kernel
-from strandcli.draw.pigment import mass_colour
+from strandcli.draw.fibre import chiang as tables_of
+from strandcli.draw.fibre.kernels import chiang as kernel
+from strandcli.draw.fibre.pigment import mass_colour
 from strandcli.jit import function
 from strandcli.scene.model import Material
 from strandcli.study import chiang_reference as reference

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.bands import covered
+from strandcli.draw.coverage.coverage.coverage import Coverage
 
-from strandcli.draw.coverage import Coverage
-from strandcli.draw.curves import Polylines
-from strandcli.draw.edges import none
-from strandcli.draw.kernels import parts, tiles
-from strandcli.draw.kernels.tiles import PLACES
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage.kernels import tile_binning, tiles
+from strandcli.draw.coverage.kernels.tiles import PLACES
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.solids.edges import none
 from strandcli.errors import RefusedError
 
 WIDTHS = [0.003, 0.01, 0.05, 0.2, 0.5, 0.69, 0.71, 1.0, 2.0, 4.0]
@@ -375,7 +375,7 @@ def test_strands_so_wide_that_they_would_take_minutes_are_refused_by_name() -> N
 def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: float, places: float) -> None:
     screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
     toil = np.zeros(1, np.float32)
-    parts.toil(np.array([0, 2]), screen, np.full(2, wide, np.float32), 64, 48, toil)
+    tile_binning.toil(np.array([0, 2]), screen, np.full(2, wide, np.float32), 64, 48, toil)
     assert toil[0] == pytest.approx(places, rel=1e-3)
 
 

@@ -8,9 +8,9 @@ from reference import curves as exact
 from test_draw_camera import exact as project
 
 from strandcli.blocks import lanes, pack
-from strandcli.draw.camera import View, camera_view
-from strandcli.draw.curves import Polylines, flatten, greatest_pieces
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines, flatten, greatest_pieces
+from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import Camera, Curves
 
 BOX = np.array([[-2.0, -2, -2], [2, 2, 2]])

@@ -11,7 +11,7 @@ import pytest
 from strand_kit import frames_of, groom_of, scene_of
 
 from strandcli.blocks import lanes, pack
-from strandcli.draw.detail import BAND, level_of, near_of, needed, share_at, shares
+from strandcli.draw.geometry.detail import BAND, level_of, near_of, needed, share_at, shares
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.subject import LinearRenderer, changed
@@ -190,7 +190,7 @@ def test_a_strand_in_the_z_buffer_grows_from_its_root() -> None:
 
 
 def _faded(fade: np.ndarray) -> Any:
-    from strandcli.draw.detail import Level
+    from strandcli.draw.geometry.detail import Level
 
     return lambda *_: Level(fade, np.ones_like(fade), 1.0)
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from strand_kit import frames_of, scene_of
 from test_draw_opacity import PICTURE
 
-from strandcli.draw import chiang, dual
-from strandcli.draw.kernels import dual as kernel
-from strandcli.draw.pigment import absorption_of
-from strandcli.draw.shading import Palette
+from strandcli.draw.fibre import chiang, dual
+from strandcli.draw.fibre.kernels import dual as kernel
+from strandcli.draw.fibre.pigment import absorption_of
+from strandcli.draw.lighting.shading import Palette
 from strandcli.jit import function
 from strandcli.scene.model import Material
 

@@ -10,12 +10,13 @@ import pytest
 import yaml
 
 import strandcli
-from strandcli.draw import coverage
-from strandcli.draw.camera import View, axes
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels import ends, traced
-from strandcli.draw.raster import to_screen
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage import coverage
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.kernels import silhouette
+from strandcli.draw.shadows.kernels import traced
+from strandcli.draw.view.camera import View, axes
+from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.jit import function
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject, changed
@@ -67,7 +68,7 @@ def moved(view: View, lines: np.ndarray, width: float = 2 * RADIUS, taper: float
     count, n, _ = lines.shape
     flat = Polylines(np.arange(count + 1) * n, lines.reshape(-1, 3).astype(np.float32))
     screen = to_screen(flat, view, Scratch())
-    ends.rims(flat.first, flat.world, view.pack(), np.float32(width), np.float32(taper), None, screen)
+    silhouette.rims(flat.first, flat.world, view.pack(), np.float32(width), np.float32(taper), None, screen)
     return np.asarray(screen.reshape(count, n, 3), np.float64)
 
 
@@ -123,7 +124,7 @@ def test_strands_of_one_vertex_or_none_have_no_ends_to_move() -> None:
     flat = Polylines(np.array([0, 0, 5, 5, 10, 11, 11]), world)
     screen = to_screen(flat, view, Scratch())
     plain = screen.copy()
-    ends.rims(flat.first, flat.world, view.pack(), np.float32(2 * RADIUS), np.float32(0), None, screen)
+    silhouette.rims(flat.first, flat.world, view.pack(), np.float32(2 * RADIUS), np.float32(0), None, screen)
     np.testing.assert_array_equal(screen[:10], moved(view, lines).reshape(-1, 3).astype(np.float32))
     np.testing.assert_array_equal(screen[10], plain[10])
 

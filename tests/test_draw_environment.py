@@ -12,8 +12,8 @@ from PIL import Image
 from strand_kit import frames_of
 
 from strandcli import load
-from strandcli.draw.environment import coefficients, read, read_hdr, sky_of
-from strandcli.draw.kernels.light import around
+from strandcli.draw.lighting.environment import coefficients, read, read_hdr, sky_of
+from strandcli.draw.lighting.kernels.light import around
 from strandcli.errors import UsageError
 from strandcli.output import png
 from strandcli.scene import SceneError

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from strandcli.draw.film.film.film import curve_of, dithered, filmic, gradient, srgb_curve
 
-from strandcli.draw.film import curve_of, dithered, filmic, gradient, srgb_curve
-from strandcli.draw.kernels import film
-from strandcli.draw.kernels.raster import EMPTY
+from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.film.kernels import film
 
 
 def encoded(linear: np.ndarray) -> np.ndarray:

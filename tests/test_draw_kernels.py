@@ -12,30 +12,17 @@ from strand_kit import scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING
 
 from strandcli.constants import W
-from strandcli.draw.kernels import (
-    chiang,
-    curves,
-    dual,
-    ends,
-    film,
-    joints,
-    light,
-    lit,
-    marching,
-    marschner,
-    masks,
-    opacity,
-    opacity_maps,
-    penumbra,
-    percentage_closer,
-    project,
-    raster,
-    shade_strands,
-    shadow,
-    soften,
-    solids,
-    surface_batch,
-)
+from strandcli.draw.common.kernels import surface_batch
+from strandcli.draw.coverage.kernels import column_light, masks
+from strandcli.draw.fibre.kernels import chiang, dual, marschner
+from strandcli.draw.film.kernels import film
+from strandcli.draw.geometry.kernels import curves, joints, silhouette
+from strandcli.draw.lighting.kernels import light, shade_strands
+from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
+from strandcli.draw.solids.kernels import solids, sphere_tracing
+from strandcli.draw.view.kernels import project
+from strandcli.draw.view.kernels.project import into
+from strandcli.draw.zbuffer.kernels import raster
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
 
@@ -53,7 +40,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (curves.difference, (BLOCK, 0, 1, 4)),
     "printed": (curves.printed, (BLOCK, 0, 1, 4)),
     "reach": (curves.reach, (*[ONE] * 7, ROW)),
-    "into": (curves.into, (ONE, ONE, ONE, ROW)),
+    "into": (into, (ONE, ONE, ONE, ROW)),
     "cubic": (curves.cubic, (ONE, ONE, ONE)),
     "slack": (curves.slack, (ONE, ONE, ONE)),
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
@@ -65,17 +52,17 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "front": (raster.front, (*7 * (ONE,), 4 * (ONE,))),
     "covered": (masks.covered, (KEYS, TABLE, ROW, 1, ONE, ONE)),
     "lit": (
-        lit.lit,
+        column_light.lit,
         (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,
          *[ONE] * 4, ROW),
     ),
-    "area": (lit.area, (ONE, ONE, ONE)),
-    "rim": (ends.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
+    "area": (column_light.area, (ONE, ONE, ONE)),
+    "rim": (silhouette.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
     "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
-    "shadow line": (shadow.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
-    "through": (shadow.through, (ONE, ONE, ONE)),
+    "shadow line": (minmax.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
+    "through": (minmax.through, (ONE, ONE, ONE)),
     "transmittance": (
-        shadow.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
+        minmax.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
     ),
     "optical depth": (
         opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
@@ -105,8 +92,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, *[ONE] * 9)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
     "lit solids": (solids.lit, (*SOLIDS, *[ONE] * 8)),
-    "soften": (soften.soften, (LIT, 1, TABLE, 1, *SOLIDS, ONE)),
-    "met together": (marching.meet, (np.ones(marching.ROWS * W, np.float32), 3, TABLE, TABLE)),
+    "soften": (soft_shadows.soften, (LIT, 1, TABLE, 1, *SOLIDS, ONE)),
+    "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (solids.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (

@@ -8,8 +8,8 @@ import pytest
 from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import pack, unpack
-from strandcli.draw.camera import camera_view
-from strandcli.draw.lens import Exposure, between, concentric, exposures, focus_of
+from strandcli.draw.view.camera import camera_view
+from strandcli.draw.view.lens import Exposure, between, concentric, exposures, focus_of
 from strandcli.scene.model import Camera, Emitter, PoseKey
 from strandcli.scene.motion import apply, emitter_pose
 

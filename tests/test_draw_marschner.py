@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strandcli.draw import marschner as tables_of
-from strandcli.draw.kernels import marschner as kernel
-from strandcli.draw.pigment import absorption
+from strandcli.draw.fibre import marschner as tables_of
+from strandcli.draw.fibre.kernels import marschner as kernel
+from strandcli.draw.fibre.pigment import absorption
 from strandcli.jit import function
 from strandcli.scene.model import Material
 from strandcli.study import bsdf_reference as ref

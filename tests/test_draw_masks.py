@@ -9,14 +9,14 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from strandcli.draw.coverage.coverage.coverage import Coverage
 
 import strandcli
-from strandcli.draw import coverage
-from strandcli.draw.coverage import Coverage
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.masks import DISTANCES, REACH, WAYS
-from strandcli.draw.masks import points, sides
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage import coverage
+from strandcli.draw.coverage.kernels.masks import DISTANCES, REACH, WAYS
+from strandcli.draw.coverage.masks import points, sides
+from strandcli.draw.geometry.curves import Polylines
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject, changed
 

@@ -9,11 +9,12 @@ from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import pack
 from strandcli.constants import W
-from strandcli.draw import occlusion
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels import ambient, batch
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shadow import Thickness
+from strandcli.draw.common.kernels import batch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import Thickness
+from strandcli.draw.lighting import occlusion
+from strandcli.draw.lighting.kernels import ambient
 from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import COLUMNS

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from strand_kit import frames_of, scene_of
 
-from strandcli.draw import shadow
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels import opacity
-from strandcli.draw.kernels import shadow as minmax
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shading import pack_lights
-from strandcli.draw.shadow import ShadowMaps, Thickness, plan_maps
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import Thickness
+from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.shadows import shadow
+from strandcli.draw.shadows.kernels import minmax as minmax
+from strandcli.draw.shadows.kernels import opacity
+from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance

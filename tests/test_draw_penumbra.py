@@ -13,7 +13,9 @@ from strand_kit import frames_of, scene_of
 
 from strandcli import load
 from strandcli.constants import W
-from strandcli.draw.kernels import batch, penumbra, soften, solids, surface_batch
+from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.shadows.kernels import penumbra, soft_shadows
+from strandcli.draw.solids.kernels import solids
 from strandcli.solids import COLUMNS, pack
 
 SKIN = np.float32(1e-6)
@@ -174,7 +176,7 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
         lights[0, 0], lights[0, 12] = point, 0.3
-        soften.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
+        soft_shadows.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
         alone = [
             penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, 12], lights[0, 0])
             for k in range(count)

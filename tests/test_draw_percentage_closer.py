@@ -9,18 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from strandcli.draw.lighting.lighting.lighting import given
 from test_draw_opacity import straight
 
 from strandcli.constants import W
-from strandcli.draw import dual
-from strandcli.draw.camera import axes
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels import batch, opacity, percentage_closer, surface_batch
-from strandcli.draw.kernels import dual as kernel
-from strandcli.draw.lighting import given
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shading import pack_lights
-from strandcli.draw.shadow import Thickness, plan_maps
+from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.fibre import dual
+from strandcli.draw.fibre.kernels import dual as kernel
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import Thickness
+from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.shadows.kernels import opacity, percentage_closer
+from strandcli.draw.shadows.shadow import plan_maps
+from strandcli.draw.view.camera import axes
 from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.shadow import bundle, frames_along

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from strandcli.draw import pigment
-from strandcli.draw.shading import Palette, tint_table
+from strandcli.draw.fibre import pigment
+from strandcli.draw.lighting.shading import Palette, tint_table
 from strandcli.scene.model import PIGMENTS, Material
 
 B = 0.3

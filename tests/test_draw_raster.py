@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.lines import picture, samples
 
-from strandcli.draw import raster
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.raster import EMPTY
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.zbuffer import raster
 from strandcli.errors import RefusedError
 
 LOW = np.uint64(0xFFFFFFFF)

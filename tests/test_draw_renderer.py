@@ -13,7 +13,7 @@ from reference.rules import depth
 from strand_kit import frames_of, scene_of
 from test_draw_film import encoded
 
-from strandcli.draw.kernels import shade_strands, shade_surfaces
+from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 
 GROUND = """
 emitter: {position: [0, 50, 0], strands: 1, particles: 2, length: 0.001, shape: {kind: disc, radius: 0.001}}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from strandcli.draw.coverage.coverage.coverage import Coverage
 
-from strandcli.draw import raster
-from strandcli.draw.camera import FLAT, Nearer, View, axes
-from strandcli.draw.coverage import Coverage
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.raster import EMPTY
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.view.camera import FLAT, Nearer, View, axes
+from strandcli.draw.zbuffer import raster
 
 WIDTH, HEIGHT = 160, 120
 RADIUS = 0.06

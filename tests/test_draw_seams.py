@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from strand_kit import frames_of, scene_of
+from strandcli.draw.solids.solids.solids import packed
 
 from strandcli.constants import W
-from strandcli.draw.kernels import marching, seams, solids
-from strandcli.draw.solids import packed
+from strandcli.draw.solids.kernels import smooth_union, solids, sphere_tracing
 from strandcli.scene.model import CapsuleSolid, Emitter, SphereSolid
 
 SCENE = """
@@ -32,7 +32,7 @@ def group(blend: float, *more: SphereSolid | CapsuleSolid) -> list[NDArray[np.fl
 
 
 def met(solid: list[NDArray[np.float32]], origin: tuple[float, ...], way: tuple[float, ...]) -> float:
-    return float(seams.meet(*solid[:2], *np.array([*origin, *way], np.float32)))
+    return float(smooth_union.meet(*solid[:2], *np.array([*origin, *way], np.float32)))
 
 
 def met_together(solid: list[NDArray[np.float32]], origins: NDArray[np.float32], ways: NDArray[np.float32]) -> Any:
@@ -40,18 +40,18 @@ def met_together(solid: list[NDArray[np.float32]], origins: NDArray[np.float32],
     found = []
     for low in range(0, len(origins), W):
         count = len(origins[low : low + W])
-        work = np.zeros((marching.ROWS, W), np.float32)
+        work = np.zeros((sphere_tracing.ROWS, W), np.float32)
         for c in range(3):
-            work[marching.OX // W + c, :count] = origins[low : low + W, c]
-            work[marching.DX // W + c, :count] = ways[low : low + W, c]
-        marching.meet(work.reshape(-1), count, *solid[:2])
-        found.append(work[marching.MET // W, :count].copy())
+            work[sphere_tracing.OX // W + c, :count] = origins[low : low + W, c]
+            work[sphere_tracing.DX // W + c, :count] = ways[low : low + W, c]
+        sphere_tracing.meet(work.reshape(-1), count, *solid[:2])
+        found.append(work[sphere_tracing.MET // W, :count].copy())
     return np.concatenate(found)
 
 
 def far(solid: list[NDArray[np.float32]], point: NDArray[np.float64], k: float = 0.04) -> float:
     """Distance from the surface."""
-    return float(seams.surface(*solid[:2], seams.EVERY, np.float32(k), *point.astype(np.float32))[0])
+    return float(smooth_union.surface(*solid[:2], smooth_union.EVERY, np.float32(k), *point.astype(np.float32))[0])
 
 
 def test_far_from_a_seam_the_surface_is_the_solids_own() -> None:
@@ -69,7 +69,7 @@ def test_halfway_between_two_balls_the_distance_is_less_by_k_ln_2(k: float) -> N
     t = met(pair, (0, 3, 0), (0, -1, 0))
     own = np.hypot(0.4, 3 - t) - 0.5
     assert own == pytest.approx(k * np.log(2), abs=0.05 * k)
-    nx, ny, nz = seams.normal(*pair[:2], *np.array([0, 3 - t, 0], np.float32))
+    nx, ny, nz = smooth_union.normal(*pair[:2], *np.array([0, 3 - t, 0], np.float32))
     assert (nx, ny, nz) == pytest.approx((0, 1, 0), abs=1e-4)
 
 
@@ -81,7 +81,7 @@ def test_normals_are_the_gradient_and_turn_without_a_crease() -> None:
     for x in np.linspace(-0.7, 0.7, 281):
         t = met(solid, (x, 0.05, 4), (0, 0, -1))
         point = np.array([x, 0.05, 4 - t])
-        normal = np.array(seams.normal(*solid[:2], *point.astype(np.float32)))
+        normal = np.array(smooth_union.normal(*solid[:2], *point.astype(np.float32)))
         assert np.linalg.norm(normal) == pytest.approx(1, abs=1e-5)
         h = 2e-3
         sides = [[far(solid, point + side * h * axis) for side in (1, -1)] for axis in np.eye(3)]
@@ -110,16 +110,16 @@ def test_many_rays_at_once_are_met_as_each_alone() -> None:
     assert (np.isfinite(together) == hit).all()
     assert 100 < hit.sum() < 450
     apart = np.abs(together[hit] - alone[hit]) * np.linalg.norm(ways[hit], axis=1)
-    assert apart.max() < seams.NEAR * k
+    assert apart.max() < smooth_union.NEAR * k
     for o, w, t in zip(origins[hit], ways[hit], together[hit], strict=True):
-        assert abs(far(solid, (o + t * w).astype(np.float64), k)) < 1.1 * seams.NEAR * k
+        assert abs(far(solid, (o + t * w).astype(np.float64), k)) < 1.1 * smooth_union.NEAR * k
 
 
 def test_solids_without_the_column_do_not_blend() -> None:
     plain = group(0.0)
-    assert not seams.blends.py_func(*plain[:2], np.int64(0))
+    assert not smooth_union.blends.py_func(*plain[:2], np.int64(0))
     bare = [rows[:, :-1].copy() for rows in plain[:2]]
-    assert not seams.blends.py_func(*bare, np.int64(1))
+    assert not smooth_union.blends.py_func(*bare, np.int64(1))
     assert solids.meet(*plain, np.int64(0), *np.array([-3, 0, 0, 1, 0, 0], np.float32)) == pytest.approx(2.1)
 
 

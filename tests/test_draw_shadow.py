@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_draw_camera import exact as project
 
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.shadow import transmittance
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shading import pack_lights
-from strandcli.draw.shadow import ShadowMaps, plan_maps
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.shadows.kernels.minmax import transmittance
+from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])

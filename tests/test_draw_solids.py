@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.rules import depth
+from strandcli.draw.solids.solids.solids import frames_of, paint_of
 
-from strandcli.draw.camera import View, camera_view
-from strandcli.draw.kernels import solids as kernel
-from strandcli.draw.kernels.raster import EMPTY
-from strandcli.draw.solids import frames_of, paint_of
+from strandcli.draw.common.kernels.keys import EMPTY, FIRST
+from strandcli.draw.solids.kernels import solids as kernel
+from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import BoxSolid, Camera, CapsuleSolid, Emitter, PlaneSolid, PoseKey, Solid, SphereSolid
 from strandcli.solids import COLUMNS, pack
 
@@ -193,7 +193,7 @@ def test_the_nearest_solid_is_drawn_and_nothing_before_the_near_plane() -> None:
     behind, front = SphereSolid(radius=0.6), SphereSolid(radius=0.3, position=(0.0, 0.0, 1.0))
     for solids, middle in (([behind, front], 1), ([front, behind], 0)):
         keys = picture(solids, view)
-        assert int(keys[30, 30] & np.uint64(0xFFFFFFFF)) - int(kernel.FIRST) == middle
+        assert int(keys[30, 30] & np.uint64(0xFFFFFFFF)) - int(FIRST) == middle
         depths = (np.uint64(0xFFFFFFFF) - (keys >> np.uint64(32))).astype(np.uint32).view(np.float32)
         assert 1 / depths[30, 30] == pytest.approx(3.7, rel=1e-3)
         assert keys[0, 0] == EMPTY

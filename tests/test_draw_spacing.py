@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from strandcli.blocks import pack
-from strandcli.draw.kernels import spacing as kernel
-from strandcli.draw.spacing import NEIGHBOURS, spacing_at, spacing_of
+from strandcli.draw.geometry.kernels import spacing as kernel
+from strandcli.draw.geometry.spacing import NEIGHBOURS, spacing_at, spacing_of
 
 
 def upright(side: int, apart: float, rows: int = 6) -> np.ndarray:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from strand_kit import frames_of, scene_of
 
-from strandcli.draw.camera import parallel_view
-from strandcli.draw.curves import Polylines
-from strandcli.draw.kernels.lit import LINES
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shadow import Thickness
-from strandcli.draw.traced import Grid, grid_of
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage.kernels.column_light import LINES
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import Thickness
+from strandcli.draw.shadows.traced import Grid, grid_of
+from strandcli.draw.view.camera import parallel_view
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from strandcli.study.pictures.shadow import transmittance
 

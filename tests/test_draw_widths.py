@@ -8,14 +8,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
+from strandcli.draw.coverage.coverage.coverage import Coverage
 
-from strandcli.draw.camera import View
-from strandcli.draw.coverage import Coverage
-from strandcli.draw.curves import Polylines
-from strandcli.draw.extent import widths_of
-from strandcli.draw.kernels import opacity, opacity_maps
-from strandcli.draw.raster import draw, kernel, to_screen
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import widths_of
+from strandcli.draw.shadows.kernels import opacity, opacity_maps
+from strandcli.draw.view.camera import View
+from strandcli.draw.zbuffer.raster import draw, kernel, to_screen
 from strandcli.scene.model import Material
 
 SIZE = (160, 120)

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import strandcli
-from strandcli.draw.camera import camera_view
+from strandcli.draw.view.camera import camera_view
 from strandcli.output.layers import read_layer
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject

@@ -11,7 +11,7 @@ from strand_kit import frames_of, groom_of, moved, scene_of
 
 from strandcli.blocks import unpack
 from strandcli.constants import VECTOR
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.arrange import TOGETHER, arranged, near
 from strandcli.groom.children import Children
 from strandcli.simulate.rod import RodSolver

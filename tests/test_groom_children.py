@@ -12,7 +12,7 @@ import pytest
 from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import lanes, pack, unpack
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import SimulationError
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit

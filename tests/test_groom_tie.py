@@ -14,9 +14,9 @@ from scene_kit import complaint
 from strand_kit import frames_of, scene_of
 
 from strandcli.blocks import lanes, pack, unpack
-from strandcli.draw.camera import camera_view
-from strandcli.draw.curves import flatten
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import flatten
+from strandcli.draw.view.camera import camera_view
 from strandcli.groom.arrange import arranged
 from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed

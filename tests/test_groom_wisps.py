@@ -12,7 +12,7 @@ from scene_kit import complaint
 from strand_kit import scene_of
 
 from strandcli.blocks import pack, unpack
-from strandcli.draw.scratch import Scratch
+from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import Groom, emit
 from strandcli.groom.tie import chart_of

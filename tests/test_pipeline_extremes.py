@@ -10,8 +10,8 @@ import pytest
 from strand_kit import frames_of
 
 from strandcli.constants import PART_BYTES, SORTED_BYTES, W
-from strandcli.draw.kernels import film
-from strandcli.draw.kernels.parts import BLOCK
+from strandcli.draw.coverage.kernels.tile_binning import BLOCK
+from strandcli.draw.film.kernels import film
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import registry
 

@@ -12,8 +12,8 @@ from strand_kit import frames_of, scene_of, solver_of
 from test_pipeline_extremes import EVERYTHING, UNLIT
 
 from strandcli import plan as planning
-from strandcli.draw.scratch import Scratch
-from strandcli.draw.shadow import plan_maps
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.errors import RefusedError
 from strandcli.plan import Plan, available_memory, make_plan, needs_shadow_maps, require_memory
 from strandcli.scene import Scene

@@ -10,9 +10,12 @@ import pytest
 from strand_kit import frames_of, groom_of, scene_of
 
 from strandcli import rehearsal
-from strandcli.draw.kernels import edges, film, parts, resolve, shade_strands, shade_surfaces
+from strandcli.draw.coverage.kernels import resolve, tile_binning
+from strandcli.draw.film.kernels import film
+from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.rehearse import rehearse
 from strandcli.draw.renderer import Renderer
+from strandcli.draw.solids.kernels import edges
 
 SCENE = """
 emitter: {strands: 1, particles: 2, length: 4, direction: [0, 1, 0], position: [0.05, -2, 1.5],
@@ -28,7 +31,7 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.compose, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, parts.spans, parts.share_out,
+        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, tile_binning.spans, tile_binning.share_out,
         resolve.resolve,
     ),
 }  # fmt: skip

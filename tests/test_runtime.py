@@ -15,7 +15,7 @@ import pytest
 from cli_runs import TINY, environment
 
 from strandcli import __version__, runtime
-from strandcli.draw.kernels import raster
+from strandcli.draw.zbuffer.kernels import raster
 from strandcli.errors import UsageError
 
 PACKAGE = Path(runtime.__file__).parent

@@ -11,7 +11,7 @@ import pytest
 from cli_runs import Runner
 
 import strandcli
-from strandcli.draw.camera import axes
+from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline

@@ -26,7 +26,7 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
     for drawn in scene.panels or (scene,):
         if drawn.environment is not None:
-            from ..draw.environment import read
+            from ..draw.lighting.environment import read
 
             read(drawn.environment.image)
     plan = make_plan(scene, numbers)

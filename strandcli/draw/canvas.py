@@ -12,19 +12,22 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from . import haze, raster
-from .aovs import Recorder
-from .body import body_of
-from .coverage import Coverage
-from .curves import Polylines
-from .drawing import Drawing
-from .edges import find_edges
-from .kernels import film, solids
-from .lighting import NO_SPOTS, Lighting
-from .portions import Portion
-from .scratch import Scratch
-from .solids import frames_of
-from .traced import Grid
+from .common.drawing import Drawing
+from .common.kernels.keys import EMPTY, FIRST
+from .common.scratch import Scratch
+from .coverage.coverage import Coverage
+from .coverage.width_profiles import body_of
+from .film import haze
+from .film.aovs import Recorder
+from .film.kernels import film
+from .geometry.curves import Polylines
+from .lighting.lighting import NO_SPOTS, Lighting
+from .shadows.traced import Grid
+from .solids.edges import find_edges
+from .solids.kernels import solids
+from .solids.solids import frames_of
+from .strand_batches import Portion
+from .zbuffer import raster
 
 Shade = Callable[[Lighting, Portion, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
 """Light at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
@@ -131,7 +134,7 @@ class Canvas:
     def finish(self) -> None:
         """When the z-buffer holds all strands: light the solids that are seen in it."""
         if self._portions > 1:  # a later one may hide what an earlier one counted
-            self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < solids.FIRST))
+            self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < FIRST))
         self._surfaces(self.keys, self.image)
         self.drawing.lap("shade")
         if self.recorder is not None:
@@ -183,7 +186,7 @@ class Canvas:
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:
     """A z-buffer (height * width,) of nothing but solids."""
     if lighting.solids is None:
-        keys.fill(raster.kernel.EMPTY)
+        keys.fill(EMPTY)
     else:
         view = lighting.view
         solids.draw(*lighting.solids, frames_of(lighting.solids, view), view.pack(), *size, keys)

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import occlusion
-from .camera import camera_view
 from .canvas import mark
-from .curves import Polylines
-from .edges import find_edges
-from .kernels import film
-from .kernels.raster import EMPTY
-from .lighting import Lighting
-from .portions import Portion
+from .common.kernels.keys import EMPTY
+from .film.kernels import film
+from .geometry.curves import Polylines
+from .geometry.extent import Thickness
+from .lighting import occlusion
+from .lighting.lighting import Lighting
+from .lighting.shading import pack_lights
 from .renderer import Renderer
-from .shading import pack_lights
-from .shadow import Thickness, plan_maps
+from .shadows.shadow import plan_maps
+from .solids.edges import find_edges
+from .strand_batches import Portion
+from .view.camera import camera_view
 
 BOUNDS = np.array([[-1.0] * 3, [1.0] * 3])
 

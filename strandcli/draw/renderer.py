@@ -13,26 +13,28 @@ from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.emit import Groom
 from ..plan import needs_counts
-from . import lens, occlusion, portions
-from .aovs import Recorder
-from .camera import View, camera_view
+from . import strand_batches
 from .canvas import Canvas
-from .coverage import Coverage
-from .curves import Polylines
-from .detail import level_of, needed
-from .drawing import Drawing
-from .environment import sky_of
-from .extent import bounds_of, thickness_of
-from .film import backdrop_of, curve_of
-from .kernels import film
-from .lighting import Lighting
-from .portions import Portion, Portions
-from .scratch import Scratch
-from .shading import Palette, pack_lights
-from .shadow import ShadowMaps, is_traced, plan_maps, wants_map
-from .solids import packed as pack_solids
-from .spacing import STEADY, spacing_of
-from .traced import grid_of
+from .common.drawing import Drawing
+from .common.scratch import Scratch
+from .coverage.coverage import Coverage
+from .film.aovs import Recorder
+from .film.film import backdrop_of, curve_of
+from .film.kernels import film
+from .geometry.curves import Polylines
+from .geometry.detail import level_of, needed
+from .geometry.extent import bounds_of, thickness_of
+from .geometry.spacing import STEADY, spacing_of
+from .lighting import occlusion
+from .lighting.environment import sky_of
+from .lighting.lighting import Lighting
+from .lighting.shading import Palette, pack_lights
+from .shadows.shadow import ShadowMaps, is_traced, plan_maps, wants_map
+from .shadows.traced import grid_of
+from .solids.solids import packed as pack_solids
+from .strand_batches import Portion, Portions
+from .view import lens
+from .view.camera import View, camera_view
 
 
 class Renderer:
@@ -164,7 +166,7 @@ class Renderer:
         drawing.lap("shadow")
         # to be sorted, and to be held against each other, strands have to be there together
         whole = self.coverage is not None or bool(self.traced)
-        ranges = [(0, strands)] if whole else portions.cut(strands, positions.shape[1] - 1, scene.curves)
+        ranges = [(0, strands)] if whole else strand_batches.cut(strands, positions.shape[1] - 1, scene.curves)
         shaded = maps is not None or bool(self.traced)
         feed = Portions(
             scene, positions, None if self.combed is not None else lengths, strands, level, view, self._thins, ranges,

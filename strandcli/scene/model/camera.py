@@ -46,7 +46,7 @@ class Camera:
 
 
 AOVS = ("depth", "mask", "tangent", "orientation", "strand_id", "shadow", "linear")
-"""Layers beside the picture; what each holds is told in `strandcli.draw.aovs`."""
+"""Layers beside the picture; what each holds is told in `strandcli.draw.film.aovs`."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...draw.kernels.chiang import scaled_bessel
+from ...draw.fibre.kernels.chiang import scaled_bessel
 from ...jit import function, parallel, prange
 
 TURN = 2.0 * math.pi

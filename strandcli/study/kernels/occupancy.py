@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ...draw.kernels.approximations import exp
-from ...draw.kernels.resolve import RUN, rank
-from ...draw.kernels.tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH
+from ...draw.common.kernels.approximations import exp
+from ...draw.coverage.kernels.resolve import RUN, rank
+from ...draw.coverage.kernels.tiles import NUMBERS, PIXELS, TILE_HEIGHT, TILE_WIDTH
 from ...jit import function, parallel, prange
 
 NEAREST = np.float32(-1e6)

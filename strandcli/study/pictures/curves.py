@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw.camera import View
-from ...draw.curves import flatten
-from ...draw.scratch import Scratch
+from ...draw.common.scratch import Scratch
+from ...draw.geometry.curves import flatten
+from ...draw.view.camera import View
 from ...scene.model import Scene
 from ..axes import Axis
 from ..points import Knobs

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import solids as shapes
-from ...draw import occlusion
-from ...draw.curves import Polylines, flatten
-from ...draw.kernels import solids
-from ...draw.scratch import Scratch
-from ...draw.shadow import Thickness
+from ...draw.common.scratch import Scratch
+from ...draw.geometry.curves import Polylines, flatten
+from ...draw.geometry.extent import Thickness
+from ...draw.lighting import occlusion
+from ...draw.solids.kernels import solids
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
 from ..axes import Axis

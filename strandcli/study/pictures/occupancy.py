@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw.coverage import Coverage, Layer
+from ...draw.coverage.coverage import Coverage, Layer
 from ..kernels import occupancy as kernel
 from .subject import LinearRenderer
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw import chiang, marschner
-from ...draw.kernels import chiang as chiang_kernel
-from ...draw.kernels import lobes
-from ...draw.kernels import marschner as marschner_kernel
+from ...draw.fibre import chiang, marschner
+from ...draw.fibre.kernels import chiang as chiang_kernel
+from ...draw.fibre.kernels import lobes
+from ...draw.fibre.kernels import marschner as marschner_kernel
 from ...scene.model import Material
 from .. import bsdf_reference, chiang_reference
 from ..kernels import direct

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw.camera import View
-from ...draw.curves import Polylines, flatten
-from ...draw.kernels.ends import STEEPEST
-from ...draw.scratch import Scratch
-from ...draw.shadow import Thickness
+from ...draw.common.scratch import Scratch
+from ...draw.geometry.curves import Polylines, flatten
+from ...draw.geometry.extent import Thickness
+from ...draw.geometry.kernels.silhouette import STEEPEST
+from ...draw.view.camera import View
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene

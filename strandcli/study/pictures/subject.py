@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...draw.camera import View, camera_view
-from ...draw.chiang import ChiangTables
-from ...draw.curves import Polylines
-from ...draw.marschner import MarschnerTables
-from ...draw.portions import Portion
+from ...draw.common.scratch import Scratch
+from ...draw.fibre.chiang import ChiangTables
+from ...draw.fibre.marschner import MarschnerTables
+from ...draw.geometry.curves import Polylines
+from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
-from ...draw.scratch import Scratch
-from ...draw.spacing import spacing_at, spacing_of
+from ...draw.strand_batches import Portion
+from ...draw.view.camera import View, camera_view
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
 from ...groom.combed import Combed

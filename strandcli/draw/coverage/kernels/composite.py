@@ -1,0 +1,134 @@
+"""From a tile's sorted fragments to the share of its pixel that each shows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import inlined, inner
+from .masks import EMPTY, POINTS, WHOLE, covered, ones
+from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+OPAQUE = np.float32(1 / 512)
+"""What lies behind where less light than this gets through is left out."""
+MASKED = np.float32(0.5)
+"""Samples. Of strands that are wider it may be asked which points of a sample they show."""
+FAR_OFF = np.int64(-9)
+TWO, FOUR = np.uint64(2), np.uint64(NUMBERS)
+
+
+@inlined
+def numbers(fragments, i):
+    """Of fragment number i its opacity, its vertex, and its place on the way from a lit vertex to the next."""
+    which = np.uint64(i) * FOUR
+    alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
+    vertex = np.int64(np.uint32(fragments[which + TWO]))
+    return alpha, vertex, np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
+
+
+@inner
+def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, place, weight, along, marks):
+    """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
+    end = np.int64(0)
+    for p in range(np.uint64(PIXELS)):
+        m = end
+        end += counts[p]
+        last = end
+        begin = o
+        most = m + nearest
+        through = ONE
+        front = ONE
+        room = ONE
+        previous = FAR_OFF
+        while (m < last) & (through >= OPAQUE):
+            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
+            m += 1
+            if m == most:  # the last one takes in what would be behind it
+                for rest in range(m, last):
+                    next_ = np.uint64(order[rest]) * FOUR
+                    alpha += (ONE - alpha) * np.int32(fragments[next_ + np.uint64(1)]).view(np.float32)
+                last = m
+            if abs(identity - previous) > 1:
+                front = through
+                room = ONE
+            previous = identity
+            alpha = min(alpha, room)
+            room -= alpha
+            through = front * room
+            if identity < vertices:
+                identity -= t >> bits
+                marks[np.uint64(identity)] = 1
+            to = np.uint64(o)
+            place[to] = np.uint32(identity)
+            weight[to] = front * alpha
+            along[to] = np.float32(t) * UNIT
+            o += 1
+        kept[np.uint64(base) + p] = o - begin
+    return o
+
+
+@inner
+def weigh_points(
+    fragments, counts, order, screen, widths, table, bits, left, top, o, base, kept, place, weight, along, seen, marks,
+):  # fmt: skip
+    """What `weigh` does, where it is known which points of a sample wide strands cover: what is in front hides just
+    these. What is thin covers a sample independently.
+
+    screen (V, 3), widths (V,) samples; table: of `strandcli.draw.coverage.masks.sides`; left, top: the tile's first column and
+    row; seen (F,) uint64: the points of its sample that each fragment shows.
+    """
+    end = np.int64(0)
+    vertices = screen.shape[0]
+    for p in range(np.uint64(PIXELS)):
+        m = end
+        end += counts[p]
+        begin = o
+        x = np.float32(left + np.int64(p) % TILE_WIDTH) + HALF
+        y = np.float32(top + np.int64(p) // TILE_WIDTH) + HALF
+        thin = ONE
+        free = WHOLE
+        front = ONE
+        room = ONE
+        total = ZERO
+        previous = FAR_OFF
+        while m < end:
+            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
+            m += 1
+            mine = EMPTY
+            if identity < vertices and widths[identity] > MASKED:  # beyond vertices it is of a solid's edge
+                mine = covered(table, screen, widths, identity, x, y)
+            if mine != EMPTY:
+                shown = mine & free
+                share = alpha * thin * np.float32(ones(shown)) / np.float32(ones(mine))
+                free &= ~mine
+            else:
+                shown = free
+                if abs(identity - previous) > 1:
+                    front = thin
+                    room = ONE
+                previous = identity
+                alpha = min(alpha, room)
+                room -= alpha
+                share = front * alpha * np.float32(ones(free)) / np.float32(POINTS)
+                thin = front * room
+            share = min(share, ONE - total)  # areas are exact, what hides of them is counted in points
+            if share > ZERO:
+                if identity < vertices:
+                    identity -= t >> bits
+                    marks[np.uint64(identity)] = 1
+                to = np.uint64(o)
+                place[to] = np.uint32(identity)
+                weight[to] = share
+                along[to] = np.float32(t) * UNIT
+                seen[to] = shown
+                total += share
+                o += 1
+            if thin * np.float32(ones(free)) < OPAQUE * np.float32(POINTS):
+                break
+        if (free == EMPTY) & ((o > begin + 1) | (m < end)):  # between strands that cover all nothing shows through
+            for i in range(begin, o):
+                weight[i] /= total
+        kept[np.uint64(base) + p] = o - begin
+    return o

@@ -1,0 +1,103 @@
+"""Pieces of a strand in a row, and what of each is needed to draw it: one loop over them, which becomes vector code."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import inlined, inner
+from ....simd import deal_out, get, put, root, spread, strip, where, whole, width
+from .tiles import THIN
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+WIDE = np.float32(0.7)
+"""Pixels. Narrower than that, a cell of a piece touches three rows at the most."""
+POINT = np.float32(1e-6)
+"""Pixels. What is shorter is a point, and draws nothing."""
+ALONG_X, ALONG_Y = np.float32(1.0), np.float32(2.0)
+RIBBON, BEHIND, NO_WAY = np.float32(0.0), np.float32(8.0), np.float32(9.0)
+"""Ways of pieces that follow no axis: wide, behind the eye, or points."""
+
+PIECES = 64
+ROW = PIECES + 16
+# Rows of numbers, one a vertex: place on the screen, depth number and width in pixels. Then one a piece, of which the
+# first is the one before these: how it goes (`way_of`); where it begins and ends along the axis that it follows, in the
+# direction of travel, and in which cells; where it begins across; what it rises across a pixel along; one over its
+# length along; half the height of its band; opacity times its length a pixel along; depth number at its beginning, how
+# much that grows, and the greater one; width at its beginning, and how much that grows.
+X, Y, DEPTH, WIDTH = (i * ROW for i in range(4))
+WAY, BEGIN, END, FIRST, LAST, ACROSS, SLOPE, PER, HEIGHT, STRETCH, Q, DEEPER, NEAREST, W, WIDER = (
+    i * ROW for i in range(4, 19)
+)  # fmt: skip
+ROWS = 19
+HELD = 15
+"""Rows with one a piece."""
+
+
+@inner
+def take(points, widths, v, count, pieces):
+    """Vertices from number v on of points, a `strip` of (V, 3); widths None: all are a pixel wide."""
+    deal_out(points, 3 * v, count, pieces, X, ROW)
+    for k in range(np.uint64(count)):
+        pieces[np.uint64(WIDTH) + k] = ONE if widths is None else widths[np.uint64(v) + k]
+
+
+@inlined
+def way_of(dx, dy, near, wide):
+    """How pieces go over (dx, dy): `ALONG_X` or `ALONG_Y`, negative against the axis; or `RIBBON` if their greater
+    width is more than `WIDE`, `BEHIND` if the lesser depth number is none, `NO_WAY`."""
+    du = where(abs(dx) >= abs(dy), dx, dy)
+    way = where(abs(dx) >= abs(dy), spread(dx, ALONG_X), ALONG_Y)
+    way = where(du > ZERO, way, -way)
+    way = where(wide > WIDE, RIBBON, way)
+    way = where(abs(du) < POINT, NO_WAY, way)
+    return where(near > ZERO, way, BEHIND)
+
+
+@inlined
+def along(way, x, y):
+    """A place along the axis that pieces follow, in the direction of travel."""
+    u = where(abs(way) <= ALONG_X, x, y)
+    return where(way > ZERO, u, -u)
+
+
+@inner
+def look(pieces, count, opacity):
+    """What is needed of the pieces between count + 1 vertices."""
+    rows = strip(pieces)
+    for k in range(0, count, width(rows)):
+        x0, y0, q0, w0 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        k += 1
+        x1, y1, q1, w1 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        wide = max(w0, w1)
+        way = way_of(x1 - x0, y1 - y0, min(q0, q1), wide)
+        begin = along(way, x0, y0)
+        end = along(way, x1, y1)
+        flat = abs(way) <= ALONG_X
+        across = where(flat, y0, x0)
+        per = ONE / (end - begin)
+        slope = (where(flat, y1, x1) - across) * per
+        stretch = root(ONE + slope * slope)
+        put(rows, WAY + k, way)
+        put(rows, BEGIN + k, begin)
+        put(rows, END + k, end)
+        put(rows, FIRST + k, whole(begin))
+        put(rows, LAST + k, whole(end))
+        put(rows, ACROSS + k, across)
+        put(rows, SLOPE + k, slope)
+        put(rows, PER + k, per)
+        put(rows, HEIGHT + k, max(HALF * stretch * wide, THIN))
+        put(rows, STRETCH + k, stretch * opacity)
+        put(rows, Q + k, q0)
+        put(rows, DEEPER + k, q1 - q0)
+        put(rows, NEAREST + k, max(q0, q1))
+        put(rows, W + k, w0)
+        put(rows, WIDER + k, w1 - w0)
+
+
+@inlined
+def hold(pieces, k):
+    """Keep piece number k as the one before those that come next."""
+    for row in range(HELD):
+        pieces[WAY + row * ROW] = pieces[WAY + row * ROW + k]

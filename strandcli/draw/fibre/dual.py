@@ -1,0 +1,146 @@
+"""Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
+Built once per material, over the inclination of the light.
+
+As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it, and each
+passage widens the light's inclination by the variance v. The paper's sums over numbers of strands are those of endless
+hair with one or three reflections, and need density factors of .7. Here strands are met at random, τ of them on average
+before a point and τ' behind it, both from an opacity map, and three streams (Schuster 1905) are solved in closed form.
+With a strand's albedo a and the moments g_j of the cosine of j times the angle by which it turns light about its axis:
+
+- B, the beam: of what is scattered, the part a g₂ goes on as if it had not been (delta scaling; Joseph, Wiscombe &
+  Weinman 1976), so that B = e^(−k₀ τ), k₀ = 1 − a g₂. In it, e^-τ of the light has met no strand.
+- D on and U back: dD/dτ = −k D + c U + s_f B, dU/dτ = k U − c D − s_b B. They come at 45° on average, so that they
+  meet √2 times the strands, c = √2 a (1 − g₁) / 2 turn round, and k = √2 (1 − a) + c; deep inside this is diffusion.
+  s_b = a_b, what a strand sends back of light across it, and s_f is the rest, a − a_b − a g₂.
+
+No light comes from behind the last strand: D = 0 at τ = 0, U = 0 at τ' = 0. With κ = √(k² − c²), R = c / (k + κ),
+
+    D = A e^(−κτ) + C R e^(−κτ') + P e^(−k₀ τ),    U = A R e^(−κτ) + C e^(−κτ') + Q e^(−k₀ τ),
+
+P = (s_f (k + k₀) + c s_b) / (κ² − k₀²), Q = (s_b (k − k₀) + c s_f) / (κ² − k₀²). Tables hold κ, R, k₀, P and Q; A and
+C follow from τ and τ'. Nothing goes sideways: a small ball of strands keeps some light that it should lose.
+
+A strand answers to D and B − e^-τ as evenly spread over the half circle about the light, by the mean and the first
+harmonic of its azimuthal lobes; B, which is narrower, has the second as well, weakened once more by the passage that
+turned it. It answers to U from the half circle behind. `tests/test_mitsuba.py` compares with a path tracer.
+
+Lobes are Chiang's whichever model draws the highlights. Where colours vary, tables are those of the mean absorption; a
+vertex scales them with the colour of a mass of its own over that of the mean.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.kernels.batch import CHANNELS
+from ..common.kernels.veil import HALF_WAY
+from . import chiang
+from .kernels import dual as kernel
+from .kernels.lobes import REST, TRT, TT, R
+from .pigment import absorption_of, mass_colour, tint, varies
+
+if TYPE_CHECKING:
+    from ...scene.model import Material
+
+N_THETA, N_PHI = 64, 257
+VEIL = 65
+"""Nodes of a veil's table."""
+MOST = 0.999
+"""Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
+APART = 0.02
+"""By which share k₀ and κ are kept apart: where they are one, P and Q are infinite."""
+
+
+@dataclass(frozen=True, slots=True)
+class DualTables:
+    """What the kernel reads, float32.
+
+    rows: (n_θ, 24) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
+    scale: (3,) one over the colour of a mass with the tables' absorption.
+    """
+
+    rows: NDArray[np.float32]
+    scale: NDArray[np.float32]
+
+
+def veil_of(tables: DualTables) -> NDArray[np.float32]:
+    """(65, 3): what strands keep of a light from what is behind τ of them, in even steps of τ / (τ + 2): 1 less
+    `kernels.dual.through`. The last row is that of no end of strands."""
+    streams = streams_of(tables)
+    table = np.ones((VEIL, 3), np.float32)
+    for row, share in enumerate(np.linspace(0.0, 1.0, VEIL)[:-1]):
+        passed = np.float32(float(HALF_WAY) * share / (1.0 - share))
+        table[row] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
+    return np.clip(table, 0, 1)
+
+
+def streams_of(tables: DualTables) -> NDArray[np.float32]:
+    """(5, 3): κ, R, k₀, P and Q of `kernels.dual.through`, for light on what is behind strands: the mean over strands
+    that lie in all directions, by the area that they show."""
+    theta = np.linspace(0.0, 0.5 * np.pi, N_THETA)
+    weights = np.cos(theta) ** 2
+    mean = weights @ tables.rows[:, : 5 * 3].astype(np.float64) / weights.sum()
+    return mean.reshape(5, 3).astype(np.float32)
+
+
+def build_tables(material: Material, roughness: float) -> DualTables:
+    """Tables for ``material``; ``roughness`` is the β_n by which colours and absorption correspond."""
+    sigma = absorption_of(material, roughness)
+    if varies(material):
+        along, tone = np.meshgrid(np.linspace(0, 1, 9), np.linspace(-1, 1, 33))
+        sigma = np.sqrt(tint(material, roughness, along, tone)[1]).mean((0, 1)) ** 2
+    theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, N_THETA), 0.5 * np.pi - 1e-4)
+    s = chiang.logistic_scale(material.beta_n)
+    nodes = chiang.azimuthal(theta, N_PHI, material.eta, sigma, s)[0].astype(np.float64)
+    # four lobes in rgb
+    n = np.stack(
+        [
+            np.repeat(nodes[..., R : R + 1], 3, -1),
+            nodes[..., TT : TT + 3],
+            nodes[..., TRT : TRT + 3],
+            nodes[..., REST : REST + 3],
+        ],
+        2,
+    )
+    phi = np.linspace(0.0, np.pi, N_PHI)
+    weights = np.full(N_PHI, 2.0 * np.pi / (N_PHI - 1))
+    weights[[0, -1]] *= 0.5
+    half = N_PHI // 2
+    back = np.where(np.arange(N_PHI) < half, weights, 0.0)
+    back[half] = 0.5 * weights[half]
+    # (n_θ, lobes, rgb)
+    behind = np.einsum("j,ijpc->ipc", back, n)
+    ahead = np.einsum("j,ijpc->ipc", weights - back, n)
+    v = chiang.variances(material.beta_m)
+    f, b = ahead.mean(-1), behind.mean(-1)
+    v_f, v_b = (f @ v) / f.sum(1), (b @ v) / b.sum(1)
+
+    cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
+    a_b = behind.sum(1)
+    a = np.minimum(ahead.sum(1) + a_b, MOST)
+    kept = np.clip(np.einsum("j,ijpc->ic", weights * np.cos(2.0 * phi), n), 0.0, a - a_b)
+    # φ = π is light that goes straight on
+    c = kernel.SLANT * 0.5 * (a + cosine)
+    k = kernel.SLANT * (1.0 - a) + c
+    decay = np.sqrt(k**2 - c**2)
+    beam = 1.0 - kept
+    beam = np.where(np.abs(beam / decay - 1.0) < APART, (1.0 + APART) * decay, beam)
+    over = decay**2 - beam**2
+
+    every = ahead + behind
+    rows = np.zeros((N_THETA, CHANNELS), np.float32)
+    rows[:, kernel.DECAY : kernel.DECAY + 3] = decay
+    rows[:, kernel.MIRROR : kernel.MIRROR + 3] = c / (k + decay)
+    rows[:, kernel.BEAM : kernel.BEAM + 3] = beam
+    rows[:, kernel.ON : kernel.ON + 3] = ((a - a_b - kept) * (k + beam) + c * a_b) / over
+    rows[:, kernel.BACK : kernel.BACK + 3] = (a_b * (k - beam) + c * (a - a_b - kept)) / over
+    rows[:, kernel.ROUND : kernel.ROUND + 3] = every.sum(1) / (2.0 * np.pi)
+    rows[:, kernel.COSINE : kernel.COSINE + 3] = cosine * 2.0 / np.pi**2
+    rows[:, kernel.SPREAD] = v_f
+    rows[:, kernel.WIDTH] = 2.0 * v_f + v_b
+    rows[:, kernel.OWN] = (every.mean(-1) @ v) / every.mean(-1).sum(1)
+    return DualTables(rows, (1.0 / np.maximum(mass_colour(sigma, roughness), 1e-3)).astype(np.float32))

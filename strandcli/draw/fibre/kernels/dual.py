@@ -1,0 +1,92 @@
+"""Light that comes to a strand by way of others: dual scattering, as `strandcli.draw.fibre.dual` explains."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import function, inlined
+from ...common.kernels.approximations import asin, clamp, exp
+from .chiang import lobe
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+TINY = np.float32(1e-12)
+SLANT = np.float32(math.sqrt(2.0))
+"""Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
+INV_PI = np.float32(1.0 / math.pi)
+PER_QUARTER = np.float32(2.0 / math.pi)
+LEAST = np.float32(1e-4)
+PALER = np.float32(4.0)
+
+# Channels: rgb of the streams' κ, R, k₀, P and Q, and of the mean and the cosine over φ of all that a strand scatters;
+# variance of a passage, of light from behind, and of the strand's own lobes.
+DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
+SPREAD, WIDTH, OWN = 21, 22, 23
+
+
+@inlined
+def angles(tx, ty, tz, lx, ly, lz, vx, vy, vz, nodes):
+    """sin θ and cos θ of light and eye, cos φ, and the place among so many `nodes` of the tables."""
+    sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
+    sin_v = clamp(tx * vx + ty * vy + tz * vz, -ONE, ONE)
+    cos_l = np.sqrt(ONE - sin_l * sin_l)
+    cos_v = np.sqrt(ONE - sin_v * sin_v)
+    cos_phi = clamp((lx * vx + ly * vy + lz * vz - sin_l * sin_v) / max(cos_l * cos_v, TINY), -ONE, ONE)
+    edge = np.float32(nodes - 1)
+    return sin_l, cos_l, sin_v, cos_v, cos_phi, clamp(abs(asin(sin_l)) * PER_QUARTER, ZERO, ONE) * edge
+
+
+@inlined
+def lobes(sin_l, cos_l, sin_v, cos_v, passed, spread, width, own):
+    """M of light that comes back from strands further on, and of light that has come through `passed` strands."""
+    back = wide(sin_l, cos_l, sin_v, cos_v, own + width)
+    through = wide(sin_l, cos_l, sin_v, cos_v, own + max(passed, ONE) * spread)
+    return back, through
+
+
+@inlined
+def wide(sin_l, cos_l, sin_v, cos_v, variance):
+    """d'Eon's lobe of any variance."""
+    sharp = ONE / max(variance, LEAST)
+    return lobe(sin_l, cos_l, sin_v, cos_v, sharp, sharp / (ONE - exp(-TWO * sharp)))
+
+
+@function
+def through(passed, streams, c):
+    """Share of a light that arrives in channel c behind `passed` strands, that which they scatter on included.
+
+    streams (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
+    """
+    straight = exp(-streams[2, c] * passed)
+    near = exp(-streams[0, c] * passed)
+    mirror = streams[1, c]
+    back = streams[4, c] * straight
+    returned = mirror * near
+    first = (returned * back - streams[3, c]) / (ONE - returned * returned)
+    final = -back - first * returned
+    return straight + max(first * near + final * mirror + streams[3, c] * straight, ZERO)
+
+
+@inlined
+def scattered(
+    passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
+):  # fmt: skip
+    """S cos θ_l in one channel: of all streams where `passed` strands are between the light and here, and `left` from
+    here on; `direct` of the light arrives unscattered; `tone` scales for the strand's colour."""
+    straight = exp(-beam * passed)
+    near = exp(-decay * passed)
+    far = exp(-decay * left)
+    last = behind * straight * exp(-beam * left)
+    returned = mirror * near * far
+    first = (returned * last - on) / (ONE - returned * returned)
+    final = -last - first * returned
+    down = max(first * near + final * mirror * far + on * straight, ZERO)
+    up = max(first * mirror * near + final * far + behind * straight, ZERO)
+    light = max(all_round + cosine * cos_phi, ZERO) * SLANT * down
+    second = (ONE - beam) * (ONE - beam) * INV_PI * (TWO * cos_phi * cos_phi - ONE)
+    light += max(all_round + cosine * cos_phi + second, ZERO) * max(straight - direct, ZERO)
+    turned = max(all_round - cosine * cos_phi, ZERO) * SLANT * up
+    return (light * through + turned * back) * min(tone, PALER)

@@ -1,0 +1,86 @@
+"""Azimuthal tables of a strand's lobes, as both models read them (`strandcli.draw.fibre.marschner`, `strandcli.draw.fibre.chiang`).
+
+A node holds R, which is colourless, TT and TRT in red, green and blue, and with Chiang's model all that leaves after
+more inner reflections.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import inner
+from ...common.kernels.approximations import exp2
+
+ONE = np.float32(1.0)
+GROWTH_LIMIT = np.float32(40.0)
+R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
+"""Channels of a node."""
+
+
+@inner
+def azimuthal(
+    x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32, m_rest: np.float32 | None,
+    nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
+) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
+    """S cos θ_l in red, green and blue, 1/sr: the tables at (x, y), weighted with what `longitudinal` gave.
+
+    m_rest: None with tables that have no rest; nodes (n_θ, n_φ, 8 or more) and paths (n_θ, n_φ, 2 or more), without
+    nodes or None where every strand has the tables' absorption; extra_*: this strand's absorption less that of the
+    tables, 1/radius.
+    """
+    i = int(x)
+    j = int(y)
+    x -= np.float32(i)
+    y -= np.float32(j)
+    w11 = x * y
+    w10 = x - w11
+    w01 = y - w11
+    w00 = ONE - x - w01
+    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
+    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
+    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
+    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
+    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
+    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
+    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
+    if paths is not None and paths.shape[0] > 0:
+        l_tt = mix(paths, i, j, np.int64(0), w00, w01, w10, w11)
+        l_trt = mix(paths, i, j, np.int64(1), w00, w01, w10, w11)
+        tt_r *= grown(extra_r, l_tt)
+        tt_g *= grown(extra_g, l_tt)
+        tt_b *= grown(extra_b, l_tt)
+        trt_r *= grown(extra_r, l_trt)
+        trt_g *= grown(extra_g, l_trt)
+        trt_b *= grown(extra_b, l_trt)
+    red = r + tt_r + trt_r
+    green = r + tt_g + trt_g
+    blue = r + tt_b + trt_b
+    if m_rest is not None:
+        # what is left has no azimuth
+        near = ONE - x
+        rest_r = m_rest * (near * nodes[i, j, REST] + x * nodes[i + 1, j, REST])
+        rest_g = m_rest * (near * nodes[i, j, REST + 1] + x * nodes[i + 1, j, REST + 1])
+        rest_b = m_rest * (near * nodes[i, j, REST + 2] + x * nodes[i + 1, j, REST + 2])
+        if paths is not None and paths.shape[0] > 0:
+            l_rest = near * paths[i, j, 2] + x * paths[i + 1, j, 2]
+            rest_r *= grown(extra_r, l_rest)
+            rest_g *= grown(extra_g, l_rest)
+            rest_b *= grown(extra_b, l_rest)
+        red += rest_r
+        green += rest_g
+        blue += rest_b
+    return red, green, blue
+
+
+@inner
+def grown(extra, length):
+    """What absorption beyond the tables' leaves of light along a path, its length times log₂ e; less than theirs makes
+    it grow, within limits."""
+    return exp2(min(GROWTH_LIMIT, -extra * length))
+
+
+@inner
+def mix(table, i, j, c, w00, w01, w10, w11):
+    """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
+    views are counted by an atomic instruction."""
+    return w00 * table[i, j, c] + w01 * table[i, j + 1, c] + w10 * table[i + 1, j, c] + w11 * table[i + 1, j + 1, c]

@@ -1,0 +1,62 @@
+"""The lobes of wide strands across their width, from tables (see `strandcli.draw.fibre.width_tables`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import inner
+from ...common.kernels.batch import ARRIVES, EXTRA, TRT, TT, R, U, V
+from ...coverage.kernels.column_light import COLUMNS
+from ...coverage.kernels.width_profiles import azimuth
+from .lobes import grown
+
+ZERO = np.float32(0.0)
+CHANNELS = 8
+"""Of a column in the tables: R, TT in red, green and blue, TRT, and padding."""
+
+
+@inner
+def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile, row):
+    """The lobes across the strand, from what `highlights.highlights` has left in the batch.
+
+    columns (n_θ, n_φ, COLUMNS, 8): tables of `strandcli.draw.coverage.width_profiles`, of the same ranges as nodes.
+    """
+    per_x = np.float32(columns.shape[0] - 1) / np.float32(nodes.shape[0] - 1)
+    per_y = np.float32(columns.shape[1] - 1) / np.float32(nodes.shape[1] - 1)
+    for k in range(n):
+        slot = slots[which[k]]
+        arrives = work[ARRIVES + k]
+        if slot < 0 or arrives <= ZERO:
+            continue
+        x = work[U + k] * per_x
+        y = work[V + k] * per_y
+        i = min(np.int64(x), columns.shape[0] - 2)
+        j = min(np.int64(y), columns.shape[1] - 2)
+        x -= np.float32(i)
+        y -= np.float32(j)
+        _, sine = azimuth(work, k)
+        a = np.int64(work[U + k])
+        b = np.int64(work[V + k])
+        for c in range(3):
+            light = arrives * lights[one, 4 + c]
+            m_r = light * work[R + k]
+            m_tt = light * work[TT + k]
+            m_trt = light * work[TRT + k]
+            if paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
+                m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
+                m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
+            for q in range(COLUMNS):
+                h = q if sine >= ZERO else COLUMNS - 1 - q
+                profile[row, slot, q + 1, c] += (
+                    m_r * cell(columns, i, j, h, 0, x, y)
+                    + m_tt * cell(columns, i, j, h, 1 + c, x, y)
+                    + m_trt * cell(columns, i, j, h, 4 + c, x, y)
+                )
+
+
+@inner
+def cell(columns, i, j, h, c, x, y):
+    """Bilinear among four nodes."""
+    low = columns[i, j, h, c] + y * (columns[i, j + 1, h, c] - columns[i, j, h, c])
+    high = columns[i + 1, j, h, c] + y * (columns[i + 1, j + 1, h, c] - columns[i + 1, j, h, c])
+    return low + x * (high - low)

@@ -1,0 +1,63 @@
+"""Haze: with distance strands and solids lose their own light and take on that of the background behind them.
+
+Of light that travels d metres through even air e^(−d / distance) arrives (Beer and Lambert); what is missing is light
+that the air scatters to the eye, which far away is all there is to see: the background. d is the depth along the
+camera's axis. Done in NumPy on what has been shaded, so that the kernels are the same with haze and without.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.kernels.keys import FIRST, LOW, SHIFT
+from ..coverage.width_profiles import Body
+from ..view.camera import View
+
+AT_ONCE = 1 << 18
+"""Vertices or samples that are worked on at once, which bounds what that takes."""
+
+
+def veil_strands(
+    haze: float, view: View, backdrop: NDArray[np.float32], screen: NDArray[np.float32], marks: NDArray[np.uint8],
+    colours: NDArray[np.float32], body: Body | None,
+) -> None:  # fmt: skip
+    """Mix light at the vertices with ``marks`` (V,), colours (V, 3), with the backdrop (height, width, 3) at their
+    places ``screen`` (V, 3), over so many metres of ``haze``; and make what their body departs from it as faint."""
+    height, width = backdrop.shape[:2]
+    for begin in range(0, len(marks), AT_ONCE):
+        chosen = begin + np.flatnonzero(marks[begin : begin + AT_ONCE])
+        places = screen[chosen]
+        arrives = _arrives(haze, view, places[:, 2])
+        with np.errstate(invalid="ignore"):  # what is behind the eye lies nowhere
+            x = np.clip(np.nan_to_num(places[:, 0]), 0, width - 1).astype(np.int64)
+            y = np.clip(np.nan_to_num(places[:, 1]), 0, height - 1).astype(np.int64)
+        behind = backdrop[y, x]
+        colours[chosen] = behind + arrives[:, None] * (colours[chosen] - behind)
+        if body is not None:
+            slots = body.slots[chosen]
+            wide = slots >= 0
+            body.profile[:, slots[wide]] *= arrives[wide, None, None]
+
+
+def veil_solids(
+    haze: float, view: View, behind: NDArray[np.float32], keys: NDArray[np.uint64], image: NDArray[np.float32]
+) -> None:
+    """Mix the light of solids in a picture (height, width, 3), of which ``keys`` (height * width,) tell, with what was
+    ``behind`` them, in a picture as large."""
+    light, back = image.reshape(-1, 3), behind.reshape(-1, 3)
+    for begin in range(0, len(keys), AT_ONCE):
+        some = keys[begin : begin + AT_ONCE]
+        seen = begin + np.flatnonzero(((some & LOW) >= FIRST) & (some != ~np.uint64(0)))
+        numbers = (LOW - (keys[seen] >> SHIFT)).astype(np.uint32).view(np.float32)
+        there = back[seen]
+        light[seen] = there + _arrives(haze, view, numbers)[:, None] * (light[seen] - there)
+
+
+def _arrives(haze: float, view: View, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The share of light that arrives from where the depth numbers are these (see `kernels.project.points`)."""
+    if view.perspective:
+        depth = 1 / np.maximum(numbers.astype(np.float64), 1e-12)
+    else:
+        depth = view.near + (1 - numbers.astype(np.float64)) * (view.far - view.near)
+    return np.exp(-np.maximum(depth, 0) / haze).astype(np.float32)

@@ -1,0 +1,230 @@
+"""Layers beside the picture, read from the z-buffer's keys (see `strandcli.draw.film.aovs`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import inner, parallel, prange
+from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...coverage.kernels.composite import OPAQUE
+from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, corner
+from ...lighting.kernels.light import toward
+from ...shadows.kernels import opacity, penumbra
+from ...shadows.kernels.minmax import transmittance
+from ...solids.kernels import solids
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
+PI = np.float32(math.pi)
+RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
+INF = np.float32(np.inf)
+
+
+@inner
+def nearest(keys, samples, width, y, x):
+    """The smallest key of a pixel's samples × samples, and the row and column of that sample."""
+    best = EMPTY
+    row = y * samples
+    column = x * samples
+    for j in range(y * samples, (y + 1) * samples):
+        for i in range(x * samples, (x + 1) * samples):
+            key = keys[j * width * samples + i]
+            if key < best:
+                best = key
+                row = j
+                column = i
+    return best, row, column
+
+
+@parallel
+def front(begin, kept, place, weight, along, stride, vertices, screen, width, top, least, keys, mask):
+    """Put the strand that shows most in each pixel into a z-buffer of solids, where strands together show enough.
+
+    begin, kept, place, weight, along, stride: as `resolve.resolve` leaves them for the rows from `top` on of a
+    picture of this width; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
+    strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
+    """
+    for one in prange(begin.shape[0]):
+        tile = np.int64(one)
+        o = begin[tile]
+        above, left = corner(tile, width, top)
+        for p in range(PIXELS):
+            if kept[tile * PIXELS + p] == 0:
+                continue
+            x = left + p % TILE_WIDTH
+            y = above + p // TILE_WIDTH
+            total = ZERO
+            strands_ = ZERO
+            most = ZERO
+            best = o
+            end = o + np.int64(kept[tile * PIXELS + p])
+            for i in range(o, end):
+                total += weight[i]
+                if place[i] < vertices:
+                    strands_ += weight[i]
+                    if weight[i] > most:
+                        most = weight[i]
+                        best = i
+            o = end
+            share = strands_ / total if ONE - total < OPAQUE else strands_
+            mask[y * width + x] = share
+            if share >= least:
+                past = min(np.int64(along[best] * np.float32(stride)), stride - 1)
+                v = np.int64(place[best]) + past
+                t = along[best] * np.float32(stride) - np.float32(past)
+                q = max(screen[v, 2] + t * (screen[v + 1, 2] - screen[v, 2]), ZERO)
+                depth = np.uint64(np.float32(q).view(np.uint32))
+                keys[y * width + x] = ((LOW - depth) << SHIFT) | np.uint64(v)
+
+
+@parallel
+def strands(keys, samples, base, begin, first, world, screen, view, ids, tangents, angles):
+    """Which strand is in front, and which way it runs there: tangents are linear between those at vertices, which are
+    the directions from the vertex before to the one after.
+
+    keys (samples² · height · width,) uint64; base: number that was added to vertex indices; begin: number of the first
+    of these strands; first (S + 1,), world (V, 3), screen (V, 3), view (26,) as in `project.points`; ids (height,
+    width) int32, tangents (height, width, 3), angles (height, width): written where one of these strands is in front.
+    """
+    height, width = ids.shape
+    last = world.shape[0] - 1
+    for y in prange(height):
+        for x in range(width):
+            key, row, column = nearest(keys, samples, width, y, x)
+            v = np.int64(key & LOW) - base
+            if key == EMPTY or v < 0 or v >= last:
+                continue
+            s = np.searchsorted(first, v, side="right") - 1
+            low = first[s]
+            high = first[s + 1] - 1
+            dx = screen[v + 1, 0] - screen[v, 0]
+            dy = screen[v + 1, 1] - screen[v, 1]
+            flat = abs(dx) >= abs(dy)
+            way = dx if flat else dy
+            past = np.float32(column) + HALF - screen[v, 0] if flat else np.float32(row) + HALF - screen[v, 1]
+            t = min(max(past / way if way != ZERO else ZERO, ZERO), ONE)
+            ax, ay, az = along(world, max(v - 1, low), v + 1)
+            bx, by, bz = along(world, v, min(v + 2, high))
+            ax, ay, az = unit(ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az))
+            ids[y, x] = begin + s
+            tangents[y, x, 0] = ax
+            tangents[y, x, 1] = ay
+            tangents[y, x, 2] = az
+            # seen along the ray (u, v, 1): the derivative of (x, y) / z, times z
+            tx = view[0] * ax + view[1] * ay + view[2] * az
+            ty = view[4] * ax + view[5] * ay + view[6] * az
+            tz = view[8] * ax + view[9] * ay + view[10] * az
+            u = view[12] * (np.float32(column) + HALF - view[15]) / view[13]
+            w = view[12] * (view[16] - np.float32(row) - HALF) / view[13]
+            angle = math.atan2(ty - w * tz, tx - u * tz)
+            angle += PI if angle < ZERO else ZERO
+            angles[y, x] = angle if angle < PI else ZERO
+
+
+@inner
+def along(world, i, j):
+    """Unit vector from vertex i to vertex j."""
+    return unit(world[j, 0] - world[i, 0], world[j, 1] - world[i, 1], world[j, 2] - world[i, 2])
+
+
+@inner
+def unit(x, y, z):
+    """A vector at length 1; none stays none."""
+    size = max(abs(x), max(abs(y), abs(z)))  # squares of what is very short would vanish
+    if not size > TINY:
+        return ZERO, ZERO, ZERO
+    x /= size
+    y /= size
+    z /= size
+    size = ONE / math.sqrt(x * x + y * y + z * z)
+    return x * size, y * size, z * size
+
+
+@parallel
+def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth, mask, point, ids):
+    """Depth of the nearest sample in metres along the view, and the point itself; the share of strands in its samples:
+    the mean of shares (samples² · height · width,), or of samples with a strand where that is None; ids −2 where a
+    solid is nearest. Solids packed as in `solids.draw`; point (height, width, 3), 0 where nothing is."""
+    height, width = depth.shape
+    share = ONE / np.float32(samples * samples)
+    for y in prange(height):
+        for x in range(width):
+            key, row, column = nearest(keys, samples, width, y, x)
+            count = ZERO
+            for j in range(y * samples, (y + 1) * samples):
+                for i in range(x * samples, (x + 1) * samples):
+                    p = j * width * samples + i
+                    if shares is not None:
+                        count += shares[p]
+                    else:
+                        count += ONE if (keys[p] & LOW) < FIRST else ZERO
+            mask[y, x] = count * share
+            depth[y, x] = np.inf
+            point[y, x] = ZERO
+            if key == EMPTY:
+                continue
+            right = (np.float32(column) + HALF - view[15]) / view[13]
+            up = (view[16] - np.float32(row) - HALF) / view[13]
+            ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+            q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+            t = ONE / q if view[12] > ZERO else view[14] + (ONE - q) * view[19]
+            if (key & LOW) >= FIRST:
+                which = np.int64((key & LOW) - FIRST)
+                if view[12] == ZERO:  # a key ends with the depth range, a solid does not
+                    far = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+                    t = far if far < INF else t
+                ids[y, x] = -2
+            depth[y, x] = t
+            point[y, x, 0] = ox + t * dx
+            point[y, x, 1] = oy + t * dy
+            point[y, x, 2] = oz + t * dz
+
+
+@parallel
+def shadows(
+    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+    sized, out,
+):  # fmt: skip
+    """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
+
+    lights (n, 16), maps and solids as in `shade_strands.strands`, `skin` and `sized` as there; out (height, width),
+    kept where nothing is seen or no light is on.
+    """
+    height, width = ids.shape
+    for y in prange(height):
+        for x in range(width):
+            if ids[y, x] == -1:
+                continue
+            px = point[y, x, 0]
+            py = point[y, x, 1]
+            pz = point[y, x, 2]
+            sx = px
+            sy = py
+            sz = pz
+            if ids[y, x] == -2:
+                which = np.int64((nearest(keys, samples, width, y, x)[0] & LOW) - FIRST)
+                nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, px, py, pz)
+                sx += nx * skin
+                sy += ny * skin
+                sz += nz * skin
+            whole = ZERO
+            arrives = ZERO
+            for i in range(lights.shape[0]):
+                lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
+                power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
+                whole += power
+                power *= penumbra.past(
+                    spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
+                )
+                if power > ZERO and lights[i, 10] == ZERO:
+                    power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
+                if power > ZERO and lights[i, 10] > ZERO:
+                    wide = ZERO if ids[y, x] == -2 else lights[i, 13]
+                    power *= opacity.transmittance(px, py, pz, wide, lights, i, stacks, starts, sizes, views)
+                arrives += power
+            if whole > ZERO:
+                out[y, x] = arrives / whole

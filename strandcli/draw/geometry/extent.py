@@ -1,0 +1,86 @@
+"""How far strands reach: the box about them, their width in the world and on the screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...constants import W
+from ...scene.model import Material
+from ..common.scratch import Scratch
+from ..view.camera import STRETCH, View
+from ..view.kernels import project
+from .curves import Polylines
+
+
+@dataclass(frozen=True)
+class Thickness:
+    """What strands cover: width at the root in metres, and the part of it that is lost to the tip."""
+
+    width: float = 0.0
+    taper: float = 0.0
+
+    @property
+    def mean(self) -> float:
+        """Metres, along a strand."""
+        return self.width * (1 - self.taper / 2)
+
+
+def bounds_of(
+    positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None
+) -> NDArray[np.float64]:
+    """Box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres: of no others, so that a frame is
+    the same whichever strands other frames need. ``fade`` (strands,): those that are there in part widen the box by as
+    much less, so that it does not jump."""
+    rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
+    if fade is None:
+        whole = strands // W
+        parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
+        parts = [part for part in parts if part.size]
+        # block upon block: over several axes at once NumPy takes ten times as long
+        low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
+        return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
+    low, high = (
+        side.transpose(0, 2, 1).reshape(-1, 3)[:strands].astype(np.float64) for side in (rows.min(1), rows.max(1))
+    )
+    full = fade == fade.max()
+    inner = np.stack([low[full].min(0), high[full].max(0)])
+    part = fade[:, None]
+    lower, higher = ((low - inner[0]) * part).min(0), ((high - inner[1]) * part).max(0)
+    return np.asarray(inner + np.stack([np.minimum(lower, 0), np.maximum(higher, 0)]))
+
+
+def thickness_of(material: Material, view: View, bounds: NDArray[np.float64]) -> Thickness:
+    """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle of the
+    groom."""
+    if material.width > 0:
+        return Thickness(material.width, material.taper)
+    depth = max(float((bounds.mean(0) - view.eye) @ view.forward), view.near) if view.perspective else 1.0
+    return Thickness(depth / view.focal)
+
+
+def widths_of(
+    lines: Polylines, screen: NDArray[np.float32], view: View, material: Material, least: float, thins: bool,
+    scratch: Scratch,
+) -> NDArray[np.float32] | None:  # fmt: skip
+    """(V,) widths on the screen, ``least`` at least, or None where every line is one sample wide. ``thins``: whether
+    lines that fade become thinner."""
+    scale = lines.scale
+    if not len(screen):
+        return None
+    if material.width == 0:
+        return None if scale is None or not thins else np.repeat(scale, np.diff(lines.first))
+    packed = view.pack()
+    if least > 0:
+        nearest = float(screen[:, 2].max()) if view.perspective else 1.0
+        widest = float(packed[STRETCH]) if scale is None else float(packed[STRETCH] * scale.max())
+        if material.width * widest * view.focal * nearest <= least:
+            return None
+    widths = scratch.take("widths", len(screen), np.float32)
+    project.widths(
+        lines.first, screen, packed, np.float32(material.width), np.float32(material.taper), scale, np.float32(1.0),
+        np.float32(least), widths,
+    )  # fmt: skip
+    return widths

@@ -1,0 +1,309 @@
+"""From particles to smooth polylines (thesis §3): each segment becomes a cubic Bézier curve, cut into pieces.
+
+Tangents point from root to tip here, the opposite of the source's sign, so the control points of the segment
+p_{i-1} p_i are p_{i-1} + t_{i-1} L / 3 and p_i − t_i L / 3. The first tangent is the strand's direction, the last is
+zero.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import inner, parallel, prange
+from ...view.kernels.project import into
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+THREE = np.float32(3.0)
+THIRD = np.float32(1 / 3)
+TINY = np.float32(1e-30)
+WANG = np.float32(0.75)
+STRAIGHT = np.float32(0.1)
+
+
+@inner
+def difference(block, lane, i, n):
+    """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
+    the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
+    if i == n - 1:
+        return ZERO, ZERO, ZERO
+    high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
+    x = block[high, lane] - block[i, lane]
+    y = block[high, W + lane] - block[i, W + lane]
+    z = block[high, 2 * W + lane] - block[i, 2 * W + lane]
+    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
+
+
+@inner
+def circle(block, lane, i, n):
+    """The same where segments differ in length: the tangent of the circle through three particles, e₁ / |e₁|² +
+    e₂ / |e₂|² with the segments before and after."""
+    if i == 0 or i == n - 1:
+        return difference(block, lane, i, n)
+    ax = block[i + 1, lane] - block[i, lane]
+    ay = block[i + 1, W + lane] - block[i, W + lane]
+    az = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
+    bx = block[i + 2, lane] - block[i + 1, lane]
+    by = block[i + 2, W + lane] - block[i + 1, W + lane]
+    bz = block[i + 2, 2 * W + lane] - block[i + 1, 2 * W + lane]
+    f = bx * bx + by * by + bz * bz
+    g = ax * ax + ay * ay + az * az
+    x = f * ax + g * bx
+    y = f * ay + g * by
+    z = f * az + g * bz
+    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
+
+
+@inner
+def printed(block, lane, i, n):
+    """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
+    t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
+    scale."""
+    if i == 0 or i == n - 1:
+        return difference(block, lane, i, n)
+    vx = block[i + 1, lane] - block[i, lane]
+    vy = block[i + 1, W + lane] - block[i, W + lane]
+    vz = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
+    wx = block[i + 1, lane] - block[i + 2, lane]
+    wy = block[i + 1, W + lane] - block[i + 2, W + lane]
+    wz = block[i + 1, 2 * W + lane] - block[i + 2, 2 * W + lane]
+    ux = vy * wz - vz * wy
+    uy = vz * wx - vx * wz
+    uz = vx * wy - vy * wx
+    sx = vx + wx
+    sy = vy + wy
+    sz = vz + wz
+    # (v + w) × u, the opposite of the source's sign
+    tx = sy * uz - sz * uy
+    ty = sz * ux - sx * uz
+    tz = sx * uy - sy * ux
+    bent = ux * ux + uy * uy + uz * uz >= STRAIGHT * STRAIGHT and sx * sx + sy * sy + sz * sz >= STRAIGHT * STRAIGHT
+    size = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, TINY)) if bent else ZERO
+    return tx * size, ty * size, tz * size
+
+
+@parallel
+def count(
+    positions, lengths, strands, view, most, tolerance, unseen, kept, as_printed, out, sizes, error
+):  # fmt: skip
+    """How many pieces each segment needs on the screen.
+
+    A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
+    difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
+
+    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `project.points`;
+    most: greatest number of pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves
+    their strands out); kept (strands,): 0 for strands that are left out, (0,) where none is; as_printed: whether
+    tangents are the source's; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it
+    is left out; error (strands,) float32: bound in pixels that is left.
+    """
+    n = positions.shape[1] - 1
+    per = ONE / tolerance
+    limit = np.float32(most)
+    for s in prange(strands):
+        if kept.shape[0] > 0 and kept[s] == ZERO:
+            sizes[s] = 0
+            error[s] = ZERO
+            continue
+        block = positions[s // W]
+        lane = s % W
+        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
+        tx, ty, tz = difference(block, lane, 0, n)
+        ax = block[1, lane]
+        ay = block[1, W + lane]
+        az = block[1, 2 * W + lane]
+        u0, v0, z0 = into(ax, ay, az, view)
+        bound = ZERO
+        seen = False
+        total = 1
+        for i in range(1, n):
+            if as_printed:
+                sx, sy, sz = printed(block, lane, i, n)
+            elif lengths is None:
+                sx, sy, sz = circle(block, lane, i, n)
+            else:
+                sx, sy, sz = difference(block, lane, i, n)
+            bx = block[i + 1, lane]
+            by = block[i + 1, W + lane]
+            bz = block[i + 1, 2 * W + lane]
+            if lengths is None:
+                third = chord(bx - ax, by - ay, bz - az) * THIRD
+            u1, v1, z1 = into(bx, by, bz, view)
+            pieces = np.int64(unseen)
+            scale = reach(u0, v0, z0, u1, v1, z1, third, view)
+            if scale > ZERO:
+                seen = True
+                # second differences of a, a + t L/3, b − s L/3, b
+                ex = bx - ax
+                ey = by - ay
+                ez = bz - az
+                px = ex - (TWO * tx + sx) * third
+                py = ey - (TWO * ty + sy) * third
+                pz = ez - (TWO * tz + sz) * third
+                qx = (tx + TWO * sx) * third - ex
+                qy = (ty + TWO * sy) * third - ey
+                qz = (tz + TWO * sz) * third - ez
+                d = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
+                d = WANG * scale * np.sqrt(d)
+                wanted = min(max(np.ceil(np.sqrt(d * per)), ONE), limit)
+                bound = max(bound, d / (wanted * wanted))
+                pieces = np.int64(wanted)
+            out[s, i - 1] = pieces
+            total += pieces
+            tx = sx
+            ty = sy
+            tz = sz
+            ax = bx
+            ay = by
+            az = bz
+            u0 = u1
+            v0 = v1
+            z0 = z1
+        if unseen == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
+            for i in range(n - 1):
+                if out[s, i] == 0:
+                    out[s, i] = 1
+                    total += 1
+        sizes[s] = total if seen or unseen > 0 else 0
+        error[s] = bound
+
+
+@inner
+def reach(u0, v0, z0, u1, v1, z1, margin, view):
+    """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
+    about it; 0 where that cannot touch the picture."""
+    near = view[14]
+    if max(z0, z1) + margin < near:
+        return ZERO
+    # where the picture ends on each side, at a depth of one: a crop window may lie aside of the axis
+    left = view[15] / view[13]
+    right = (view[24] - view[15]) / view[13]
+    above = view[16] / view[13]
+    below = (view[25] - view[16]) / view[13]
+    f0 = ONE
+    f1 = ONE
+    scale = view[13]
+    if view[12] > ZERO:
+        f0 = max(z0, near)
+        f1 = max(z1, near)
+        least = max(min(z0, z1) - margin, near)
+        u = max(abs(u0), abs(u1)) + margin
+        v = max(abs(v0), abs(v1)) + margin
+        # off the middle a way along the depth shows as well
+        scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[23]) / least
+    wide = margin * view[17]
+    tall = margin * view[18]
+    if min(u0 - right * f0, u1 - right * f1) > wide or min(-u0 - left * f0, -u1 - left * f1) > wide:
+        return ZERO
+    if min(v0 - above * f0, v1 - above * f1) > tall or min(-v0 - below * f0, -v1 - below * f1) > tall:
+        return ZERO
+    return scale
+
+
+@parallel
+def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):
+    """Write each strand's polyline.
+
+    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; pieces (strands, n − 1) uint16, or
+    (0, 0) with `fixed` pieces for every segment; as_printed, straight: whether tangents are the source's, and whether
+    nothing is smoothed; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
+    """
+    n = positions.shape[1] - 1
+    for s in prange(strands):
+        v = first[s]
+        if first[s + 1] == v:
+            continue
+        block = positions[s // W]
+        lane = s % W
+        ax = block[1, lane]
+        ay = block[1, W + lane]
+        az = block[1, 2 * W + lane]
+        world[v, 0] = ax
+        world[v, 1] = ay
+        world[v, 2] = az
+        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
+        tx, ty, tz = difference(block, lane, 0, n)
+        for i in range(1, n):
+            m = np.int64(fixed) if pieces.shape[0] == 0 else np.int64(pieces[s, i - 1])
+            bx = block[i + 1, lane]
+            by = block[i + 1, W + lane]
+            bz = block[i + 1, 2 * W + lane]
+            ex = bx - ax
+            ey = by - ay
+            ez = bz - az
+            per = ONE / np.float32(m)
+            if not straight:
+                if as_printed:
+                    sx, sy, sz = printed(block, lane, i, n)
+                elif lengths is None:
+                    sx, sy, sz = circle(block, lane, i, n)
+                else:
+                    sx, sy, sz = difference(block, lane, i, n)
+                if lengths is None:
+                    third = chord(ex, ey, ez) * THIRD
+                # a + t (c1 + t (c2 + t c3)) from the Bernstein form with a, a + t0 L/3, b − t1 L/3, b
+                gx = tx * third
+                gy = ty * third
+                gz = tz * third
+                hx = sx * third
+                hy = sy * third
+                hz = sz * third
+                for j in range(1, m):
+                    t = np.float32(j) * per
+                    world[v + j, 0] = ax + t * (THREE * gx + t * (cubic(ex, gx, hx) + t * slack(ex, gx, hx)))
+                    world[v + j, 1] = ay + t * (THREE * gy + t * (cubic(ey, gy, hy) + t * slack(ey, gy, hy)))
+                    world[v + j, 2] = az + t * (THREE * gz + t * (cubic(ez, gz, hz) + t * slack(ez, gz, hz)))
+                tx = sx
+                ty = sy
+                tz = sz
+            else:
+                for j in range(1, m):
+                    t = np.float32(j) * per
+                    world[v + j, 0] = ax + t * ex
+                    world[v + j, 1] = ay + t * ey
+                    world[v + j, 2] = az + t * ez
+            v += m
+            world[v, 0] = bx
+            world[v, 1] = by
+            world[v, 2] = bz
+            ax = bx
+            ay = by
+            az = bz
+
+
+@inner
+def chord(x, y, z):
+    """A vector's length."""
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@parallel
+def longest(positions):
+    """The longest segment of positions (blocks, n + 1, 3 W), metres."""
+    found = np.zeros(positions.shape[0], np.float32)
+    for block in prange(positions.shape[0]):
+        most = ZERO
+        for i in range(2, positions.shape[1]):
+            for k in range(W):
+                x = positions[block, i, k] - positions[block, i - 1, k]
+                y = positions[block, i, W + k] - positions[block, i - 1, W + k]
+                z = positions[block, i, 2 * W + k] - positions[block, i - 1, 2 * W + k]
+                most = max(most, chord(x, y, z))
+        found[block] = most
+    return found.max()
+
+
+@inner
+def cubic(e, g, h):
+    """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
+    return THREE * (e - TWO * g - h)
+
+
+@inner
+def slack(e, g, h):
+    """Coefficient of t³."""
+    return THREE * (g + h) - TWO * e

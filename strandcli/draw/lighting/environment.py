@@ -1,0 +1,162 @@
+"""Light from everywhere, from a lat-long picture: PNG of 8 or 16 bits and JPEG (taken as sRGB), or Radiance .hdr.
+
+Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. Only the first nine spherical harmonics
+are kept (Ramamoorthi & Hanrahan 2001: a surface cannot tell the rest by a tenth of a per cent on average), with the
+solids' cosine or a strand's sine folded in, so that a kernel evaluates nine terms. What keeps
+it off is `strandcli.draw.lighting.occlusion`.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UsageError
+from ...output.samples import opened, samples
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+LARGEST = 2**26
+"""Pixels of a picture that are read at the most."""
+TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
+FORMATS = ("PNG", "JPEG", "MPO")
+"""Pillow's names; MPO is the JPEG of cameras that keep further pictures behind the first."""
+COSINE = (1.0, 2.0 / 3.0, 0.25)
+"""Zonal coefficients of max(cos, 0) / π, for a Lambertian surface of albedo 1."""
+SINE = (1.0, 0.0, -0.125)
+"""Those of sin / π², for a strand: light from along it does not count."""
+ORDERS = (0, 1, 1, 1, 2, 2, 2, 2, 2)
+
+
+def sky_of(scene: Scene) -> NDArray[np.float32] | None:
+    """(2, 9, 3): for strands by their tangents, for solids by their normals, the radiance of something white, as
+    coefficients of `basis`; None without an environment. Raises `UsageError` where its picture cannot be read."""
+    environment = scene.environment
+    if environment is None:
+        return None
+    return coefficients(read(environment.image), environment.rotation) * np.float32(environment.intensity)
+
+
+def read(image: str) -> NDArray[np.floating]:
+    """(height, width, 3) linear, of the file ``environment.image``. Raises `UsageError` where it cannot be read."""
+    path = Path(image)
+    try:
+        return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        remedy = "give a lat-long picture, PNG, JPEG or Radiance .hdr"
+        raise UsageError(f"environment.image: {path}: {reason}; {remedy}") from None
+
+
+def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArray[np.float32]:
+    """The sky of a linear picture (height, width, 3), turned by ``rotation`` degrees about +y."""
+    height, width, _ = picture.shape
+    polar = (np.arange(height) + 0.5) * (np.pi / height)
+    around = (np.arange(width) + 0.5) * (2.0 * np.pi / width) - math.radians(rotation)
+    # the share of the sphere of a pixel, exactly
+    edges = np.cos(np.arange(height + 1) * (np.pi / height))
+    area = 2.0 * np.pi / width * (edges[:-1] - edges[1:])
+    found = np.zeros((9, 3))
+    for row in range(height):
+        ways = np.stack(
+            [
+                math.sin(polar[row]) * np.sin(around),
+                np.full(width, math.cos(polar[row])),
+                -math.sin(polar[row]) * np.cos(around),
+            ]
+        )
+        found += area[row] * (basis(ways) @ picture[row].astype(np.float64))
+    # ∫ L(ω) w(ω·n) dω = Σ λ_l (4π / norm) f_i B_i(n): B are not normalised
+    found *= (np.array(NORMS) / (4.0 * np.pi))[:, None]
+    return np.stack([found * np.array([zonal[order] for order in ORDERS])[:, None] for zonal in (SINE, COSINE)]).astype(
+        np.float32
+    )
+
+
+NORMS = (1.0, 3.0, 3.0, 3.0, 15.0, 15.0, 1.25, 15.0, 3.75)
+"""4π over the integral of each basis function's square."""
+
+
+def basis(way: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(9, …) 1, x, y, z, xy, yz, 3z² − 1, xz, x² − y² of unit vectors (3, …)."""
+    x, y, z = way
+    return np.stack([np.ones_like(x), x, y, z, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y])
+
+
+def _read_picture(path: Path) -> NDArray[np.float64]:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with opened(path) as image:
+            if image.format not in FORMATS or image.mode == "CMYK":
+                kind = f"{image.format} picture" if image.mode != "CMYK" else f"CMYK {image.format}"
+                raise ValueError(f"a {kind} is not read")
+            if image.format == "PNG" and getattr(image, "is_animated", False):
+                raise ValueError("an animation has no one sky")
+            _require_size(image.width, image.height)
+            encoded = samples(image)[..., :3].astype(np.float64) / 255.0
+    except UnidentifiedImageError:
+        raise ValueError("not a picture that can be read") from None
+    except SyntaxError as error:  # Pillow's word for a broken PNG
+        raise ValueError(str(error)) from None
+    except Image.DecompressionBombError:
+        raise ValueError(TOO_MANY) from None
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def _require_size(width: int, height: int) -> None:
+    if not 0 < width * height <= LARGEST:
+        raise ValueError(f"{width} x {height} pixels: {TOO_MANY}" if width * height else "it has no pixels")
+
+
+def read_hdr(path: Path) -> NDArray[np.float32]:
+    """(height, width, 3) linear, from a Radiance file whose rows go down and columns to the right. Raises `OSError`,
+    and `ValueError` for anything that is not one."""
+    data = path.read_bytes()
+    head, _, rest = data.partition(b"\n\n")
+    if not head.startswith(b"#?") or b"32-bit_rle_rgbe" not in head:
+        raise ValueError("not a Radiance picture in rgbe")
+    line, _, body = rest.partition(b"\n")
+    words = line.split()
+    if len(words) != 4 or words[0] != b"-Y" or words[2] != b"+X" or not (words[1].isdigit() and words[3].isdigit()):
+        raise ValueError("its rows must go down and its columns to the right (-Y … +X …)")
+    height, width = int(words[1]), int(words[3])
+    _require_size(width, height)
+    at = 0
+    rgbe = np.empty((height, 4, width), np.uint8)
+    for row in range(height):
+        if body[at : at + 4] == bytes([2, 2, width >> 8, width & 255]) and 8 <= width < 32768:
+            at = _row(body, at + 4, width, rgbe[row])
+        else:
+            flat = np.frombuffer(body[at : at + 4 * width], np.uint8)
+            if len(flat) < 4 * width:
+                raise ValueError("the file ends before its last row")
+            rgbe[row] = flat.reshape(width, 4).T
+            at += 4 * width
+    exponent = rgbe[:, 3].astype(np.int32)
+    scale = np.where(exponent > 0, np.ldexp(1.0, exponent - 136), 0.0)
+    return np.ascontiguousarray(np.moveaxis(rgbe[:, :3] * scale[:, None], 1, 2), np.float32)
+
+
+def _row(body: bytes, at: int, width: int, out: NDArray[np.uint8]) -> int:
+    """One row, channel after channel: a count over 128 repeats the byte behind it, another is followed by so many."""
+    for channel in out:
+        x = 0
+        while x < width:
+            if at + 1 >= len(body):
+                raise ValueError("the file ends before its last row")
+            count = body[at]
+            repeated = count > 128
+            count -= 128 if repeated else 0
+            piece = body[at + 1 : at + 2] if repeated else body[at + 1 : at + 1 + count]
+            if count == 0 or x + count > width or len(piece) < (1 if repeated else count):
+                raise ValueError("a run of bytes is longer than its row")
+            channel[x : x + count] = np.frombuffer(piece, np.uint8)
+            x += count
+            at += 1 + len(piece)
+    return at

@@ -1,0 +1,37 @@
+"""Lights as kernels read them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import function, inner
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+THREE = np.float32(3.0)
+TINY = np.float32(1e-30)
+FAR = np.float32(1e30)
+
+
+@inner
+def toward(lights, i, x, y, z):
+    """Unit direction to light number i, its distance, and its irradiance's falloff at a point."""
+    if lights[i, 0] == ZERO:
+        return lights[i, 1], lights[i, 2], lights[i, 3], FAR, ONE
+    lx = lights[i, 1] - x
+    ly = lights[i, 2] - y
+    lz = lights[i, 3] - z
+    square = max(lx * lx + ly * ly + lz * lz, TINY)
+    size = math.sqrt(square)
+    return lx / size, ly / size, lz / size, size, ONE / square
+
+
+@function
+def around(sky, which, c, x, y, z):
+    """Radiance in channel c of something white that lies in the sky's light, not negative: strands (which = 0) by their
+    unit tangent, surfaces (1) by their unit normal. sky (2, 9, 3) float32 of `strandcli.draw.lighting.environment`."""
+    even = sky[which, 0, c] + sky[which, 4, c] * x * y + sky[which, 5, c] * y * z
+    even += sky[which, 6, c] * (THREE * z * z - ONE) + sky[which, 7, c] * x * z + sky[which, 8, c] * (x * x - y * y)
+    return max(even + sky[which, 1, c] * x + sky[which, 2, c] * y + sky[which, 3, c] * z, ZERO)

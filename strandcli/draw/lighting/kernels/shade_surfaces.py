@@ -1,0 +1,280 @@
+"""Light on solids.
+
+Pixels that show the same solid come in batches of W, as vertices do in `shade_strands`: what reads no table is one loop
+over a row of numbers, which becomes vector code.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import inner, parallel, prange
+from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
+from ...common.kernels.surface_batch import (
+    ARRIVED,
+    COAT,
+    COSINE,
+    DISTANCE,
+    LEFT,
+    NX,
+    NY,
+    NZ,
+    PIXEL,
+    PX,
+    ROWS,
+    SX,
+    SY,
+    THERE,
+    UNDER,
+)
+from ...shadows.kernels import percentage_closer
+from ...shadows.kernels.minmax import transmittance
+from ...shadows.kernels.soft_shadows import soften
+from ...solids.kernels import coat, smooth_union, solids
+from ...solids.kernels.surface_pixels import average, gather, scatter
+from . import occlusion
+from .light import around
+from .shade_strands import aim, hide
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-6)
+INV_PI = np.float32(1 / math.pi)
+PIXELS = 4096
+"""Pixels a task."""
+
+
+@parallel
+def surfaces(
+    keys, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
+    spheres, capsules, planes, boxes, paint, coats, skin, sized, spots, image,
+):  # fmt: skip
+    """Radiance of the solids that are seen: Lambertian, under a coat where there is one.
+
+    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused; coats
+    (m, 4) as in `kernels.finish`;
+    spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
+    bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.fibre.dual.veil_of`;
+    image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
+    `shade_strands.strands`. Where all solids are matte and even coats has no rows, and where strands shade in grey veil
+    has none. What blends may end in front of itself, which no identity tells: there the mean of 4×4
+    rays is taken.
+    """
+    count = np.int64(keys.shape[0])
+    width = image.shape[1]
+    picture = image.reshape(-1)
+    for task in prange((count + PIXELS - 1) // PIXELS):
+        p = np.int64(task) * PIXELS
+        end = min(p + PIXELS, count)
+        work = np.empty(ROWS * W, np.float32)
+        which = np.empty(W, np.int64)
+        while p < end:
+            p, n, solid, fine = gather(
+                keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which
+            )  # fmt: skip
+            if n > 0:
+                batch(
+                    work, n, solid, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes,
+                    views, spheres, capsules, planes, boxes, paint, coats, skin, sized,
+                )  # fmt: skip
+                if fine:
+                    average(work, n)
+                scatter(work, np.int64(1) if fine else n, which, picture)
+
+
+@inner
+def surroundings(ambient, sky, x, y, z):
+    """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
+    r, g, b = ambient[0], ambient[1], ambient[2]
+    if sky.shape[0] > 0:
+        r += around(sky, 1, 0, x, y, z)
+        g += around(sky, 1, 1, x, y, z)
+        b += around(sky, 1, 2, x, y, z)
+    return r, g, b
+
+
+@inner
+def batch(
+    work, n, which, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
+    spheres, capsules, planes, boxes, paint, coats, skin, sized,
+):  # fmt: skip
+    """Radiance of the first n points of a batch, which are on solid number `which`."""
+    look(work, n, view)
+    face(work, n, spheres, capsules, planes, boxes, which)
+    surround(work, n, ambient, sky, volume, box, bounce)
+    fade(work, n, paint, which)
+    if coats.shape[0] > 0:
+        cover(work, n, ambient, sky, volume, box, coats, which)
+    for i in range(lights.shape[0]):
+        aim(work, n, lights, i)
+        rise(work, n, skin)
+        if sized is None:
+            hide(work, n, spheres, capsules, planes, boxes, skin)
+        else:
+            soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
+        for k in range(3 * W):
+            work[X + k] = work[PX + k]
+        if lights[i, 10] == ZERO:
+            for k in range(n):
+                if work[ARRIVES + k] > ZERO:
+                    work[ARRIVES + k] *= transmittance(
+                        work[X + k], work[Y + k], work[Z + k], lights, i, maps, starts, sizes, views
+                    )
+        if lights[i, 10] > ZERO:
+            percentage_closer.leave(work, n, lights, i, veil, stacks, starts, sizes, views)
+        else:
+            for k in range(3 * W):
+                work[LEFT + k] = ONE
+        for c in range(3):
+            for k in range(n):
+                arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, 4 + c] * work[LEFT + c * W + k]
+                work[ARRIVED + c * W + k] = arrived
+                work[RADIANCE + c * W + k] += INV_PI * arrived
+        if coats.shape[0] > 0:
+            gleam(work, n, lights, i, coats, which)
+    for c in range(3):
+        tone = paint[which, c]
+        for k in range(n):
+            under = work[RADIANCE + c * W + k]
+            if coats.shape[0] == 0:
+                work[RADIANCE + c * W + k] = under * tone
+            else:
+                work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
+
+
+@inner
+def look(work, n, view):
+    """From places on the screen and distances to points, directions to the eye, and pixels' widths."""
+    focal = view[13]
+    for k in range(n):
+        right = (work[SX + k] - view[15]) / focal
+        up = (view[16] - work[SY + k]) / focal
+        ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+        t = work[DISTANCE + k]
+        far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
+        work[X + k] = ox + t * dx
+        work[Y + k] = oy + t * dy
+        work[Z + k] = oz + t * dz
+        work[EX + k] = -far * dx
+        work[EY + k] = -far * dy
+        work[EZ + k] = -far * dz
+        work[PIXEL + k] = t / (focal * far) if view[12] > ZERO else ONE / focal
+
+
+@inner
+def face(work, n, spheres, capsules, planes, boxes, which):
+    """Unit normals."""
+    if which < spheres.shape[0] and not smooth_union.blends(spheres, capsules, which):
+        for k in range(n):
+            x = work[X + k] - spheres[which, 0]
+            y = work[Y + k] - spheres[which, 1]
+            z = work[Z + k] - spheres[which, 2]
+            size = ONE / math.sqrt(max(x * x + y * y + z * z, solids.TINY))
+            work[NX + k] = x * size
+            work[NY + k] = y * size
+            work[NZ + k] = z * size
+    else:
+        for k in range(n):
+            x, y, z = solids.normal(
+                spheres, capsules, planes, boxes, which, work[X + k], work[Y + k], work[Z + k]
+            )  # fmt: skip
+            work[NX + k] = x
+            work[NY + k] = y
+            work[NZ + k] = z
+
+
+@inner
+def surround(work, n, ambient, sky, volume, box, bounce):
+    """Radiance of what is around, as far as it is seen."""
+    for k in range(n):
+        r, g, b = surroundings(ambient, sky, work[NX + k], work[NY + k], work[NZ + k])
+        work[RADIANCE + k] = r
+        work[RADIANCE + W + k] = g
+        work[RADIANCE + 2 * W + k] = b
+    if volume.shape[0] > 0:
+        for k in range(n):
+            share = occlusion.seen(
+                volume, box, work[X + k], work[Y + k], work[Z + k], work[NX + k], work[NY + k], work[NZ + k]
+            )
+            for c in range(3):
+                work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)
+
+
+@inner
+def fade(work, n, paint, which):
+    """How much of the picture a solid becomes."""
+    for k in range(n):
+        work[THERE + k] = ONE
+    if paint[which, 3] > ZERO:
+        for k in range(n):
+            x = work[X + k] - paint[which, 4]
+            y = work[Y + k] - paint[which, 5]
+            z = work[Z + k] - paint[which, 6]
+            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, 3], ZERO)
+            work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
+
+
+@inner
+def cover(work, n, ambient, sky, volume, box, coats, which):
+    """What a coat mirrors of what is around, and what it leaves, in patches, to what is under it."""
+    for k in range(n):
+        x, y, z = work[X + k], work[Y + k], work[Z + k]
+        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
+        wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
+        facing = nx * wx + ny * wy + nz * wz
+        under = ONE
+        r = g = b = ZERO
+        if coats[which, coat.COAT] > ZERO:
+            share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
+            under = ONE - share
+            # where the eye is mirrored to
+            mx = (facing + facing) * nx - wx
+            my = (facing + facing) * ny - wy
+            mz = (facing + facing) * nz - wz
+            r, g, b = surroundings(ambient, sky, mx, my, mz)
+            if volume.shape[0] > 0:
+                share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
+            r *= share
+            g *= share
+            b *= share
+        if coats[which, coat.MOTTLE] > ZERO:  # a pixel is wider where the surface is seen at a slant
+            tone = coat.patches(x, y, z, coats[which, coat.GRAIN], work[PIXEL + k] / max(facing, TINY))
+            under *= ONE + coats[which, coat.MOTTLE] * tone
+        work[UNDER + k] = under
+        work[COAT + k] = r
+        work[COAT + W + k] = g
+        work[COAT + 2 * W + k] = b
+
+
+@inner
+def rise(work, n, skin):
+    """Points to above the surface, where no light arrives from behind it."""
+    for k in range(3 * W):
+        work[PX + k] = work[X + k]
+    for k in range(n):
+        cosine = work[NX + k] * work[LX + k] + work[NY + k] * work[LY + k] + work[NZ + k] * work[LZ + k]
+        work[COSINE + k] = cosine
+        work[ARRIVES + k] = ZERO if cosine <= ZERO else work[ARRIVES + k]
+        work[X + k] += work[NX + k] * skin
+        work[Y + k] += work[NY + k] * skin
+        work[Z + k] += work[NZ + k] * skin
+
+
+@inner
+def gleam(work, n, lights, i, coats, which):
+    """What a coat mirrors of a light."""
+    if coats[which, coat.COAT] <= ZERO:
+        return
+    for k in range(n):
+        if work[ARRIVES + k] == ZERO:
+            continue
+        angle = lights[i, 12] if lights[i, 0] == ZERO else min(lights[i, 12] / work[REACH + k], ONE)
+        share = coat.gleam(
+            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, work[NX + k], work[NY + k], work[NZ + k],
+            work[LX + k], work[LY + k], work[LZ + k], work[EX + k], work[EY + k], work[EZ + k],
+        )  # fmt: skip
+        for c in range(3):
+            work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]

@@ -1,0 +1,94 @@
+"""Light in one exposure: what falls on strands and on solids, and what they throw to the eye."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..coverage.width_profiles import Body
+from ..geometry.curves import Polylines
+from ..shadows.shadow import ShadowMaps, map_arrays
+from ..solids.solids import NONE, finish_of, paint_of
+from ..view.camera import View
+from .kernels import shade_strands, shade_surfaces
+from .occlusion import Occlusion
+from .shading import Palette
+
+NO_BOX = np.zeros(10, np.float32)
+NO_SPOTS = np.zeros((0, 2), np.float32)
+"""The pixels of a picture lie where they belong."""
+
+
+def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]:
+    """What a kernel asks the length of: it is compiled once, with and without, where None would be another type. Rows
+    have this shape."""
+    return np.zeros((0, *shape), np.float32) if array is None else array
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """What shading needs; None is what the scene does without."""
+
+    scene: Any
+    palette: Palette
+    sky: Any
+    """See `strandcli.draw.lighting.environment.sky_of`."""
+    view: View
+    at: float
+    """Seconds."""
+    lights: NDArray[np.float32]
+    """(n, 16) from `strandcli.draw.lighting.shading.pack_lights`."""
+    maps: ShadowMaps | None
+    occlusion: Occlusion | None
+    solids: list[NDArray[np.float32]] | None
+    """Those that are seen, packed by `strandcli.solids.pack`."""
+
+    @property
+    def skin(self) -> np.float32:
+        """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
+        return np.float32(0.01 * self.scene.emitter.length)
+
+    @property
+    def sized(self) -> np.uint8 | None:
+        """Whether any light has a size that solids show, as kernels are told: None compiles without such shadows."""
+        return np.uint8(1) if self.solids is not None and self.lights[:, 12].any() else None
+
+    def shade_strands(
+        self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
+        clear: NDArray[np.float32] | None, body: Body | None, colours: NDArray[np.float32],
+    ) -> None:  # fmt: skip
+        """Into colours (V, 3): radiance at the vertices with ``marks`` (V,); the others are left as they are.
+
+        tones (strands,); clear (lights, V): what strands leave of each light with exact shadows.
+        """
+        p = self.palette
+        wide = (None,) * 3 if body is None else (body.slots, p.columns, body.profile)
+        shade_strands.strands(
+            lines.first, lines.world, marks, tones, self.view.pack(), p.colour, given(p.tint, 0, 6),
+            p.diffuse, *self._sky(), p.lobes, p.fibre, p.nodes, given(p.paths, 0, 2), p.dual, p.dual_scale, self.lights,
+            given(clear, 0), *map_arrays(self.maps), *(self.solids or NONE), self.skin, self.sized, *wide, colours,
+        )  # fmt: skip
+
+    def shade_surfaces(
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
+    ) -> None:
+        """Light the solids that ``keys`` (height * width,) shows, into image (height, width, 3).
+
+        spots (pixels, 2): places on the screen, where pixels do not lie where they belong.
+        """
+        if self.solids is None:
+            return
+        seen = [solid for solid in self.scene.solids if solid.visible]
+        paint = paint_of(seen, self.scene.emitter, self.at)
+        shade_surfaces.surfaces(
+            keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, given(self.palette.veil, 3),
+            *map_arrays(self.maps), *self.solids, paint, given(finish_of(seen), 4), self.skin, self.sized, spots, image,
+        )  # fmt: skip
+
+    def _sky(self) -> tuple[Any, ...]:
+        found = self.occlusion
+        around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
+        return np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around

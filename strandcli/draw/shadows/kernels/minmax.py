@@ -1,0 +1,158 @@
+"""The min/max shadow map (thesis §3): per texel the nearest and the farthest strand, seen from the light.
+
+The source stores the z of a normalised vector, a cosine, and its shadows fail when the light is far. Here it is the
+depth along the light's view in metres.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import function, inner, parallel, prange
+from ...zbuffer.kernels.raster import FIXED, POINT
+
+HALF = np.float32(0.5)
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+NEXT = np.uint64(1)
+SMALL = np.float32(1e-20)
+# 1 − (√e p(h) − 1) / (e − 1) as LIT − STEEP p(h)
+LIT = np.float32(1 + 1 / (math.e - 1))
+STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
+
+
+@parallel
+def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
+    """Draw the strands' depths into a map that holds (inf, −inf) where nothing is drawn yet.
+
+    screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light,
+    or 0 for a perspective one, to turn that number back into metres; members, begin: bands as in `raster.visible`;
+    texels (size * size, 2) float32: nearest, farthest; (inf, −inf) where there is no strand.
+    """
+    for task in prange(workers):
+        for b in range(task, begin.shape[0] - 1, workers):
+            band(first, screen, members, begin, b, size, rows, far, near, texels)
+
+
+@inner
+def band(first, screen, members, begin, b, size, rows, far, near, texels):
+    """All that `fill` does in band number `b`."""
+    top = b * rows
+    bottom = min(top + rows, size)
+    for m in range(begin[b], begin[b + 1]):
+        s = members[m]
+        a = first[s]
+        x1 = screen[a, 0]
+        y1 = screen[a, 1]
+        q1 = screen[a, 2]
+        for v in range(a + 1, first[s + 1]):
+            x0 = x1
+            y0 = y1
+            q0 = q1
+            x1 = screen[v, 0]
+            y1 = screen[v, 1]
+            q1 = screen[v, 2]
+            if max(y0, y1) < np.float32(top) or min(y0, y1) >= np.float32(bottom) or q0 <= ZERO or q1 <= ZERO:
+                continue
+            d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
+            d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+            line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels)
+
+
+@function
+def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
+    """One piece: a sample for each texel along its longer axis, at least one, so that none is lost between texels."""
+    length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
+    if length > np.float32(4 * size):  # a light so near that a piece is wider than its map
+        return
+    steps = max(length, ONE)
+    per = ONE / steps
+    rise = (d1 - d0) * per
+    d = d0 + rise * HALF
+    x = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED)
+    y = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED)
+    step_x = np.int64((x1 - x0) * per * FIXED)
+    step_y = np.int64((y1 - y0) * per * FIXED)
+    for _ in range(np.int64(steps)):
+        row = y >> POINT
+        column = x >> POINT
+        if row >= top and row < bottom and column >= 0 and column < size:
+            t = np.uint64(row * size + column)
+            texels[t, 0] = min(texels[t, 0], d)
+            texels[t, 1] = max(texels[t, 1], d)
+        x += step_x
+        y += step_y
+        d += rise
+
+
+@function
+def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
+    """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
+    light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
+
+    x, y, z metres; lights (n, 16) as in `shade_strands.strands`: of light i [7], [8] its first map and their number,
+    [9] bias in metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,)
+    int64, views (M, 24). A point that no map of the light holds is lit.
+    """
+    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+        u, v, d = texel_of(x, y, z, views, one)
+        if not held(u, v, d, views, one, np.float32(sizes[one] - 1)):
+            continue
+        low_u = np.floor(u)
+        low_v = np.floor(v)
+        texel = np.uint64(starts[one] + np.int64(low_v) * sizes[one] + np.int64(low_u))
+        below = texel + np.uint64(sizes[one])
+        farthest = max(max(maps[texel, 1], maps[texel + NEXT, 1]), max(maps[below, 1], maps[below + NEXT, 1]))
+        if farthest < ZERO:  # no strand in any of the four
+            return ONE
+        d -= lights[i, 9]
+        return between(
+            u - low_u, v - low_v,
+            through(d, maps[texel, 0], maps[texel, 1]), through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
+            through(d, maps[below, 0], maps[below, 1]), through(d, maps[below + NEXT, 0], maps[below + NEXT, 1]),
+        )  # fmt: skip
+    return ONE
+
+
+@inner
+def texel_of(x, y, z, views, one):
+    """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
+    sx = views[one, 0] * x + views[one, 1] * y + views[one, 2] * z + views[one, 3]
+    sy = views[one, 4] * x + views[one, 5] * y + views[one, 6] * z + views[one, 7]
+    d = views[one, 8] * x + views[one, 9] * y + views[one, 10] * z + views[one, 11]
+    scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
+    return views[one, 15] + scale * sx - HALF, views[one, 16] - scale * sy - HALF, d
+
+
+@inner
+def held(u, v, d, views, one, edge):
+    """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
+    return (d >= views[one, 14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
+
+
+@inner
+def between(u, v, one, right, below, corner):
+    """Bilinear among four texels."""
+    upper = one + u * (right - one)
+    lower = below + u * (corner - below)
+    return upper + v * (lower - upper)
+
+
+@function
+def through(d, r, a):
+    """1 − (eˣ − 1) / (e − 1) at depth d between the nearest r and the farthest a.
+
+    Guarded where a = r: lit up to there, dark behind; lit where the texel is empty, with r = inf and a = −inf. e^x by
+    its Taylor polynomial of degree 6 about 1/2, 2e-6 on [0, 1].
+    """
+    x = min(max((d - r) / max(a - r, SMALL), ZERO), ONE)
+    h = x - HALF
+    e = ONE + h * np.float32(1 / 6)
+    e = ONE + h * np.float32(1 / 5) * e
+    e = ONE + h * np.float32(1 / 4) * e
+    e = ONE + h * np.float32(1 / 3) * e
+    e = ONE + h * HALF * e
+    e = ONE + h * e
+    return min(max(LIT - STEEP * e, ZERO), ONE)

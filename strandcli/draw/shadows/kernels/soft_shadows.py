@@ -1,0 +1,189 @@
+"""Shadows of solids in a light that has a size, at a batch of points: what `penumbra.lit` finds, by vectors.
+
+Solid after solid, a loop over all points leaves out those that see the light past it for sure. The others are listed,
+and what takes long is done for these alone, row by row as well.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import function, inlined, inner
+from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, TEXELS, X, Y, Z
+from . import penumbra
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+
+# Rows that neither strands nor surfaces need yet. Of a point: sine of the light's angular radius, that of the least
+# angle from the light's middle to an edge, and whether a solid is asked. Of one that is listed: its number, the way
+# from it to the beginning of the axis, direction and distance of the light; of a search, its ends, the places between,
+# and what is found there.
+RADIUS, LEAST, ASKED, LIST = (TEXELS + i * W for i in range(13, 17))
+WX, WY, WZ, DX, DY, DZ, END = (TEXELS + i * W for i in range(17, 24))
+LOW, HIGH, NEAR, FAR, AT_NEAR, AT_FAR = (TEXELS + i * W for i in range(24, 30))
+MOVED = 8
+"""Rows from `LIST` on that a point takes along."""
+
+
+@function
+def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
+    """Take from what of light number i arrives at the first n points of a batch what solids hide.
+
+    Rows of `batch`; solids packed by `strandcli.solids.pack`; skin: as in `penumbra.lit`.
+    """
+    size = lights[i, 12]
+    point = lights[i, 0]
+    for k in range(n):
+        radius = penumbra.seen_from(size, point, work[REACH + k])
+        work[RADIUS + k] = radius
+        # where nothing arrives all is hidden already
+        work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
+    for m in range(spheres.shape[0]):
+        by_ball(work, n, spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3] - skin, skin)
+    for m in range(capsules.shape[0]):
+        by_capsule(work, n, capsules, m, skin)
+    for m in range(planes.shape[0]):
+        by_plane(work, n, planes[m, 0], planes[m, 1], planes[m, 2], planes[m, 3], skin)
+    for m in range(boxes.shape[0]):
+        for k in range(n):
+            if work[LEAST + k] > -work[RADIUS + k]:
+                x, y, z = lifted(work, k, skin)
+                least = penumbra.box(
+                    boxes, m, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin, work[RADIUS + k]
+                )
+                work[LEAST + k] = min(work[LEAST + k], least)
+    for k in range(n):
+        work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
+
+
+@inlined
+def lifted(work, k, skin):
+    """Point number k, moved by `skin` toward the light."""
+    return work[X + k] + skin * work[LX + k], work[Y + k] + skin * work[LY + k], work[Z + k] + skin * work[LZ + k]
+
+
+@inner
+def by_ball(work, n, cx, cy, cz, r, skin):
+    """Past a ball of radius r."""
+    for k in range(n):
+        x, y, z = lifted(work, k, skin)
+        least = penumbra.ball(r, cx - x, cy - y, cz - z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
+        work[LEAST + k] = min(work[LEAST + k], least)
+
+
+@inner
+def by_plane(work, n, nx, ny, nz, height, skin):
+    """Past a plane."""
+    for k in range(n):
+        x, y, z = lifted(work, k, skin)
+        over = nx * x + ny * y + nz * z - height
+        up = nx * work[LX + k] + ny * work[LY + k] + nz * work[LZ + k]
+        least = over / work[REACH + k] + up
+        work[LEAST + k] = min(work[LEAST + k], least if over >= ZERO else penumbra.CLEAR)
+
+
+@inner
+def by_capsule(work, n, capsules, m, skin):
+    """Past a capsule."""
+    r = capsules[m, 6] - skin
+    if r <= ZERO:
+        return
+    ax, ay, az = capsules[m, 0], capsules[m, 1], capsules[m, 2]
+    bx, by, bz = capsules[m, 3], capsules[m, 4], capsules[m, 5]
+    bb = bx * bx + by * by + bz * bz
+    around = r + HALF * math.sqrt(bb)
+    for k in range(n):
+        x, y, z = lifted(work, k, skin)
+        radius = work[RADIUS + k]
+        free = penumbra.aside(
+            around, ax - x + HALF * bx, ay - y + HALF * by, az - z + HALF * bz,
+            work[LX + k], work[LY + k], work[LZ + k], radius,
+        )  # fmt: skip
+        work[ASKED + k] = ZERO if free | (work[LEAST + k] <= -radius) else ONE
+    count = np.int64(0)
+    for k in range(n):
+        work[LIST + count] = np.float32(k)
+        count += np.int64(work[ASKED + k])
+    if count == 0:
+        return
+    for j in range(count):
+        k = np.int64(work[LIST + j])
+        x, y, z = lifted(work, k, skin)
+        work[WX + j] = ax - x
+        work[WY + j] = ay - y
+        work[WZ + j] = az - z
+        work[DX + j] = work[LX + k]
+        work[DY + j] = work[LY + k]
+        work[DZ + j] = work[LZ + k]
+        work[END + j] = work[REACH + k]
+        work[NEAR + j] = work[RADIUS + k]
+    for j in range(count):
+        free, s = penumbra.nearest(
+            r, work[WX + j], work[WY + j], work[WZ + j], bx, by, bz, bb,
+            work[DX + j], work[DY + j], work[DZ + j], work[NEAR + j],
+        )  # fmt: skip
+        least = on_axis(work, j, r, bx, by, bz, s)
+        work[FAR + j] = penumbra.CLEAR if free else least
+        work[ASKED + j] = ZERO if free | (least <= -work[NEAR + j]) else ONE
+    search(work, listed_again(work, count), r, bx, by, bz)
+
+
+@inner
+def listed_again(work, count):
+    """Note what was found of those that are listed, and list those that have to be asked further; returns how many."""
+    left = np.int64(0)
+    for j in range(count):
+        k = np.int64(work[LIST + j])
+        work[LEAST + k] = min(work[LEAST + k], work[FAR + j])
+        for row in range(MOVED):
+            work[LIST + row * W + left] = work[LIST + row * W + j]
+        left += np.int64(work[ASKED + j])
+    return left
+
+
+@inlined
+def on_axis(work, j, r, bx, by, bz, s):
+    """`penumbra.ball` of the ball at the place s of the axis."""
+    return penumbra.ball(
+        r, work[WX + j] + s * bx, work[WY + j] + s * by, work[WZ + j] + s * bz,
+        work[DX + j], work[DY + j], work[DZ + j], work[END + j],
+    )  # fmt: skip
+
+
+@inner
+def search(work, count, r, bx, by, bz):
+    """`penumbra.lowest_on_axis` for those that are listed."""
+    if count == 0:
+        return
+    for j in range(count):
+        work[LOW + j] = ZERO
+        work[HIGH + j] = ONE
+        work[NEAR + j] = ONE - penumbra.CLOSER * (ONE - ZERO)
+        work[FAR + j] = ZERO + penumbra.CLOSER * (ONE - ZERO)
+    for j in range(count):
+        work[AT_NEAR + j] = on_axis(work, j, r, bx, by, bz, work[NEAR + j])
+        work[AT_FAR + j] = on_axis(work, j, r, bx, by, bz, work[FAR + j])
+    for _ in range(penumbra.ALONG):
+        for j in range(count):
+            low, near, far, high = work[LOW + j], work[NEAR + j], work[FAR + j], work[HIGH + j]
+            at_near, at_far = work[AT_NEAR + j], work[AT_FAR + j]
+            nearer = at_near < at_far
+            low = low if nearer else near
+            high = far if nearer else high
+            step = penumbra.CLOSER * (high - low)
+            s = high - step if nearer else low + step
+            found = on_axis(work, j, r, bx, by, bz, s)
+            work[LOW + j] = low
+            work[HIGH + j] = high
+            work[NEAR + j] = s if nearer else far
+            work[FAR + j] = near if nearer else s
+            work[AT_NEAR + j] = found if nearer else at_far
+            work[AT_FAR + j] = at_near if nearer else found
+    for j in range(count):
+        k = np.int64(work[LIST + j])
+        work[LEAST + k] = min(work[LEAST + k], min(work[AT_NEAR + j], work[AT_FAR + j]))

@@ -1,0 +1,106 @@
+"""What strands leave of a light at a batch of vertices, by min/max maps or by opacity maps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import inner
+from ....simd import get, lay, put3, spread
+from ....simd import width as lanes
+from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
+from . import opacity
+from .minmax import between, held, texel_of, through
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+NEXT = np.uint64(1)
+TWICE = np.float32(2.0)
+
+
+@inner
+def shade(work, n, views, one, maps, start, size, bias):
+    """What strands leave of a light, by one map: only where no map before held the vertex."""
+    if size < 2:
+        return
+    locate(work, n, views, one, size, bias)
+    for k in range(n):
+        texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
+        below = texel + np.uint64(size)
+        work[TEXELS + k] = maps[texel, 0]
+        work[TEXELS + W + k] = maps[texel, 1]
+        work[TEXELS + 2 * W + k] = maps[texel + NEXT, 0]
+        work[TEXELS + 3 * W + k] = maps[texel + NEXT, 1]
+        work[TEXELS + 4 * W + k] = maps[below, 0]
+        work[TEXELS + 5 * W + k] = maps[below, 1]
+        work[TEXELS + 6 * W + k] = maps[below + NEXT, 0]
+        work[TEXELS + 7 * W + k] = maps[below + NEXT, 1]
+    for k in range(n):
+        d = work[DEPTH + k]
+        left = between(
+            work[U + k] - np.floor(work[U + k]),
+            work[V + k] - np.floor(work[V + k]),
+            through(d, work[TEXELS + k], work[TEXELS + W + k]),
+            through(d, work[TEXELS + 2 * W + k], work[TEXELS + 3 * W + k]),
+            through(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
+            through(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
+        )
+        work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
+
+
+@inner
+def locate(work, n, views, one, size, bias):
+    """Where a map shows the vertices that no map before held."""
+    edge = np.float32(size - 1)
+    for k in range(n):
+        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
+        work[U + k] = u if fresh else ZERO
+        work[V + k] = v if fresh else ZERO
+        work[DEPTH + k] = d - bias if fresh else -ONE
+        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+
+
+@inner
+def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
+    """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres;
+    over: of `opacity_maps.draw`."""
+    if size < 2:
+        return
+    locate(work, n, views, one, size, bias)
+    rows, maps = lay(work), lay(stacks)
+    for k in range(n, W):  # the last vector's other lanes read something too
+        work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
+    near = views[one, 12] > ZERO
+    for k in range(0, n, lanes(rows)):
+        depth = get(rows, DEPTH + k)
+        scale = spread(rows, views[one, 13])
+        if near:
+            scale = scale / (depth + bias)
+        texels, cells, growth = opacity.in_front(
+            get(rows, U + k), get(rows, V + k), depth, scale, maps, start, size, over, layers
+        )
+        put3(rows, TEXELS + k, W, texels, cells, growth)
+    for k in range(n):
+        scale = scale_at(work, k, views, one, bias)
+        passed = opacity.settled(work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k], width, scale)
+        work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
+
+
+@inner
+def scale_at(work, k, views, one, bias):
+    """Texels a metre at vertex k."""
+    return views[one, 13] / (work[DEPTH + k] + bias) if views[one, 12] > ZERO else views[one, 13]
+
+
+@inner
+def beyond(work, n, views, one, stacks, layers, start, size, bias, width):
+    """Strands behind each vertex, where `sink` has just found those in front of it."""
+    if size < 2:
+        return
+    for k in range(n):
+        work[TEXELS + k] = opacity.through(work[U + k], work[V + k], np.uint64(start), size, layers, stacks)
+    for k in range(n):
+        own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
+        total = max(work[TEXELS + k] - own - work[PASSED + k], ZERO)
+        work[LEFT + k] += total if work[INSIDE + k] > ZERO else ZERO

@@ -1,0 +1,282 @@
+"""Shadow maps of all lights that have one: min/max maps, and deep opacity maps.
+
+The resolution of an opacity map follows from how far strands lie from each other (`spacing`). A texel much finer than
+that holds one strand or none, and shades what is behind it fully or not at all, where it should shade everything near
+it by a part; one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli
+study PRESET --axis shadow`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RefusedError
+from ...scene.model import DirectionalLight, Light
+from ..common.scratch import Scratch
+from ..geometry.curves import Polylines
+from ..geometry.extent import Thickness
+from ..view.camera import View, ball, parallel_view, point_views
+from ..zbuffer.raster import Bands, into_bands, to_screen
+from .kernels import minmax as kernel
+from .kernels import opacity, opacity_maps
+
+TEXEL = 1.5
+"""Strand spacings a texel of an opacity map."""
+FALL = 9.0
+"""h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart: more than
+light takes to fall, for single strands stand off before the rest."""
+PLACES = 2**31 - 1
+"""Numbers of an opacity map: its kernel counts them in 32 bits (`simd.pick`)."""
+LEAST_FALL = 1 / 50
+"""Of the groom's size, what h is at least: before a bundle in which light falls within a millimetre stand hairs that
+are centimetres off, and layers that were even no farther than the former are coarse where the bundle begins."""
+TINY = 1e-9
+NO_TEXELS = np.zeros((0, 2), np.float32)
+NO_STACKS = np.zeros(0, np.float32)
+NO_MAPS = np.zeros(0, np.int64)
+NO_VIEWS = np.zeros((0, 24), np.float32)
+"""Of scenes that have none: with None in their place kernels would be compiled once more for each kind of map that a
+scene does without."""
+
+
+@dataclass
+class ShadowMaps:
+    """All maps, as `kernels.shadow.transmittance` and `kernels.opacity.optical_depth` read them."""
+
+    views: list[View]
+    packed: NDArray[np.float32]
+    """(M, 24) the views packed."""
+    starts: NDArray[np.int64]
+    """Where each map begins: in `texels`, or in `stacks` if it is an opacity map, as `divide` finds."""
+    sizes: NDArray[np.int64]
+    texels: NDArray[np.float32] | None
+    """(T, 2) nearest and farthest depth, metres; None where all are opacity maps."""
+    owners: list[tuple[int, int]]
+    """For each light its first map and how many it has."""
+    stacks: NDArray[np.float32] | None = None
+    """Flat: opacity maps, from `divide` on; None where there are none."""
+    layers: list[int] = field(default_factory=list)
+    """Layers of each map, 0 for a min/max map."""
+    extents: list[NDArray[np.float32]] = field(default_factory=list)
+    """Nearest and farthest depth (n, 2) of each map's texels, or of an opacity map's cells, which is drawn first."""
+    thickness: Thickness = Thickness()
+    over: float = 1.0
+    """1 / h of `kernels.opacity`, 1/m."""
+    _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
+    """Where each opacity map ends in `stacks`."""
+    _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
+    """What was drawn last, in which map, and how its light sees it."""
+
+    @property
+    def deep(self) -> bool:
+        """Whether strands have to be drawn a second time, into layers."""
+        return any(self.layers)
+
+    def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw polylines into every map."""
+        for number in range(len(self.views)):
+            self._draw(number, lines, workers, scratch, None)
+
+    def divide(self, scratch: Scratch) -> None:
+        """When all strands have been added: layers between the nearest and the farthest, where there are any."""
+        deep = [number for number, layers in enumerate(self.layers) if layers]
+        if not deep:
+            return
+        ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
+        tables = np.split(scratch.take("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
+        lengths = np.zeros(len(self.views), np.int64)
+        for number, rows in zip(deep, tables, strict=True):
+            count = opacity_maps.number(self.extents[number], rows)
+            lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
+        if lengths.max() > PLACES:
+            raise RefusedError(
+                f"shadow: an opacity map would hold {4 * lengths.max() / 1e9:.1f} GB, more than the "
+                f"{4 * PLACES / 1e9:.1f} GB that a kernel counts; a smaller shadow.size or fewer layers take less"
+            )
+        self._ends = np.cumsum(lengths)
+        self.starts[deep] = (self._ends - lengths)[deep]
+        self.stacks = scratch.take("stacks", int(self._ends[-1]), np.float32)
+        for number, rows in zip(deep, tables, strict=True):
+            least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
+            opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
+
+    def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw the same polylines into the layers of every opacity map, first of that which was drawn last."""
+        for number, layers in reversed(list(enumerate(self.layers))):
+            if layers:
+                self._draw(number, lines, workers, scratch, self._stack(number))
+
+    def finish(self) -> None:
+        """When all strands have been weighed."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                opacity_maps.add_up(len(self.extents[number]), layers, self._stack(number))
+
+    def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """All of it, where one call brings all strands."""
+        self.add(lines, workers, scratch)
+        self.divide(scratch)
+        self.weigh(lines, workers, scratch)
+        self.finish()
+
+    def _stack(self, number: int) -> NDArray[np.float32]:
+        assert self.stacks is not None
+        return self.stacks[self.starts[number] : self._ends[number]]
+
+    def _draw(
+        self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
+    ) -> None:
+        view, size, layers = self.views[number], int(self.sizes[number]), self.layers[number]
+        if self._seen is None or self._seen[0] is not lines or self._seen[1] != number:
+            stride = coarseness(lines, view)
+            screen = to_screen(lines, view, scratch, "light_screen", stride)
+            ends = np.arange(len(lines.first), dtype=np.int64)
+            first = (lines.first - ends) // stride + ends
+            self._seen = lines, number, first, screen, into_bands(first, screen, size, 1.0, workers, scratch)
+        _, _, first, screen, bands = self._seen
+        far = np.float32(0.0 if view.perspective else view.far - view.near)
+        near = np.float32(view.near)
+        if not layers:
+            kernel.fill(
+                first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, self.extents[number]
+            )
+            return
+        opacity_maps.draw(
+            first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
+            np.float32(self.thickness.width), np.float32(self.thickness.taper), lines.scale, self.extents[number],
+            np.float32(self.over), layers, stack,
+        )  # fmt: skip
+
+
+def plan_maps(
+    lights: tuple[Light, ...],
+    bounds: NDArray[np.float64],
+    scratch: Scratch,
+    thickness: Thickness = Thickness(),
+    spacing: float = 0.0,
+    counted: bool = True,
+) -> ShadowMaps | None:
+    """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
+
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: whether lights with
+    exact shadows have an opacity map too, for solids and for all that counts strands.
+    """
+    views: list[View] = []
+    layers: list[int] = []
+    owners = []
+    for light in lights:
+        before = len(views)
+        if wants_map(light) and (counted or not is_traced(light)):
+            deep = light.shadow.model != "minmax"
+            size = light.shadow.side
+            if deep:  # of whole cells, two texels wide, two of which a point lies between
+                size = max(size + size % 2, 4)
+            found = light_views(light, size, bounds)
+            if deep:
+                wanted = light.shadow.texel or max(TEXEL * spacing, thickness.width)
+                found = _coarser(light, size, bounds, found, wanted)
+            views += found
+            layers += [light.shadow.layers if deep else 0] * len(found)
+        owners.append((before, len(views) - before))
+    if not views:
+        return None
+    sizes = np.array([view.width for view in views], np.int64)
+    dense, across = spacing > 0 < thickness.mean, float(np.linalg.norm(bounds[1] - bounds[0]))
+    h = max(FALL * spacing**2 / thickness.mean, LEAST_FALL * across) if dense else across
+    deep_maps = np.array(layers) > 0
+    counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
+    begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
+    ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
+    every = scratch.take("texels", (int(ends[-1]), 2), np.float32)
+    every[:, 0] = np.inf
+    every[:, 1] = -np.inf
+    extents: list[Any] = [None] * len(views)
+    at = 0
+    for number in order:
+        extents[number] = every[at : at + counts[number]]
+        at += int(counts[number])
+    return ShadowMaps(
+        views,
+        np.stack([view.pack() for view in views]),
+        begin[:-1],
+        sizes,
+        None if deep_maps.all() else every[: int(begin[-1])],
+        owners,
+        None,
+        layers,
+        extents,
+        thickness,
+        1.0 / max(h, TINY),
+    )
+
+
+def light_views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
+    """What a light sees of the box ``bounds``, ``size`` texels a side."""
+    if isinstance(light, DirectionalLight):
+        return [parallel_view(light.direction, size, bounds)]
+    return point_views(light.position, size, bounds)
+
+
+def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[View], wanted: float) -> list[View]:
+    """The light's views with texels of ``wanted`` metres at the groom's middle, ``size`` a side at most."""
+    texel = max(texel_of(view, bounds) for view in views)
+    if texel >= wanted:
+        return views
+    # as many cells as it takes and not a part of one more, so that maps do not jump with their number of texels
+    views = light_views(light, 2 * max(math.ceil(size * texel / wanted / 2), 4), bounds)
+    wider = max(wanted / max(texel_of(view, bounds) for view in views), 1.0)
+    return [replace(view, focal=view.focal / wider) for view in views]
+
+
+def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
+    """Metres that a texel covers: at the middle of ``bounds``, or of the view."""
+    if not view.perspective:
+        return 1.0 / view.focal
+    if bounds is None:
+        return 0.5 * (view.near + view.far) / view.focal
+    centre, radius = ball(bounds)
+    return max(float(np.linalg.norm(centre - view.eye)), radius) / view.focal
+
+
+def coarseness(lines: Polylines, view: View) -> int:
+    """How many pieces of a curve a map may draw as one line: a segment that turns by a radian then leaves the curve by
+    at most half a texel. A cubic's chords are off by length · turn / 8, which falls with the square of their number."""
+    nearest = view.near if view.perspective else 1.0
+    texels = lines.segment * view.focal / nearest
+    needed = 1
+    while needed < lines.pieces and texels / (8 * needed * needed) > 0.5:
+        needed *= 2
+    return lines.pieces // needed
+
+
+def wants_map(light: Any) -> bool:
+    """Whether a light has a shadow map at all: one that is dark needs none."""
+    return bool(light.shadow.model != "off" and light.intensity > 0 and any(light.colour))
+
+
+def is_traced(light: Light) -> bool:
+    """Whether a light's shadows of strands on strands are exact ones (see `strandcli.draw.shadows.traced`)."""
+    return light.shadow.model == "traced" and wants_map(light)
+
+
+def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
+    """Depth that a strand covers within one texel: nearer than that to the first strand nothing is shaded."""
+    centre, radius = ball(bounds)
+    depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
+    return depth / view.focal
+
+
+def map_arrays(maps: ShadowMaps | None) -> tuple[NDArray[Any], ...]:
+    """Maps as kernels read them: texels, stacks, starts, sizes, packed views. Without rows where there are
+    none."""
+    if maps is None:
+        return NO_TEXELS, NO_STACKS, NO_MAPS, NO_MAPS, NO_VIEWS
+    texels = NO_TEXELS if maps.texels is None else maps.texels
+    stacks = NO_STACKS if maps.stacks is None else maps.stacks
+    return texels, stacks, maps.starts, maps.sizes, maps.packed

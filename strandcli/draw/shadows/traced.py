@@ -1,0 +1,181 @@
+"""Lights with exact shadows of strands on strands (`shadow: {model: traced}`).
+
+A map blurs the shadows of single strands, which is right where a pixel shows many and seen where it shows few. Here
+each strand is held against all others; what is averaged is averaged over a part of a strand's length, no more than a
+sample of the picture shows or than lies between two of its lit vertices. A strand does not shade itself.
+
+A grid over each of a light's views lists the pieces of strands in each of its cells: some `LIST`, which was fastest,
+and more where the lists would take more than `GRID_BYTES`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...constants import GRID_BYTES
+from ...scene.model import Light
+from ..common.scratch import Scratch
+from ..geometry.curves import Polylines
+from ..geometry.extent import Thickness
+from ..geometry.kernels import silhouette
+from ..view.camera import View, ball
+from ..view.kernels import project
+from ..zbuffer.raster import into_bands, to_screen
+from .kernels import grid as cells
+from .kernels import interval_bits
+from .kernels import traced as kernel
+from .shadow import light_views, texel_of
+
+LIST = 64.0
+"""Pieces that touch a cell, about."""
+COARSE = 64
+"""Cells along a side of the grid by which the area is found that strands cover,"""
+SOME, MANY = 1000, 50_000
+"""from so many vertices; and strands whose pieces are measured."""
+FINEST = 2048
+"""Cells along a side of a grid at most."""
+LISTED = 8 + 4 * cells.ROWS
+"""Bytes that a strand's piece takes in each cell it touches."""
+PLACES = 2.0
+"""Along a strand, to its width, that are lit or dark."""
+WORDS = 8
+"""Of 64 places along a piece of a strand, at most."""
+ALL_SHOWN = np.zeros((0, 0), np.uint64)
+APART = 2.0
+"""Widths aside of itself, as the light sees it, within which a strand does not shade itself."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Strands as one light sees them, sorted into cells, as `kernels.traced.visibility` reads them."""
+
+    views: NDArray[np.float32]
+    sizes: NDArray[np.int64]
+    cells: NDArray[np.int64]
+    begin: NDArray[np.int64]
+    keys: NDArray[np.int64]
+    rows: NDArray[np.float32]
+    words: int
+    """Of bits for the places along a piece."""
+    veil: int
+    bias: np.float32
+    thickness: Thickness
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes."""
+        return self.begin.nbytes + self.keys.nbytes + self.rows.nbytes
+
+    def visibility(
+        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
+        eye: View | None = None, slots: NDArray[np.int32] | None = None,
+        shown: NDArray[np.uint64] | None = None, shades: NDArray[np.uint64] | None = None,
+    ) -> None:  # fmt: skip
+        """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
+        camera sees at ``screen`` (V, 3). Across the strands at the vertices that have ``slots`` (V,), where ``eye``
+        sees them, into shades (n, LINES), as far as it is ``shown``: see `kernels.traced.visibility`."""
+        most = int(np.diff(lines.first).max(initial=1))
+        kernel.visibility(
+            lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
+            self.keys, self.rows, self.words, self.veil, self.bias, np.float32(APART * self.thickness.width),
+            None if eye is None else eye.pack(), np.float32(self.thickness.width), np.float32(self.thickness.taper),
+            lines.scale, slots, ALL_SHOWN if shown is None else shown, shades, out,
+        )  # fmt: skip
+
+
+def grid_of(
+    light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
+    scratch: Scratch, number: int = 0, room: int = GRID_BYTES,
+) -> Grid:  # fmt: skip
+    """A light's grid of all strands, which are within the box ``bounds`` (2, 3); ``number``: of the light among those
+    that have one."""
+    piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
+    margin = piece + thickness.width
+    wider = np.stack([bounds[0] - margin, bounds[1] + margin])
+    fine = light_views(light, FINEST, wider)
+    texel = max(texel_of(view, wider) for view in fine)
+    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece)
+    size = int(np.clip(FINEST * texel / max(cell, thickness.width), 8, FINEST))
+    while True:
+        views = light_views(light, size, wider)
+        sides = [_bands_of(lines, view, thickness, scratch) for view in views]
+        begin = np.zeros(len(views) * size * size + 1, np.int64)
+        for side, bands in enumerate(sides):
+            here = slice(1 + side * size * size, 1 + (side + 1) * size * size)
+            _list(lines, bands, views[side], workers, scratch, begin[here], None)
+        np.cumsum(begin, out=begin)
+        if LISTED * int(begin[-1]) <= room or size <= 8:
+            break
+        size = max(size // 2, 8)
+    keys = scratch.take(f"grid_keys_{number}", int(begin[-1]), np.int64)
+    rows = scratch.take(f"grid_rows_{number}", cells.ROWS * int(begin[-1]), np.float32)
+    for side, bands in enumerate(sides):
+        silhouette = begin[side * size * size : (side + 1) * size * size + 1]
+        _list(lines, bands, views[side], workers, scratch, silhouette[:-1].copy(), keys)
+        table = scratch.take("equations", (len(bands), cells.ROWS), np.float32)
+        focal = np.float32(views[side].focal if views[side].perspective else 0.0)
+        cells.equations(lines.first, bands, focal, np.float32(size / 2), table)
+        cells.order(silhouette, size, table, keys, rows)
+    words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / interval_bits.WORD)
+    return Grid(
+        np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
+        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, min(words, WORDS),
+        round(opacity * int(interval_bits.VEILS)), np.float32(light.shadow.bias), thickness,
+    )  # fmt: skip
+
+
+def _mean_piece(lines: Polylines) -> float:
+    """Mean length of a piece, metres, of the first `SOME` strands."""
+    first = lines.first[: SOME + 1]
+    steps = np.diff(lines.world[: int(first[-1])], axis=0)
+    last = first[1:-1] - 1
+    steps[last[(last >= 0) & (last < len(steps))]] = 0  # strands that fade may have no vertices at all
+    total = float(np.sqrt((steps**2).sum(1)).sum(dtype=np.float64))
+    return total / max(int(first[-1]) - int(np.count_nonzero(np.diff(first))), 1)
+
+
+def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> float:
+    """Side of cells that some `LIST` pieces touch, metres: of pieces of length l that begin evenly over an area, a cell
+    of side c is touched by those that begin in an area of c (c + 4 l / π). ``views``: of `COARSE` cells a side, which
+    are ``texel`` metres wide."""
+    points = lines.world[:: max(len(lines.world) // MANY, 1)].astype(np.float64)
+    covered = 0
+    for view in views:
+        away = points - view.eye
+        depth = away @ view.forward
+        away, depth = away[depth > view.near], depth[depth > view.near]
+        scale = view.focal / depth if view.perspective else view.focal
+        x, y = (np.clip(COARSE / 2 + scale * (away @ axis), 0, COARSE - 1) for axis in (view.right, view.up))
+        covered += int(np.count_nonzero(np.bincount(y.astype(np.int64) * COARSE + x.astype(np.int64))))
+    area = LIST * max(covered, 1) * texel**2 / max(lines.segments, 1)
+    reach = 4 / math.pi * piece
+    return (math.sqrt(reach**2 + 4 * area) - reach) / 2
+
+
+def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
+    """(V, 4) as in `kernels.grid.list_bands`."""
+    screen = to_screen(lines, view, scratch, "light_screen")
+    packed, width, taper = view.pack(), np.float32(thickness.width), np.float32(thickness.taper)
+    silhouette.rims(lines.first, lines.world, packed, width, taper, lines.scale, screen)
+    widths = scratch.take("light_widths", len(screen), np.float32)
+    project.widths(
+        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), widths
+    )  # fmt: skip
+    out = np.empty((len(screen), 4), np.float32)
+    out[:, :3] = screen
+    np.multiply(widths, np.float32(0.5), out=out[:, 3])
+    return out
+
+
+def _list(
+    lines: Polylines, bands: NDArray[np.float32], view: View, workers: int, scratch: Scratch, at: NDArray[np.int64],
+    keys: NDArray[np.int64] | None,
+) -> None:  # fmt: skip
+    size, stretch = int(view.width), view.pack()[23]
+    margin = float(stretch * bands[:, 3].max(initial=0.0)) + 1.0
+    rows = into_bands(lines.first, bands, size, margin, workers, scratch)
+    cells.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

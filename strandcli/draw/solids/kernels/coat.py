@@ -1,0 +1,120 @@
+"""What a solid's surface is beside its colour: a coat that mirrors, and patches.
+
+The coat is a microfacet layer of Trowbridge and Reitz's (GGX) normals with α = roughness² (Burley 2012), Smith's
+masking, where ways in and out are masked together by height, and Schlick's Fresnel term. A light's size widens the
+normals: over a disc of angular radius a half-way vectors lie within a / 2, and where its middle is mirrored the mean of
+α² / (α² + s²)² over such a disc of s is 1 / (α² + a² / 4); further out the gleam falls more softly than the disc's own.
+Light from everywhere is mirrored as a whole, by a Fresnel term that rises less the rougher the coat is; what is under
+the coat gets what it does not mirror, so that a white solid in even light is as bright as that.
+
+Patches are noise over space, octave by octave, each left out where it is finer than a pixel.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import function, inner
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+THREE = np.float32(3.0)
+TINY = np.float32(1e-6)
+QUARTER = np.float32(0.25)
+INV_PI = np.float32(1 / math.pi)
+OCTAVES = 5
+BITS = np.float32(2.0**-24)
+COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
+"""Columns of `strandcli.draw.solids.solids.finish_of`."""
+
+
+@inner
+def fresnel(coat, edge, cosine):
+    """What is mirrored: ``coat`` straight on, ``edge`` at a grazing angle (Schlick 1994)."""
+    x = min(max(ONE - cosine, ZERO), ONE)
+    square = x * x
+    return coat + (edge - coat) * square * square * x
+
+
+@function
+def mirrored(coat, rough, nv):
+    """Share of the light from everywhere that a coat mirrors to the eye at the cosine ``nv``."""
+    return fresnel(coat, max(ONE - rough, coat), nv)
+
+
+@function
+def gleam(coat, rough, size, nx, ny, nz, lx, ly, lz, vx, vy, vz):
+    """The coat's BRDF for unit vectors to the light, whose angular radius has the sine ``size``, and to the eye."""
+    hx = lx + vx
+    hy = ly + vy
+    hz = lz + vz
+    per = ONE / math.sqrt(max(hx * hx + hy * hy + hz * hz, TINY))
+    nh = min((nx * hx + ny * hy + nz * hz) * per, ONE)
+    lh = min((lx * hx + ly * hy + lz * hz) * per, ONE)
+    nl = max(nx * lx + ny * ly + nz * lz, TINY)
+    nv = max(nx * vx + ny * vy + nz * vz, TINY)
+    square = rough * rough * rough * rough + QUARTER * size * size
+    bent = nh * nh * (square - ONE) + ONE
+    facets = square * INV_PI / (bent * bent)
+    seen = nl * math.sqrt(nv * nv * (ONE - square) + square) + nv * math.sqrt(nl * nl * (ONE - square) + square)
+    return fresnel(coat, ONE, lh) * facets * HALF / max(seen, TINY)
+
+
+@function
+def patches(x, y, z, grain, pixel):
+    """Noise in [−1, 1] whose largest patches are ``grain`` metres wide, at a point where a pixel is ``pixel`` wide."""
+    total = ZERO
+    size = grain
+    weight = HALF
+    for octave in range(OCTAVES):
+        # from two pixels on there is none of it
+        shown = min(max(size / max(pixel, TINY) - ONE, ZERO), ONE)
+        if shown > ZERO:
+            per = ONE / size
+            total += shown * weight * lattice(x * per, y * per, z * per, np.uint32(octave))
+        size *= HALF
+        weight *= np.float32(0.7)
+    return min(max(total, -ONE), ONE)
+
+
+@inner
+def lattice(x, y, z, seed):
+    """Value noise in [−1, 1]: even numbers at whole places, smooth in between."""
+    i = np.floor(x)
+    j = np.floor(y)
+    k = np.floor(z)
+    u = smooth(x - i)
+    v = smooth(y - j)
+    w = smooth(z - k)
+    a = np.int64(i)
+    b = np.int64(j)
+    c = np.int64(k)
+    total = ZERO
+    for corner in range(8):
+        p = corner & 1
+        q = (corner >> 1) & 1
+        r = corner >> 2
+        weight = (u if p else ONE - u) * (v if q else ONE - v) * (w if r else ONE - w)
+        total += weight * value(a + p, b + q, c + r, seed)
+    return TWO * total - ONE
+
+
+@inner
+def smooth(t):
+    """0 to 1 with level ends."""
+    return t * t * (THREE - TWO * t)
+
+
+@inner
+def value(a, b, c, seed):
+    """Even noise in [0, 1) of a whole place, by Wellons's `lowbias32` hash."""
+    bits = np.uint32(a * 73856093 ^ b * 19349663 ^ c * 83492791) + np.uint32(0x9E3779B9) * seed
+    bits = np.uint32(bits)
+    bits = np.uint32((bits ^ (bits >> np.uint32(16))) * np.uint32(0x7FEB352D))
+    bits = np.uint32((bits ^ (bits >> np.uint32(15))) * np.uint32(0x846CA68B))
+    bits = np.uint32(bits ^ (bits >> np.uint32(16)))
+    return np.float32(bits >> np.uint32(8)) * BITS

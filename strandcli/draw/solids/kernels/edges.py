@@ -1,0 +1,248 @@
+"""Where solids end: pixels that one covers in part, by samples (see `strandcli.draw.solids.edges`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import inner, parallel, prange
+from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from . import smooth_union, sphere_tracing
+from .solids import HALF, INF, ONE, ZERO, aim, key_at, meet, ray
+
+SAMPLES = 4
+"""Along each side of a pixel."""
+WHOLE = SAMPLES * SAMPLES
+PER = np.float32(1 / SAMPLES)
+TOGETHER = W // WHOLE
+"""Pixels whose samples are a batch."""
+SLOTS = 4
+"""Solids that are told apart within a pixel; more count as the last of them."""
+EVEN = np.uint64(0)
+
+
+@parallel
+def depths(keys, out):
+    """Depth numbers (P,) float32 of a z-buffer (P,), 0 where nothing is."""
+    for p in prange(keys.shape[0]):
+        out[p] = np.uint32(LOW - (keys[p] >> SHIFT)).view(np.float32)
+
+
+@parallel
+def find(keys, width, height, ends, counts):
+    """Mark where a solid may end: ends (height * width,) uint8, not zero where a pixel's solid is another one than that
+    of one beside, above or below it, or where one of them is beyond the picture; counts (height,) int64 of each row."""
+    for row in prange(height):
+        y = np.int64(row)  # the index is unsigned, and would have `compare` compiled twice
+        compare(keys, y * width, max(y - 1, 0) * width, min(y + 1, height - 1) * width, width, ends)
+        if y in (0, height - 1):
+            ends[y * width : (y + 1) * width] = 1
+        ends[y * width] = 1
+        ends[(y + 1) * width - 1] = 1
+        counts[y] = total(ends, y * width, width)
+
+
+@inner
+def compare(keys, own, above, below, width, ends):
+    """What `find` does in the row that begins at `own`, but for its first and last pixel, whose neighbours are those
+    that begin at `above` and `below`: one vector after the other."""
+    for x in range(np.uint64(1), np.uint64(width - 1)):
+        at = np.uint64(own) + x
+        key = keys[at]
+        other = (keys[at - np.uint64(1)] ^ key) | (keys[at + np.uint64(1)] ^ key)
+        other |= (keys[np.uint64(above) + x] ^ key) | (keys[np.uint64(below) + x] ^ key)
+        ends[at] = np.uint8((other & LOW) != EVEN)
+
+
+@inner
+def total(ends, begin, count):
+    """Sum of so many marks from a place on."""
+    n = np.int64(0)
+    for i in range(np.uint64(begin), np.uint64(begin + count)):
+        n += np.int64(ends[i])
+    return n
+
+
+@parallel
+def collect(ends, width, begin, pixels):
+    """List the marked pixels row by row; ends as from `find`, begin (height + 1,) int64: where each row begins in
+    pixels (E,) int64, and where the last one ends."""
+    for row in prange(begin.shape[0] - 1):
+        y = np.int64(row)
+        n = begin[y]
+        p = y * width
+        while n < begin[y + 1]:
+            if ends[p] != 0:
+                pixels[n] = p
+                n += 1
+            p += 1
+
+
+@parallel
+def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, spots, counts):
+    """Which solids the samples of each of these pixels show.
+
+    frames: as in `solids.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
+    samples that show it, spots (E, SLOTS, 2) float32, where on the screen that is, and counts (E, SLOTS) int64, of the
+    samples; keys `EMPTY` where there are no more.
+    """
+    flat = ONE - view[12]
+    far = ONE / view[19]
+    for task in prange((pixels.shape[0] + TOGETHER - 1) // TOGETHER):
+        begin = np.int64(task) * TOGETHER
+        end = min(begin + TOGETHER, pixels.shape[0])
+        work = np.zeros(sphere_tracing.ROWS * W, np.float32)
+        best = np.empty(W, np.uint64)
+        for e in range(begin, end):
+            for i in range(WHOLE):
+                j = (e - begin) * WHOLE + i
+                column, row = spot(pixels, width, e, i)
+                aim(work, j, view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+                best[j] = EMPTY
+        for m in range(frames.shape[0]):
+            if smooth_union.blends(spheres, capsules, m) and any_inside(pixels, width, begin, end, frames, m):
+                sphere_tracing.meet(work, (end - begin) * WHOLE, spheres, capsules)
+            for e in range(begin, end):
+                if inside(pixels, width, e, frames, m):
+                    for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
+                        t = meet_one(work, j, spheres, capsules, planes, boxes, m)
+                        best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
+        for e in range(begin, end):
+            count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
+            settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts)
+
+
+@inner
+def spot(pixels, width, e, i):
+    """Where on the screen sample number i of a pixel lies."""
+    x = pixels[e] % width
+    y = pixels[e] // width
+    column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
+    return column, np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
+
+
+@inner
+def inside(pixels, width, e, frames, m):
+    """Whether a pixel can show solid number m."""
+    x = pixels[e] % width
+    y = pixels[e] // width
+    return frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]
+
+
+@inner
+def any_inside(pixels, width, begin, end, frames, m):
+    """Whether any of these pixels can."""
+    found = False
+    for e in range(begin, end):
+        found |= inside(pixels, width, e, frames, m)
+    return found
+
+
+@inner
+def meet_one(work, j, spheres, capsules, planes, boxes, m):
+    """Where ray number j of a batch meets solid number m: what blends has been met."""
+    if smooth_union.blends(spheres, capsules, m):
+        return work[sphere_tracing.MET + j]
+    return meet(
+        spheres, capsules, planes, boxes, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j], work[sphere_tracing.OZ + j],
+        work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
+    )  # fmt: skip
+
+
+@inner
+def count_samples(pixels, width, e, best, at, keys, spots, counts):
+    """Count what the samples of a pixel show, whose keys begin at place `at`, and add up where they lie."""
+    for slot in range(SLOTS):
+        keys[e, slot] = EMPTY
+        counts[e, slot] = 0
+        spots[e, slot, 0] = ZERO
+        spots[e, slot, 1] = ZERO
+    for i in range(WHOLE):
+        own = best[at + i]
+        if own != EMPTY:
+            slot = 0
+            while slot < SLOTS - 1 and keys[e, slot] != EMPTY and (keys[e, slot] & LOW) != (own & LOW):
+                slot += 1
+            column, row = spot(pixels, width, e, i)
+            keys[e, slot] = min(own, keys[e, slot])
+            counts[e, slot] += 1
+            spots[e, slot, 0] += column
+            spots[e, slot, 1] += row
+
+
+@inner
+def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts):
+    """The middle of the samples that show each of a pixel's solids, and its key there."""
+    for slot in range(SLOTS):
+        if counts[e, slot] > 0:
+            column = spots[e, slot, 0] / np.float32(counts[e, slot])
+            row = spots[e, slot, 1] / np.float32(counts[e, slot])
+            spots[e, slot, 0] = column
+            spots[e, slot, 1] = row
+            ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+            which = np.int64((keys[e, slot] & LOW) - FIRST)
+            # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
+            t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+            if t < INF:
+                keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
+
+
+@inner
+def foremost(keys, e):
+    """The slot of the solid in front."""
+    best = 0
+    for slot in range(1, SLOTS):
+        if keys[e, slot] < keys[e, best]:
+            best = slot
+    return best
+
+
+@parallel
+def part(pixels, keys, counts, hides, depth, cover):
+    """Take the solid in front out of each of these pixels: depth, cover (E,) float32 become its depth number and its
+    share of the samples; hides (P,) float32 the depth number behind which the other samples hide all, 0 if any shows
+    nothing."""
+    for edge in prange(pixels.shape[0]):
+        e = np.int64(edge)
+        front = foremost(keys, e)
+        depth[e] = number(keys[e, front])
+        # one that shows in all samples is what all else is laid over, as anywhere
+        cover[e] = np.float32(counts[e, front] % WHOLE) / np.float32(WHOLE)
+        rest = np.float32(np.inf)
+        shown = np.int64(0)
+        for slot in range(SLOTS):
+            shown += counts[e, slot]
+            if slot != front and counts[e, slot] > 0:
+                rest = min(rest, number(keys[e, slot]))
+        if counts[e, front] < WHOLE:
+            hides[pixels[e]] = rest if shown == WHOLE else ZERO
+
+
+@inner
+def number(key):
+    """The depth number of a key."""
+    return np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+
+
+@parallel
+def lay(pixels, keys, counts, colours, front, image):
+    """The light of the solids at edges: that of the one in front into front (E, 3); what the other samples show over
+    the picture (height, width, 3), which holds the background of those that show nothing. colours (E, SLOTS, 3)."""
+    width = image.shape[1]
+    for edge in prange(pixels.shape[0]):
+        e = np.int64(edge)
+        x = pixels[e] % width
+        y = pixels[e] // width
+        best = foremost(keys, e)
+        alone = counts[e, best] == WHOLE
+        others = np.float32(WHOLE if alone else WHOLE - counts[e, best])
+        shown = np.int64(0)
+        for slot in range(SLOTS):
+            shown += counts[e, slot]
+        for c in range(3):
+            front[e, c] = colours[e, best, c]
+            light = np.float32(WHOLE - shown) * image[y, x, c]
+            for slot in range(SLOTS):
+                if alone or slot != best:
+                    light += np.float32(counts[e, slot]) * colours[e, slot, c]
+            image[y, x, c] = light / others

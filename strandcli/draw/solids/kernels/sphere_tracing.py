@@ -1,0 +1,176 @@
+"""Rays that meet what blends, many at once: `seams.meet`, where each step is a loop over rays, which is vector code.
+
+Rays that end are left out when they are a quarter of all, so that the few that graze a surface do not take the others
+with them. A solid counts for all rays or for none; beside one that passes it at a distance it is not felt anyway.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import function, inlined, inner
+from ...common.kernels.approximations import exp, log
+from . import smooth_union
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+INF = np.float32(np.inf)
+TOGETHER = np.int64(8)
+"""Rays that are looked at together: a vector's."""
+
+# Rows of numbers, one a ray: origin, direction, where it is met; then of those that are on their way their number,
+# origin and direction, where they are and where they end in units of |d|, one over that, and of the solids there the
+# nearest one's distance and the sum of all shares.
+OX, OY, OZ, DX, DY, DZ, MET = (i * W for i in range(7))
+WHICH, X, Y, Z, WX, WY, WZ, T, END, PER = (i * W for i in range(7, 17))
+LEAST, TOTAL, FOUND = (i * W for i in range(17, 20))
+ROWS = 20
+MOVED = 10
+"""Rows from `WHICH` on that a ray takes along."""
+
+
+@function
+def meet(work, n, spheres, capsules):
+    """Where the first n <= W rays of a batch meet the surface, in units of |d|, inf where they do not: from the rows
+    `OX` … `DZ` to `MET`. work (ROWS * W,) float32, numbers anywhere."""
+    k = smooth_union.way(spheres, capsules)
+    reach = smooth_union.APART * k
+    per_k = ONE / k
+    felt = begin(work, n, spheres, capsules, k)
+    count = kept(work, n)
+    step = 0
+    while count > 0 and step < smooth_union.STEPS:
+        padded = (count + TOGETHER - 1) // TOGETHER * TOGETHER
+        for j in range(padded):
+            work[LEAST + j] = INF
+            work[TOTAL + j] = ZERO
+        for m in range(spheres.shape[0]):
+            if (felt >> np.uint64(m & 63)) & np.uint64(1) != np.uint64(0) and smooth_union.blends(spheres, capsules, m):
+                by_sphere(work, padded, spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3], reach, per_k)
+        for own in range(capsules.shape[0]):
+            m = own + spheres.shape[0]
+            if (felt >> np.uint64(m & 63)) & np.uint64(1) != np.uint64(0) and smooth_union.blends(spheres, capsules, m):
+                by_capsule(work, padded, capsules, own, reach, per_k)
+        step += 1
+        left = go_on(work, padded, k, HALF if step == smooth_union.STEPS else smooth_union.NEAR, step == 1)
+        if 4 * left <= 3 * count or step == smooth_union.STEPS:
+            count = kept(work, count)
+
+
+@inner
+def begin(work, n, spheres, capsules, k):
+    """Where rays first are in the ball about a solid and where they last are; returns which solids count, as bits."""
+    for j in range(n):
+        dx, dy, dz = work[DX + j], work[DY + j], work[DZ + j]
+        work[WHICH + j] = np.float32(j)
+        work[X + j] = work[OX + j]
+        work[Y + j] = work[OY + j]
+        work[Z + j] = work[OZ + j]
+        work[WX + j] = dx
+        work[WY + j] = dy
+        work[WZ + j] = dz
+        work[T + j] = INF
+        work[END + j] = ZERO
+        work[PER + j] = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
+        work[FOUND + j] = INF
+    felt = np.uint64(0)
+    for m in range(spheres.shape[0] + capsules.shape[0]):
+        if smooth_union.blends(spheres, capsules, m):
+            cx, cy, cz, r = smooth_union.ball_about(spheres, capsules, m)
+            if touched(work, n, cx, cy, cz, r + smooth_union.APART * k) > 0:
+                felt |= np.uint64(1) << np.uint64(m & 63)
+    return felt
+
+
+@inner
+def touched(work, n, cx, cy, cz, r):
+    """Widen where rays are looked at by their way through a ball; returns how many pass it."""
+    square = r * r
+    hits = np.int32(0)
+    for j in range(n):
+        t, half = smooth_union.through(
+            cx - work[X + j], cy - work[Y + j], cz - work[Z + j], square, work[WX + j], work[WY + j], work[WZ + j]
+        )
+        hit = (half >= ZERO) & (t + half > ZERO)
+        low, high = work[T + j], work[END + j]
+        work[T + j] = min(low, max(t - half, ZERO)) if hit else low
+        work[END + j] = max(high, t + half) if hit else high
+        hits += np.int32(hit)
+    return hits
+
+
+@inner
+def kept(work, count):
+    """Note where rays have met the surface, and keep those that are on their way; returns how many."""
+    left = np.int64(0)
+    for j in range(count):
+        work[MET + np.int64(work[WHICH + j])] = work[FOUND + j]
+        on = (work[FOUND + j] == INF) & (work[T + j] <= work[END + j])
+        for row in range(MOVED):
+            work[WHICH + row * W + left] = work[WHICH + row * W + j]
+        left += np.int64(on)
+    for j in range(left, min(left + TOGETHER, W)):
+        work[END + j] = -INF
+    return left
+
+
+@inner
+def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
+    """Add a sphere to the surface where rays are."""
+    for j in range(n):
+        t = work[T + j]
+        x = work[X + j] + t * work[WX + j] - cx
+        y = work[Y + j] + t * work[WY + j] - cy
+        z = work[Z + j] + t * work[WZ + j] - cz
+        add(work, j, math.sqrt(x * x + y * y + z * z) - r, reach, per_k)
+
+
+@inner
+def by_capsule(work, n, capsules, m, reach, per_k):
+    """Add a capsule."""
+    ax, ay, az = capsules[m, 0], capsules[m, 1], capsules[m, 2]
+    bx, by, bz = capsules[m, 3], capsules[m, 4], capsules[m, 5]
+    r, per = capsules[m, 6], capsules[m, 7]
+    for j in range(n):
+        t = work[T + j]
+        x = work[X + j] + t * work[WX + j] - ax
+        y = work[Y + j] + t * work[WY + j] - ay
+        z = work[Z + j] + t * work[WZ + j] - az
+        s = min(max((x * bx + y * by + z * bz) * per, ZERO), ONE)
+        x -= s * bx
+        y -= s * by
+        z -= s * bz
+        add(work, j, math.sqrt(x * x + y * y + z * z) - r, reach, per_k)
+
+
+@inlined
+def add(work, j, away, reach, per):
+    """One more solid, at a distance: the nearest one's share is 1, and beyond `reach` of it there is none."""
+    least, total = work[LEAST + j], work[TOTAL + j]
+    apart = abs(away - least)
+    share = exp(-apart * per) if apart <= reach else ZERO
+    work[TOTAL + j] = total * share + ONE if away < least else total + share
+    work[LEAST + j] = min(least, away)
+
+
+@inner
+def go_on(work, n, k, near, first):
+    """A step of each ray, by its distance from the surface, or the end of it where that is less than `near` k; returns
+    how many are still on their way."""
+    left = np.int64(0)
+    near *= k
+    for j in range(n):
+        away = work[LEAST + j] - k * log(work[TOTAL + j])
+        t, end = work[T + j], work[END + j]
+        end = -INF if first & (away < ZERO) else end  # one that begins inside is not met
+        met = (away < near) & (t <= end)
+        t = t if met else t + away * work[PER + j]
+        work[FOUND + j] = t if met else INF
+        work[T + j] = t
+        work[END + j] = end
+        left += np.int64((away >= near) & (t <= end))
+    return left

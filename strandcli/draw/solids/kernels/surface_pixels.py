@@ -1,0 +1,128 @@
+"""Pixels that show the same solid, gathered in batches of W for `shade_surfaces`, and what becomes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import inner
+from ...common.kernels.batch import RADIANCE
+from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
+from . import smooth_union, solids
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+FOLD = np.float32(4.0)
+"""Pixels' widths by which depth leaves a straight line where a surface ends in front of itself."""
+FINE = 4
+"""Rays along each side of such a pixel."""
+
+
+@inner
+def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which):
+    """Put pixels of one solid into a batch, from pixel number p on, or the rays of one where that ends in front of
+    itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
+    n = np.int64(0)
+    solid = np.int64(-1)
+    blends = False
+    row = p // width
+    for at in range(p, end):
+        key = keys[at]
+        if key == EMPTY or (key & LOW) < FIRST:
+            continue
+        own = np.int64((key & LOW) - FIRST)
+        if n > 0 and (own != solid or n == W):
+            return at, n, solid, False
+        if own != solid:
+            solid = own
+            blends = spots.shape[0] == 0 and smooth_union.blends(spheres, capsules, own)
+        while at >= (row + 1) * width:
+            row += 1
+        column = at - row * width
+        if blends and folded(keys, at, column, width, view):
+            if n > 0:
+                return at, n, solid, False
+            which[0] = at
+            return at + 1, rays(work, column, row, view, spheres, capsules, planes, boxes, own), solid, True
+        which[n] = at
+        work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
+        work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
+        if view[12] > ZERO:  # the key tells: one over the depth
+            work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
+        else:
+            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, spheres, capsules, planes, boxes, own)
+        n += 1
+    return end, n, solid, False
+
+
+@inner
+def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
+    """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
+    n = np.int64(0)
+    for sample in range(FINE * FINE):
+        x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
+        y = np.float32(row) + (np.float32(sample // FINE) + HALF) / np.float32(FINE)
+        t = distance(x, y, view, spheres, capsules, planes, boxes, which)
+        work[SX + n] = x
+        work[SY + n] = y
+        work[DISTANCE + n] = t
+        n += np.int64(t != solids.INF)
+    return n
+
+
+@inner
+def distance(x, y, view, spheres, capsules, planes, boxes, which):
+    """How far off solid number `which` is at a place on the screen."""
+    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[15]) / view[13], (view[16] - y) / view[13])
+    return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+
+
+@inner
+def average(work, n):
+    """Mean radiance of the n rays of a pixel, as that of its first, and what the last becomes of the picture."""
+    for c in range(3):
+        total = ZERO
+        for k in range(n):
+            total += work[RADIANCE + c * W + k]
+        work[RADIANCE + c * W] = total / np.float32(n)
+    work[THERE] = work[THERE + n - 1]
+
+
+@inner
+def scatter(work, n, which, picture):
+    """Lay a batch over the picture."""
+    for k in range(n):
+        p = 3 * which[k]
+        for c in range(3):
+            picture[p + c] += work[THERE + k] * (work[RADIANCE + c * W + k] - picture[p + c])
+
+
+@inner
+def folded(keys, at, column, width, view):
+    """Whether a solid that blends ends in front of itself at pixel number `at`."""
+    if at < width or at >= keys.shape[0] - width:
+        return False
+    if column < 1 or column > width - 2:
+        return False
+    here = depth_at(keys, at, view)
+    across = bend(keys, at, 1, here, view)
+    down = bend(keys, at, width, here, view)
+    pixel = here / view[13] if view[12] > ZERO else ONE / view[13]
+    return max(across, down) > FOLD * pixel
+
+
+@inner
+def bend(keys, at, step, here, view):
+    """Metres by which the depths of three pixels leave a straight line; 0 where they are not of one solid."""
+    if (((keys[at - step] ^ keys[at]) | (keys[at + step] ^ keys[at])) & LOW) != np.uint64(0):
+        return ZERO
+    return abs(depth_at(keys, at - step, view) + depth_at(keys, at + step, view) - here - here)
+
+
+@inner
+def depth_at(keys, at, view):
+    """The depth of what a pixel shows, metres."""
+    number = np.uint32(LOW - (keys[at] >> SHIFT)).view(np.float32)
+    return ONE / number if view[12] > ZERO else view[14] + (ONE - number) * view[19]

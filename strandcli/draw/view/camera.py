@@ -1,0 +1,162 @@
+"""Points of view: the scene's camera, and the lights' own views for their shadow maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...scene.model import Camera
+from ...scene.motion import camera_at
+
+SIZE = 26
+STRETCH = 23
+"""Where `View.pack` says how much longer a short way can be in a corner of the screen."""
+Nearer = tuple[np.float32, np.float32, np.float32, np.float32]
+FLAT: Nearer = (np.float32(0), np.float32(0), np.float32(0), np.float32(0))
+"""Takes the place of `View.nearer` where strands are flat bands."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A rigid transform and a projection onto ``width`` × ``height`` pixels."""
+
+    eye: NDArray[np.float64]
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    forward: NDArray[np.float64]
+    perspective: bool
+    focal: float
+    """Pixels a metre: at a depth of one metre (perspective) or anywhere (orthographic)."""
+    near: float
+    far: float
+    width: float
+    height: float
+    centre: tuple[float, float] | None = None
+    """Pixel that the view's axis goes through; None: the middle. Elsewhere for a crop window and off a lens's axis."""
+
+    def cropped(self, x: float, y: float, width: float, height: float) -> View:
+        """The part of this view that begins x and y pixels from the upper left."""
+        cx, cy = self.middle
+        return replace(self, width=width, height=height, centre=(cx - x, cy - y))
+
+    def shifted(self, x: float, y: float) -> View:
+        """This view with all that it shows moved by x and y pixels."""
+        cx, cy = self.middle
+        return replace(self, centre=(cx + x, cy + y))
+
+    def through(self, right: float, up: float, focus: float) -> View:
+        """The view from a point of a thin lens, metres from its middle: what lies at the depth ``focus`` stays where
+        it is on the screen, and what lies at a depth z moves by focal · (1 / focus − 1 / z) · offset pixels."""
+        cx, cy = self.middle
+        shift = self.focal / focus
+        return replace(
+            self,
+            eye=self.eye + right * self.right + up * self.up,
+            centre=(cx + shift * right, cy - shift * up),
+        )
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Pixel that the view's axis goes through."""
+        return self.centre or (self.width / 2, self.height / 2)
+
+    @property
+    def nearer(self) -> Nearer:
+        """a, b and the pixel (x, y) of the view's axis: at the depth number q it grows by a q + b over the length of a
+        pixel toward the eye; a is the tangent of the angle that a pixel next to the axis spans, 0 without
+        perspective."""
+        x, y = (np.float32(c) for c in self.middle)
+        if self.perspective:
+            return np.float32(1 / self.focal), np.float32(0), x, y
+        return np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y
+
+    def pack(self) -> NDArray[np.float32]:
+        """(26,) float32 as kernels read it, and nobody writes to it: three rows (right, up, depth) with their
+        translations; [12] 1 for perspective; [13] focal; [14] near; [15], [16] the pixel of the axis; [17], [18] how
+        much further out a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how
+        many times longer than in the middle of the screen a short way can be in its corner, at the same depth; [24],
+        [25] width and height."""
+        return self._packed
+
+    @cached_property
+    def _packed(self) -> NDArray[np.float32]:
+        out = np.zeros(SIZE, np.float64)
+        for row, axis in enumerate((self.right, self.up, self.forward)):
+            out[4 * row : 4 * row + 3] = axis
+            out[4 * row + 3] = -axis @ self.eye
+        middle = np.array(self.middle)
+        half = np.maximum(np.array([self.width, self.height]) - middle, middle)
+        slant = np.sqrt(1 + (half / self.focal) ** 2) if self.perspective else np.ones(2)
+        stretch = np.sqrt(1 + half @ half / self.focal**2) if self.perspective else 1.0
+        out[12:24] = [
+            self.perspective, self.focal, self.near, *middle, *slant, self.far - self.near, *self.eye, stretch
+        ]  # fmt: skip
+        out[24:] = self.width, self.height
+        return out.astype(np.float32)
+
+
+def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Right, up and forward, orthonormal; an ``up`` along the view is replaced by another axis."""
+    f: NDArray[np.float64] = np.asarray(forward, np.float64)
+    f = f / np.linalg.norm(f)
+    u: NDArray[np.float64] = np.asarray(up, np.float64)
+    right = np.cross(f, u)
+    if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(u)), 1e-300):
+        right = np.cross(f, np.eye(3)[np.argmin(np.abs(f))])
+    right = right / np.linalg.norm(right)
+    return right, np.cross(right, f), f
+
+
+def camera_view(camera: Camera, time: float, width: int, height: int, bounds: NDArray[np.float64]) -> View:
+    """The scene's camera at a moment; ``bounds`` (2, 3) is the box of what there is to see, for the depth range of an
+    orthographic camera."""
+    position, target, fov, tall = camera_at(camera, time)
+    eye = np.array(position, np.float64)
+    right, up, forward = axes(np.array(target) - eye, camera.up)
+    if camera.kind == "perspective":
+        focal = height / 2 / np.tan(np.radians(fov) / 2)
+        return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height)
+    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
+    # solids may stand behind the strands: room for them, but not so much that strands can no longer be told apart
+    far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0 * ball(bounds)[1]
+    return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height)
+
+
+def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) -> View:
+    """An orthographic view along a directional light that just holds the box ``bounds`` (2, 3)."""
+    right, up, forward = axes(direction, (0.0, 1.0, 0.0))
+    centre, radius = ball(bounds)
+    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T - centre
+    # a single strand along the light has no extent but that of single precision
+    extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-3 * radius)
+    eye = centre - forward * radius * 1.01
+    # one texel is kept free on every side
+    focal = max(size - 2, 1) / (2 * extent)
+    return View(eye, right, up, forward, False, focal, 0.0, 2.02 * radius, size, size)
+
+
+def point_views(position: ArrayLike, size: int, bounds: NDArray[np.float64]) -> list[View]:
+    """One perspective view that holds the box from a point light outside; six, as a cube, from a light inside."""
+    eye = np.asarray(position, np.float64)
+    centre, radius = ball(bounds)
+    distance = float(np.linalg.norm(centre - eye))
+    if distance > 1.3 * radius:
+        half = np.arcsin(radius / distance)
+        right, up, forward = axes(centre - eye, (0.0, 1.0, 0.0))
+        focal = max(size - 2, 1) / 2 / np.tan(half)
+        return [View(eye, right, up, forward, True, float(focal), distance - radius, distance + radius, size, size)]
+    near = 1e-4 * max(radius, 1e-20)
+    views = []
+    for axis in np.concatenate([np.eye(3), -np.eye(3)]):
+        right, up, forward = axes(axis, (0.0, 1.0, 0.0))
+        views.append(View(eye, right, up, forward, True, max(size - 3, 1) / 2, near, distance + radius, size, size))
+    return views
+
+
+def ball(bounds: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Centre and radius of the ball about a box."""
+    centre = bounds.mean(0)
+    return centre, max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-12)

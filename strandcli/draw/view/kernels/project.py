@@ -1,0 +1,219 @@
+"""World to screen, for a camera or a light."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import VECTOR
+from ....jit import inner, parallel, prange
+from ....simd import deal_out, get, put, root, some, strip, where, width
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+STEPS = np.arange(VECTOR // 2 // 4, dtype=np.float32)
+MOST = np.float32(1e8)
+INF = np.float32(np.inf)
+TINY = np.float32(1e-12)
+STRANDS = 64
+"""Strands a task."""
+VERTICES = 64
+ROW = VERTICES + 16
+# Rows of numbers, one a vertex: place on the screen and depth number, from the vertex before these to the one after
+# them; width. Before they are projected, their place in the view.
+X, Y, NUMBER, WIDE = (i * ROW for i in range(4))
+ROWS = 4
+
+
+@inner
+def into(x, y, z, view):
+    """World to view: right, up, and depth along the view direction."""
+    return (
+        view[0] * x + view[1] * y + view[2] * z + view[3],
+        view[4] * x + view[5] * y + view[6] * z + view[7],
+        view[8] * x + view[9] * y + view[10] * z + view[11],
+    )
+
+
+@parallel
+def widths(first, screen, view, thickness, taper, scale, aside, least, out):
+    """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
+    scale (S,): factor of each strand's, or None; aside: 1 to have them wider aside of the view's axis, as `wider` says,
+    else 0; never under `least`. first, screen, view as in `points`; out (V,) float32."""
+    aslant = view[12] * aside > ZERO
+    strands = first.shape[0] - 1
+    for task in prange((strands + STRANDS - 1) // STRANDS):
+        work = np.empty(ROWS * ROW, np.float32)
+        for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
+            begin = first[s]
+            end = first[s + 1]
+            per = taper / np.float32(max(end - begin - 1, 1))
+            for v in range(begin, end, VERTICES):
+                count = min(end - v, VERTICES)
+                beside(screen, begin, end, v, count, work)
+                widen(
+                    work, count, v - begin, view, thickness, per, None if scale is None else scale[s], aslant, least,
+                )  # fmt: skip
+                for k in range(np.uint64(count)):
+                    out[np.uint64(v) + k] = work[np.uint64(WIDE) + k]
+
+
+@inner
+def beside(screen, begin, end, v, count, work):
+    """Vertices from number v on, with one before and one after them, whose depth number is 0 where the strand ends."""
+    low = max(v - 1, begin)
+    deal_out(strip(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
+    if v == begin:
+        work[NUMBER] = ZERO
+    if v + count == end:
+        work[NUMBER + count + 1] = ZERO
+
+
+@inner
+def widen(work, count, past, view, thickness, per, scale, aslant, least):
+    """Widths of so many vertices, the first of which is number `past` of its strand."""
+    rows = strip(work)
+    steps = get(strip(STEPS), 0)
+    for k in range(0, count, width(rows)):
+        x, y, q = get(rows, X + 1 + k), get(rows, Y + 1 + k), get(rows, NUMBER + 1 + k)
+        wide = thickness * (ONE - per * (steps + np.float32(past + k))) * view[13]
+        if scale is not None:
+            wide *= scale
+        if view[12] > ZERO:
+            wide *= q
+        if aslant:
+            before = get(rows, NUMBER + k) > ZERO
+            after = get(rows, NUMBER + 2 + k) > ZERO
+            dx = where(after, get(rows, X + 2 + k), x) - where(before, get(rows, X + k), x)
+            dy = where(after, get(rows, Y + 2 + k), y) - where(before, get(rows, Y + k), y)
+            x -= view[15]
+            y -= view[16]
+            off = (dx * y - dy * x) / (max(root(dx * dx + dy * dy), TINY) * view[13])
+            wide *= root(ONE + off * off)
+        put(rows, WIDE + k, max(wide, least))
+
+
+@inner
+def wider(x, y, dx, dy, focal):
+    """How many times wider on the screen than in the middle, at the same depth, a thin cylinder is at (x, y) pixels
+    from the view's axis whose picture goes along (dx, dy).
+
+    The planes through the eye that touch a cylinder are the one through its axis turned by ± radius / distance. On the
+    screen that one is a line, δ pixels from the middle; turned, it moves by √(1 + δ² / focal²) times as much as in the
+    middle. A strand that points at the middle is no wider; one across has all of the 1 / cos of its angle from there.
+    """
+    size = math.sqrt(dx * dx + dy * dy)
+    off = (dx * y - dy * x) / (max(size, TINY) * focal)
+    return math.sqrt(ONE + off * off)
+
+
+@parallel
+def points(first, world, stride, view, screen):
+    """Project polylines.
+
+    first (S + 1,) int64; world (V, 3) metres; stride: of each strand every which vertex, where all have a multiple of
+    that and one; view (26,) float32, built by `strandcli.draw.view.camera.View.pack`: three
+    rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
+    depth 1 for perspective); [14] near; [15], [16] the pixel of the axis; [17], [18] margins; [19] depth
+    range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
+    toward the eye and is linear on the screen; 0 where the point is behind `near`. A vertex behind is moved to the near
+    plane where a neighbour is in front of it, so that a piece that crosses is clipped and not lost.
+    """
+    strands = first.shape[0] - 1
+    for task in prange((strands + STRANDS - 1) // STRANDS):
+        work = np.empty(ROWS * ROW, np.float32)
+        for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
+            begin = first[s]
+            end = first[s + 1]
+            at = (begin - s) // stride + s
+            for low in range(begin, end, VERTICES * stride):
+                count = min((end - 1 - low) // stride + 1, VERTICES)
+                fetch(world, low, stride, count, work)
+                if turn(work, count, view):
+                    clip(world, low, stride, count, begin, end, view, work)
+                throw(work, count, view)
+                for k in range(np.uint64(count)):
+                    v = np.uint64(at) + k
+                    screen[v, 0] = work[np.uint64(X) + k]
+                    screen[v, 1] = work[np.uint64(Y) + k]
+                    screen[v, 2] = work[np.uint64(NUMBER) + k]
+                at += count
+
+
+@inner
+def fetch(world, low, stride, count, work):
+    """So many vertices, from number `low` on."""
+    points = strip(world)
+    if stride == 1:
+        deal_out(points, 3 * low, count, work, X, ROW)
+        return
+    for k in range(np.uint64(count)):
+        v = np.uint64(3) * (np.uint64(low) + k * np.uint64(stride))
+        work[np.uint64(X) + k] = points[v]
+        work[np.uint64(Y) + k] = points[v + np.uint64(1)]
+        work[np.uint64(NUMBER) + k] = points[v + np.uint64(2)]
+
+
+@inner
+def turn(work, count, view):
+    """From the world to the view; returns whether any vertex lies behind its near plane."""
+    rows = strip(work)
+    steps = get(strip(STEPS), 0)
+    behind = False
+    for k in range(0, count, width(rows)):
+        x, y, z = into(get(rows, X + k), get(rows, Y + k), get(rows, NUMBER + k), view)
+        put(rows, X + k, x)
+        put(rows, Y + k, y)
+        put(rows, NUMBER + k, z)
+        behind |= some((z < view[14]) & (steps < np.float32(count - k)))
+    return behind
+
+
+@inner
+def clip(world, low, stride, count, begin, end, view, work):
+    """Move vertices behind the near plane to it where a neighbour is in front, and others to where nothing is seen."""
+    for k in range(count):
+        x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
+        if z < view[14]:
+            front, x, y = forward(world, view, low + k * stride, stride, begin, end, x, y, z)
+            work[X + k] = x
+            work[Y + k] = y
+            work[NUMBER + k] = view[14] if front else -INF
+
+
+@inner
+def throw(work, count, view):
+    """From the view to the screen. A vertex so far off that pixels can no longer be told apart is left out, as is what
+    is not a number."""
+    rows = strip(work)
+    focal = view[13]
+    far = ONE / view[19]
+    for k in range(0, count, width(rows)):
+        x, y, z = get(rows, X + k), get(rows, Y + k), get(rows, NUMBER + k)
+        if view[12] > ZERO:
+            q = ONE / z
+            x = view[15] + focal * x * q
+            y = view[16] - focal * y * q
+        else:
+            q = max(ONE - (z - view[14]) * far, ZERO)
+            x = view[15] + focal * x
+            y = view[16] - focal * y
+        seen = (z >= view[14]) & (abs(x) < MOST) & (abs(y) < MOST)
+        put(rows, X + k, where(seen, x, ZERO))
+        put(rows, Y + k, where(seen, y, ZERO))
+        put(rows, NUMBER + k, where(seen, q, ZERO))
+
+
+@inner
+def forward(world, view, v, stride, begin, end, x, y, z):
+    """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
+    them crosses that plane."""
+    near = view[14]
+    for w in (v - stride, v + stride):
+        if begin <= w < end:
+            x1, y1, z1 = into(world[w, 0], world[w, 1], world[w, 2], view)
+            if z1 >= near:
+                t = (near - z) / (z1 - z)
+                return True, x + t * (x1 - x), y + t * (y1 - y)
+    return False, x, y

@@ -1,0 +1,85 @@
+"""Which strand is seen in each pixel: projection, sorting into bands of rows, and the z-buffer."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RefusedError
+from ..common.kernels.keys import FIRST
+from ..common.scratch import Scratch
+from ..geometry.curves import Polylines
+from ..view.camera import FLAT, Nearer, View
+from ..view.kernels import project
+from .kernels import raster as kernel
+
+ROWS = 64
+"""Height of a band."""
+
+
+class Bands(NamedTuple):
+    """Strands listed by the band of rows that they touch."""
+
+    begin: NDArray[np.int64]
+    members: NDArray[np.int32]
+    rows: int
+    workers: int
+
+
+def to_screen(
+    lines: Polylines, view: View, scratch: Scratch, name: str = "screen", stride: int = 1
+) -> NDArray[np.float32]:
+    """(V, 3): x and y in pixels, and a number that grows toward the eye (see `kernels.project.points`); of each strand
+    every ``stride``-th vertex, ends included."""
+    strands = len(lines.first) - 1
+    screen = scratch.take(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
+    project.points(lines.first, lines.world, stride, view.pack(), screen)
+    return screen
+
+
+def into_bands(
+    first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
+) -> Bands:
+    """Sort strands into bands of `ROWS` rows; a worker alone has one band, and nothing to sort. What is drawn does not
+    depend on the bands."""
+    if workers == 1:
+        strands = len(first) - 1
+        return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
+    ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
+    kernel.bands(first, screen, height, ROWS, np.float32(margin), ranges)
+    begin = np.zeros(-(-height // ROWS) + 1, np.int64)
+    kernel.count(ranges, begin)
+    members = scratch.take("members", int(begin[-1]), np.int32)
+    kernel.scatter(ranges, begin[:-1].copy(), members)
+    return Bands(begin, members, ROWS, workers)
+
+
+def draw(
+    lines: Polylines,
+    screen: NDArray[np.float32],
+    widths: NDArray[np.float32] | None,
+    base: int,
+    size: tuple[int, int],
+    workers: int,
+    scratch: Scratch,
+    keys: NDArray[np.uint64],
+    nearer: Nearer = FLAT,
+) -> None:
+    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; nearer: of the
+    view, for the depth of wide strands, which are round.
+
+    Raises `RefusedError` where the numbers run into those of the solids.
+    """
+    if base + len(lines.world) > int(FIRST):
+        raise RefusedError(
+            f"a picture holds at most {int(FIRST):,} vertices of strands: use fewer --strands or a lower curves.level"
+        )
+    width, height = size
+    margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
+    bands = into_bands(lines.first, screen, height, margin, workers, scratch)
+    kernel.visible(
+        lines.first, screen, widths, nearer, bands.members, bands.begin, width, height, bands.rows, bands.workers, base,
+        keys,
+    )  # fmt: skip
