@@ -100,8 +100,8 @@ image: {size: 64x48, background: [0.25, 0.25, 0.25]}
 
 
 def test_a_white_coated_ball_in_even_light_is_as_bright_as_that() -> None:
-    for coat in ("", ", coat: 0.04, roughness: 0.5", ", coat: 0.7, roughness: 0.1"):
-        image = frames_of(scene_of(SCENE % (f", colour: [1, 1, 1]{coat}", 0.25, "")), 1)[0].image
+    for finish in ("", ", coat: 0.04, roughness: 0.5", ", coat: 0.7, roughness: 0.1"):
+        image = frames_of(scene_of(SCENE % (f", colour: [1, 1, 1]{finish}", 0.25, "")), 1)[0].image
         assert image is not None
         assert np.ptp(image[..., :].astype(int)) <= 1
 

@@ -11,58 +11,58 @@ from numba import njit
 from numba.core.registry import cpu_target
 
 from strandcli.constants import VECTOR
-from strandcli.simd import (
-    ask3,
-    deal_out,
-    fuses,
-    get,
-    get3,
-    greatest,
-    heap,
-    heap_at,
-    lay,
-    lay_at,
-    pattern,
-    pick,
-    put,
-    put3,
-    root,
-    rounded,
-    some,
-    spread,
-    strip,
-    tally,
-    three,
+from strandcli.simd import (  # fmt: skip
+    any_lane,
+    broadcast,
+    count_true,
+    deinterleave,
+    floor,
+    gather,
+    half_width_pointer,
+    has_fma,
+    lane_count,
+    load,
+    load3,
+    movemask,
+    no_fma,
+    pointer,
+    pointer_at,
+    prefetch3,
+    reduce_max,
+    sqrt,
+    store,
+    store3,
+    triple_pointer,
+    vector_pointer,
+    vector_pointer_at,
     where,
-    whole,
-    width,
-)  # fmt: skip
+)
 from strandcli.simulate.kernels.tickets import take
 
 
 @njit(error_model="numpy")
 def kernel(given, out):
     """out: a row for each of the things that vectors can do."""
-    rows, to = lay(given), heap(out)
-    count = width(rows)
-    x, y, z = get3(rows, 0, count)
+    rows, to = pointer(given), vector_pointer(out)
+    count = lane_count(rows)
+    x, y, z = load3(rows, 0, count)
     x += 1
-    put(to, 0, x * y - z / 2.0)
-    put3(to, 1, 1, -x, abs(z), root(abs(y)))
-    put(to, 4, max(x, y))
-    put(to, 5, min(y, x))
-    put(to, 6, where((x < y) & ~(y <= 0.5) | (x != x), y, 7.0))
-    put(to, 7, 1)
-    put(to, 8, spread(x, rows[2]))
-    put(to, 9, max(min(x, 0.25), -0.25))
-    return some(x > 1e9), some(z > 0.0), greatest(where(x > y, x, y)), get(rows, 3)
+    store(to, 0, x * y - z / 2.0)
+    store3(to, 1, 1, -x, abs(z), sqrt(abs(y)))
+    store(to, 4, max(x, y))
+    store(to, 5, min(y, x))
+    store(to, 6, where((x < y) & ~(y <= 0.5) | (x != x), y, 7.0))
+    store(to, 7, 1)
+    store(to, 8, broadcast(x, rows[2]))
+    store(to, 9, max(min(x, 0.25), -0.25))
+    return any_lane(x > 1e9), any_lane(z > 0.0), reduce_max(where(x > y, x, y)), load(rows, 3)
 
 
 @njit
 def sums(given):
     """A vector from a place that is not a multiple of its length."""
-    rows = lay(given)
-    return greatest(get(rows, 3)), width(rows)
+    rows = pointer(given)
+    return reduce_max(load(rows, 3)), lane_count(rows)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -94,12 +94,12 @@ def without_vector(given, out):
 @njit
 def halves(given, numbers, out):
     """Half a vector: its whole numbers, and one of these in all lanes; where it is positive."""
-    rows, to = strip(given), strip(numbers)
-    x = get(rows, 1)
-    put(strip(out), 0, whole(x))
-    put(to, 2, get(to, 0))
-    put(to, 0, np.int64(-7))
-    return pattern(x > 0.0), width(rows)
+    rows, to = half_width_pointer(given), half_width_pointer(numbers)
+    x = load(rows, 1)
+    store(half_width_pointer(out), 0, floor(x))
+    store(to, 2, load(to, 0))
+    store(to, 0, np.int64(-7))
+    return movemask(x > 0.0), lane_count(rows)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -124,11 +124,11 @@ def test_half_a_vector_has_half_the_lanes(dtype: Any) -> None:
 @njit
 def picked(given, first, second, out):
     """Numbers from anywhere: by two vectors, and by one and a number."""
-    rows, to = lay(given), lay(out)
-    x, y = get(lay(first), 0), get(lay(second), 0)
-    put(to, 0, pick(rows, 5, x, 7, y))
-    put(to, width(to), pick(rows, np.int64(0), x, 3, 2.0))
-    return tally(x > y)
+    rows, to = pointer(given), pointer(out)
+    x, y = load(pointer(first), 0), load(pointer(second), 0)
+    store(to, 0, gather(rows, 5, x, 7, y))
+    store(to, lane_count(to), gather(rows, np.int64(0), x, 3, 2.0))
+    return count_true(x > y)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -145,8 +145,8 @@ def test_numbers_are_picked_from_where_they_are_said_to_be(dtype: Any) -> None:
 @njit
 def tripled(given, out):
     """Twice three numbers."""
-    put(three(out), 1, 2.0 * get(three(given), 1))
-    return width(three(out))
+    store(triple_pointer(out), 1, 2.0 * load(triple_pointer(given), 1))
+    return lane_count(triple_pointer(out))
 
 
 def test_three_numbers_are_a_vector() -> None:
@@ -158,9 +158,9 @@ def test_three_numbers_are_a_vector() -> None:
 @njit(error_model="numpy")
 def at_an_address(kind, address):
     """The second vector becomes twice what lies one number after the first begins; lanes of both."""
-    rows, pile = lay_at(kind, address), heap_at(kind, address)
-    put(pile, 1, 2.0 * get(rows, 1))
-    return width(rows), width(pile)
+    rows, pile = pointer_at(kind, address), vector_pointer_at(kind, address)
+    store(pile, 1, 2.0 * load(rows, 1))
+    return lane_count(rows), lane_count(pile)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -176,18 +176,18 @@ def test_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
 @njit(error_model="numpy")
 def fused(kind, address):
     """In place of six vectors, sums and differences of products of the first three."""
-    pile = heap_at(kind, address)
-    x, y, z = get3(pile, 0, 1)
-    put(pile, 0, x * y + z)
-    put(pile, 1, z - x * y)
-    put(pile, 2, x * y - z)
-    put(pile, 3, x * x + y * y)
-    put(pile, 4, rounded(x * y) + z)
+    pile = vector_pointer_at(kind, address)
+    x, y, z = load3(pile, 0, 1)
+    store(pile, 0, x * y + z)
+    store(pile, 1, z - x * y)
+    store(pile, 2, x * y - z)
+    store(pile, 3, x * x + y * y)
+    store(pile, 4, no_fma(x * y) + z)
     z += x * y
-    put(pile, 5, z)
+    store(pile, 5, z)
 
 
-@pytest.mark.skipif(not fuses(cpu_target.target_context), reason="all are rounded there")
+@pytest.mark.skipif(not has_fma(cpu_target.target_context), reason="all are rounded there")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
@@ -212,7 +212,7 @@ def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
 @njit
 def deal_all(given, o, count, work, to, stride):
     """From one array to the other."""
-    deal_out(strip(given), o, count, work, to, stride)
+    deinterleave(half_width_pointer(given), o, count, work, to, stride)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -240,8 +240,8 @@ def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:
 @njit
 def asked(given, o, stride):
     """The first number; three places are asked for before."""
-    rows = lay(given)
-    ask3(rows, o, stride)
+    rows = pointer(given)
+    prefetch3(rows, o, stride)
     return rows[0]
 
 

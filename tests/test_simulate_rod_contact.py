@@ -11,7 +11,7 @@ from test_simulate_rod import PULL, scene
 from test_simulate_rod_motion import first, solver_of
 
 from strandcli.constants import VECTOR
-from strandcli.simd import get3, lay, put, spread
+from strandcli.simd import broadcast, load3, pointer, store
 from strandcli.simulate.kernels import contact_shapes
 from strandcli.simulate.rod import RodSolver
 
@@ -111,11 +111,11 @@ def test_a_ball_that_moves_pushes() -> None:
 def radius_for_first_edges(given, length, r, out):
     """The kernel, which has no way in from Python: ``given`` (6, LANES) are roots as seen from a ball's centre and unit
     edges, ``out`` (LANES,) how far from the centre their ends are kept."""
-    rows = lay(given)
-    x, y, z = get3(rows, 0, LANES)
-    d = get3(rows, 3 * LANES, LANES)
+    rows = pointer(given)
+    x, y, z = load3(rows, 0, LANES)
+    d = load3(rows, 3 * LANES, LANES)
     x, y, z = x + length * d[0], y + length * d[1], z + length * d[2]
-    put(lay(out), 0, contact_shapes.kept_from(x, y, z, r, d, d, spread(rows, length), True, True))
+    store(pointer(out), 0, contact_shapes.kept_from(x, y, z, r, d, d, broadcast(rows, length), True, True))
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:

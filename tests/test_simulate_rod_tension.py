@@ -8,7 +8,7 @@ from numba import njit
 
 from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
-from strandcli.simd import heap_at
+from strandcli.simd import vector_pointer_at
 from strandcli.simulate.kernels import rod_descent, rod_tension
 from strandcli.simulate.kernels.rod import DI, FIRST, N1, N2, SEGMENT, E, T
 
@@ -18,7 +18,7 @@ LANES = VECTOR // 8
 @njit(error_model="numpy")
 def change(address, n, mass, joint):
     """Add to τ what the Newton step asks for."""
-    pile = heap_at(np.float64, address)
+    pile = vector_pointer_at(np.float64, address)
     rod_tension.observe(pile, n, mass, False)
     rod_descent.descend(pile, n, mass, joint, True, None, True)
 

@@ -4,30 +4,31 @@ Kernels that work a row of lanes at a time through memory depend on what LLVM's 
 cache that holds all rows. With this type a kernel is written for one strand, moves `VECTOR` bytes' worth of them, and
 vectorises always; a vector that is wider than the machine's registers takes several.
 
-    rows = lay(array)           the numbers of a contiguous array of any shape, one after the other
-    rows = strip(array)         the same, and vectors of half as many: where most loops are short
-    rows = three(array)         the same, and vectors of three numbers in single precision
-    pile = heap(array)          the vectors of a contiguous array: place 1 is that of the second vector
-    rows = lay_at(np.float32, a); pile = heap_at(np.float32, a)   the same of numbers that begin at an address; these
-                                are fused
-    rows[o]                     a number
-    width(rows)                 how many of them are a vector
-    x = get(rows, o)            a vector from place o on
-    pick(rows, o, x, stride, y) a vector of the numbers at places o + stride * x + y, where x and y are whole
-    put(rows, o, x)
-    x, y, z = get3(rows, o, stride); put3(rows, o, stride, x, y, z)
-    x, y, z = deal(rows, o)     vectors of every third number from places o, o + 1 and o + 2 on
-    deal_out(rows, o, count, work, to, stride)      the same of so many triples, into an array
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), root(x), whole(x), sine(x), cosine(x)
-    where(x < y, a, b)          lane by lane, also for !=; masks are joined with &, | and ~
-    some(x < y)                 whether it holds in any lane
-    pattern(x < y)              in which, as bits of a number, the first the lowest
-    tally(x < y)                in how many
-    greatest(x), spread(x, 2.0)
-    rounded(x * y) + z          the product is rounded, where it would be fused
-    ask3(rows, o, stride)       has the processor fetch what `get3` is going to read; a place that is none does no harm
+    rows = pointer(array)            the numbers of a contiguous array of any shape, one after the other
+    rows = half_width_pointer(array) the same, and vectors of half as many: where most loops are short
+    rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
+    pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
+    rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
+                                     the same of numbers that begin at an address; products in sums are fused (FMA)
+    rows[o]                          a number
+    lane_count(rows)                 numbers in a vector
+    x = load(rows, o)                a vector from place o on
+    gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
+    store(rows, o, x)
+    x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
+    x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
+    deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x), sine(x), cosine(x)
+    where(x < y, a, b)               lane by lane, also for !=; masks are joined with &, | and ~
+    any_lane(x < y)                  whether it holds in any lane
+    movemask(x < y)                  in which, as bits of a number, the first the lowest
+    count_true(x < y)                in how many
+    reduce_max(x), broadcast(x, 2.0)
+    no_fma(x * y) + z                rounds the product, where it would be fused
+    prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
 
-Whole numbers can be got and put, and no more. Numbers that are not vectors stand for lanes that are all equal. max and
+Vectors of whole numbers can be loaded and stored, and no more. Numbers that are not vectors stand for lanes that are all
+equal. max and
 min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
 handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places are not
 checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
@@ -39,29 +40,54 @@ products it is, is settled here and not by LLVM: bits are the same on all proces
 
 from __future__ import annotations
 
-from .arithmetic import fuses
-from .lanes import cosine, greatest, pattern, root, rounded, sine, some, spread, tally, where, whole
+from .arithmetic import has_fma
+from .lanes import any_lane, broadcast, cosine, count_true, floor, movemask, no_fma, reduce_max, sine, sqrt, where
 from .memory import (
-    ask,
-    ask3,
-    deal,
-    deal_out,
-    get,
-    get3,
-    heap,
-    heap_at,
-    lay,
-    lay_at,
-    pick,
-    put,
-    put3,
-    strip,
-    three,
-    width,
+    deinterleave,
+    gather,
+    half_width_pointer,
+    lane_count,
+    load,
+    load3,
+    load_deinterleaved,
+    pointer,
+    pointer_at,
+    prefetch,
+    prefetch3,
+    store,
+    store3,
+    triple_pointer,
+    vector_pointer,
+    vector_pointer_at,
 )
 
 __all__ = [
-    "ask", "ask3", "cosine", "deal", "deal_out", "fuses", "get", "get3", "greatest", "heap", "heap_at", "lay",
-    "lay_at", "pattern", "pick", "put", "put3", "root", "rounded", "sine", "some", "spread", "strip", "tally", "three",
-    "where", "whole", "width",
+    "any_lane",
+    "broadcast",
+    "cosine",
+    "count_true",
+    "deinterleave",
+    "floor",
+    "gather",
+    "half_width_pointer",
+    "has_fma",
+    "lane_count",
+    "load",
+    "load3",
+    "load_deinterleaved",
+    "movemask",
+    "no_fma",
+    "pointer",
+    "pointer_at",
+    "prefetch",
+    "prefetch3",
+    "reduce_max",
+    "sine",
+    "sqrt",
+    "store",
+    "store3",
+    "triple_pointer",
+    "vector_pointer",
+    "vector_pointer_at",
+    "where",
 ]  # fmt: skip

@@ -11,7 +11,7 @@ from numba.core import types
 from numba.core.extending import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
-from .kinds import Lanes, Mask, call_of, widened
+from .kinds import Mask, VectorType, call_of, widened
 
 
 def _define(
@@ -22,8 +22,8 @@ def _define(
 
     class Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
-            wide = [one for one in args if isinstance(one, Lanes)]
-            fits = len(args) == count and all(isinstance(one, (Lanes, types.Number)) for one in args)
+            wide = [one for one in args if isinstance(one, VectorType)]
+            fits = len(args) == count and all(isinstance(one, (VectorType, types.Number)) for one in args)
             if fits and wide and all(isinstance(one.dtype, types.Float) for one in wide):
                 return signature(wide[0].mask if compares else wide[0], *args)
             return None
@@ -31,11 +31,11 @@ def _define(
     infer_global(function)(Template)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = next(one for one in sig.args if isinstance(one, Lanes))
+        kind = next(one for one in sig.args if isinstance(one, VectorType))
         wide = (widened(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True))
-        return (fused if fused is not None and kind.fused and fuses(context) else emit)(builder, *wide)
+        return (fused if fused is not None and kind.fused and has_fma(context) else emit)(builder, *wide)
 
-    kinds = [(Lanes,)] if count == 1 else [(Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)]
+    kinds = [(VectorType,)] if count == 1 else [(VectorType, VectorType), (VectorType, types.Number), (types.Number, VectorType)]
     for kind in kinds:
         lower_builtin(function, *kind)(lower)
 
@@ -44,7 +44,7 @@ def _either(sign: str) -> Callable[..., Any]:
     return lambda b, x, y: b.select(b.fcmp_ordered(sign, y, x), y, x)
 
 
-def fuses(context: Any) -> bool:
+def has_fma(context: Any) -> bool:
     """Whether the processor that is compiled for multiplies and adds in one operation, as all do since 2013."""
     machine, _, features = context.codegen().magic_tuple()
     return machine.startswith(("aarch64", "arm64")) or "+fma" in features.split(",")

@@ -12,13 +12,13 @@ from numba.core.datamodel import models
 from numba.core.extending import register_model
 
 
-class Lanes(types.Type):
+class VectorType(types.Type):
     """A vector of numbers, ``size`` bytes of them; ``fused``: products that are terms of a sum are not rounded."""
 
     def __init__(self, dtype: Any, size: int, fused: bool) -> None:
         self.dtype, self.size, self.fused = dtype, size, fused
         self.mask = Mask(size * 8 // dtype.bitwidth)
-        super().__init__(f"{'Fused' * fused}Lanes({dtype}, {size})")
+        super().__init__(f"{'Fused' * fused}VectorType({dtype}, {size})")
 
 
 class Mask(types.Type):
@@ -29,17 +29,17 @@ class Mask(types.Type):
         super().__init__(f"Mask({count})")
 
 
-class Rows(types.Type):
-    """Numbers in memory, or vectors of them where ``whole``; vectors have ``size`` bytes, and are ``fused`` or not."""
+class PointerType(types.Type):
+    """Numbers in memory, or vectors of them where ``floor``; vectors have ``size`` bytes, and are ``fused`` or not."""
 
     def __init__(self, dtype: Any, whole: bool, size: int, fused: bool) -> None:
         self.dtype, self.whole, self.size, self.fused = dtype, whole, size, fused
-        super().__init__(f"{'Fused' * fused}{'Heap' if whole else 'Rows'}({dtype}, {size})")
+        super().__init__(f"{'Fused' * fused}{'Heap' if whole else 'PointerType'}({dtype}, {size})")
 
 
-@register_model(Lanes)
+@register_model(VectorType)
 class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Lanes) -> None:
+    def __init__(self, manager: Any, kind: VectorType) -> None:
         super().__init__(manager, kind, ir.VectorType(manager.lookup(kind.dtype).get_value_type(), kind.mask.count))
 
 
@@ -49,20 +49,20 @@ class _MaskModel(models.PrimitiveModel):
         super().__init__(manager, kind, ir.VectorType(ir.IntType(1), kind.count))
 
 
-@register_model(Rows)
+@register_model(PointerType)
 class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Rows) -> None:
+    def __init__(self, manager: Any, kind: PointerType) -> None:
         super().__init__(manager, kind, manager.lookup(kind.dtype).get_value_type().as_pointer())
 
 
-def lanes_of(rows: Rows | Lanes) -> Lanes:
+def vector_of(rows: PointerType | VectorType) -> VectorType:
     """The kind of vectors that these rows hold, or that this one is."""
-    return Lanes(rows.dtype, rows.size, rows.fused)
+    return VectorType(rows.dtype, rows.size, rows.fused)
 
 
-def widened(context: Any, builder: Any, value: Any, given: Any, kind: Lanes) -> Any:
+def widened(context: Any, builder: Any, value: Any, given: Any, kind: VectorType) -> Any:
     """A lowered argument as a vector of this kind; a number goes to all lanes."""
-    if isinstance(given, Lanes):
+    if isinstance(given, VectorType):
         return value
     value = context.cast(builder, value, given, kind.dtype)
     wide = context.get_value_type(kind)

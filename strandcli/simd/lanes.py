@@ -9,13 +9,13 @@ from llvmlite import ir
 from numba.core import types
 from numba.core.extending import intrinsic
 
-from .kinds import Lanes, Mask, Rows, call_of, lanes_of, widened
+from .kinds import Mask, PointerType, VectorType, call_of, vector_of, widened
 
 
 @intrinsic
 def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
     """x in lanes where the mask holds, else y."""
-    wide = [one for one in (x, y) if isinstance(one, Lanes)]
+    wide = [one for one in (x, y) if isinstance(one, VectorType)]
     if not isinstance(mask, Mask) or not wide:
         return None
 
@@ -28,7 +28,7 @@ def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
 
 
 @intrinsic
-def some(typingctx: Any, mask: Any) -> Any:
+def any_lane(typingctx: Any, mask: Any) -> Any:
     """Whether a mask holds in any lane."""
     if not isinstance(mask, Mask):
         return None
@@ -57,8 +57,8 @@ def _of_bits(count: Callable[..., Any], doc: str) -> Any:
     return intrinsic(typed)
 
 
-pattern = _of_bits(lambda _, bits: bits, "The lanes in which a mask holds, as bits of a number, the first the lowest.")
-tally = _of_bits(lambda builder, bits: builder.ctpop(bits), "In how many lanes a mask holds.")
+movemask = _of_bits(lambda _, bits: bits, "The lanes in which a mask holds, as bits of a number, the first the lowest.")
+count_true = _of_bits(lambda builder, bits: builder.ctpop(bits), "In how many lanes a mask holds.")
 
 
 def _of_each(function: str, doc: str) -> Any:
@@ -66,7 +66,7 @@ def _of_each(function: str, doc: str) -> Any:
     call = call_of(function)
 
     def typed(typingctx: Any, x: Any) -> Any:
-        if not isinstance(x, Lanes):
+        if not isinstance(x, VectorType):
             return None
         return x(x), lambda context, builder, sig, args: call(builder, *args)
 
@@ -74,16 +74,16 @@ def _of_each(function: str, doc: str) -> Any:
     return intrinsic(typed)
 
 
-root = _of_each("llvm.sqrt", "Square root.")
-whole = _of_each("llvm.floor", "The greatest whole number that is no greater.")
+sqrt = _of_each("llvm.sqrt", "Square root.")
+floor = _of_each("llvm.floor", "The greatest whole number that is no greater.")
 sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
 cosine = _of_each("llvm.cos", "Cosine likewise.")
 
 
 @intrinsic
-def rounded(typingctx: Any, x: Any) -> Any:
+def no_fma(typingctx: Any, x: Any) -> Any:
     """A product as a number of its own, which is not fused."""
-    if not isinstance(x, Lanes):
+    if not isinstance(x, VectorType):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -94,9 +94,9 @@ def rounded(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
-def greatest(typingctx: Any, x: Any) -> Any:
+def reduce_max(typingctx: Any, x: Any) -> Any:
     """The greatest number of all lanes, none of which is NaN."""
-    if not isinstance(x, Lanes):
+    if not isinstance(x, VectorType):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -111,12 +111,12 @@ def greatest(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
-def spread(typingctx: Any, like: Any, x: Any) -> Any:
+def broadcast(typingctx: Any, like: Any, x: Any) -> Any:
     """The number x in all lanes of a vector, of the kind of numbers that rows or a vector ``like`` hold."""
-    if not (isinstance(like, (Rows, Lanes)) and isinstance(x, types.Number)):
+    if not (isinstance(like, (PointerType, VectorType)) and isinstance(x, types.Number)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return widened(context, builder, args[1], sig.args[1], sig.return_type)
 
-    return lanes_of(like)(like, x), emit
+    return vector_of(like)(like, x), emit

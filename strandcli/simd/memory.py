@@ -14,7 +14,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 
 from ..constants import VECTOR
 from ..jit import inner
-from .kinds import Lanes, Rows, lanes_of, widened
+from .kinds import PointerType, VectorType, vector_of, widened
 
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 """What LLVM's prefetch is told."""
@@ -28,18 +28,18 @@ def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return context.make_array(sig.args[0])(context, builder, value=args[0]).data
 
-        return Rows(array.dtype, whole, size, fused=False)(array), emit
+        return PointerType(array.dtype, whole, size, fused=False)(array), emit
 
     return typed
 
 
-lay: Any = intrinsic(_address(False))
+pointer: Any = intrinsic(_address(False))
 """The numbers of a contiguous array."""
-strip: Any = intrinsic(_address(False, VECTOR // 2))
+half_width_pointer: Any = intrinsic(_address(False, VECTOR // 2))
 """The same, for vectors of half the length."""
-three: Any = intrinsic(_address(False, 3 * 4))
+triple_pointer: Any = intrinsic(_address(False, 3 * 4))
 """The same, for vectors of three numbers in single precision."""
-heap: Any = intrinsic(_address(True))
+vector_pointer: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 
 
@@ -51,63 +51,63 @@ def _addressed(whole: bool) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
 
-        return Rows(kind.instance_type, whole, VECTOR, fused=True)(kind, address), emit
+        return PointerType(kind.instance_type, whole, VECTOR, fused=True)(kind, address), emit
 
     return typed
 
 
-lay_at: Any = intrinsic(_addressed(False))
+pointer_at: Any = intrinsic(_addressed(False))
 """The numbers of a type, such as np.float32, that begin at an address."""
-heap_at: Any = intrinsic(_addressed(True))
+vector_pointer_at: Any = intrinsic(_addressed(True))
 """The vectors of such numbers."""
 
 
 @infer_global(operator.getitem)
 class _Item(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if isinstance(args[0], Rows) and not args[0].whole and isinstance(args[1], types.Integer):
+        if isinstance(args[0], PointerType) and not args[0].whole and isinstance(args[1], types.Integer):
             return signature(args[0].dtype, *args)
         return None
 
 
-@lower_builtin(operator.getitem, Rows, types.Integer)
+@lower_builtin(operator.getitem, PointerType, types.Integer)
 def _item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.load(builder.gep(args[0], [args[1]]))
 
 
-def _here(context: Any, builder: Any, kind: Rows, rows: Any, o: Any) -> Any:
+def _here(context: Any, builder: Any, kind: PointerType, rows: Any, o: Any) -> Any:
     """Pointer to a vector. Functions that have vectors keep them on their stack, too; LLVM finds out too late to align
     it by itself, and half of them would lie across two cache lines, or not, as the process happens to be loaded."""
     traits = builder.function.attributes
     traits.alignstack = VECTOR
     traits.add("nounwind")  # as all of Numba's are; without any other, llvmlite does not write the alignment
-    wide = context.get_value_type(lanes_of(kind)).as_pointer()
+    wide = context.get_value_type(vector_of(kind)).as_pointer()
     if kind.whole:
         return builder.gep(builder.bitcast(rows, wide), [o])
     return builder.bitcast(builder.gep(rows, [o]), wide)
 
 
 @intrinsic
-def get(typingctx: Any, rows: Any, o: Any) -> Any:
+def load(typingctx: Any, rows: Any, o: Any) -> Any:
     """A vector from place o on."""
-    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.load(_here(context, builder, sig.args[0], *args), align=sig.args[0].dtype.bitwidth // 8)
 
-    return lanes_of(rows)(rows, o), emit
+    return vector_of(rows)(rows, o), emit
 
 
 @intrinsic
-def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
+def store(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
     """Keep a vector from place o on; a plain number in all of its lanes."""
-    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = sig.args[0]
-        value = widened(context, builder, args[2], sig.args[2], lanes_of(kind))
+        value = widened(context, builder, args[2], sig.args[2], vector_of(kind))
         builder.store(value, _here(context, builder, kind, *args[:2]), align=kind.dtype.bitwidth // 8)
         return context.get_dummy_value()
 
@@ -115,15 +115,15 @@ def put(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
 
 
 @intrinsic
-def pick(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
+def gather(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
     """A vector of the numbers at places o + stride * x + y; x: vector of whole numbers, y likewise or one number. What
     is added to o has to be less than 2^31."""
-    if not (isinstance(rows, Rows) and not rows.whole and isinstance(x, Lanes) and isinstance(stride, types.Integer)):
+    if not (isinstance(rows, PointerType) and not rows.whole and isinstance(x, VectorType) and isinstance(stride, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         base, begin, first, step, second = args
-        kind = lanes_of(sig.args[0])
+        kind = vector_of(sig.args[0])
         wide = context.get_value_type(kind)
         whole = ir.VectorType(ir.IntType(32), wide.count)
         turn = context.cast(builder, step, sig.args[3], types.int32)
@@ -144,27 +144,27 @@ def pick(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
         size = number(kind.dtype.bitwidth // 8)
         return builder.call(gather, [places, size, mask, ir.Constant(wide, ir.Undefined)])
 
-    return lanes_of(rows)(rows, o, x, stride, y), emit
+    return vector_of(rows)(rows, o, x, stride, y), emit
 
 
 @inner
-def get3(rows, o, stride):
+def load3(rows, o, stride):
     """Vectors from places o, o + stride and o + 2 stride on."""
-    return get(rows, o), get(rows, o + stride), get(rows, o + 2 * stride)
+    return load(rows, o), load(rows, o + stride), load(rows, o + 2 * stride)
 
 
 @inner
-def put3(rows, o, stride, x, y, z):
+def store3(rows, o, stride, x, y, z):
     """Keep three vectors so."""
-    put(rows, o, x)
-    put(rows, o + stride, y)
-    put(rows, o + 2 * stride, z)
+    store(rows, o, x)
+    store(rows, o + stride, y)
+    store(rows, o + 2 * stride, z)
 
 
 @intrinsic
-def deal(typingctx: Any, rows: Any, o: Any) -> Any:
+def load_deinterleaved(typingctx: Any, rows: Any, o: Any) -> Any:
     """Three vectors, of numbers that take turns from place o on."""
-    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -179,13 +179,13 @@ def deal(typingctx: Any, rows: Any, o: Any) -> Any:
         ]
         return context.make_tuple(builder, sig.return_type, out)
 
-    return types.UniTuple(lanes_of(rows), 3)(rows, o), emit
+    return types.UniTuple(vector_of(rows), 3)(rows, o), emit
 
 
 @intrinsic
-def ask(typingctx: Any, rows: Any, o: Any) -> Any:
+def prefetch(typingctx: Any, rows: Any, o: Any) -> Any:
     """Have the processor fetch the cache line of place o, and go on meanwhile."""
-    if not (isinstance(rows, Rows) and isinstance(o, types.Integer)):
+    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -200,31 +200,31 @@ def ask(typingctx: Any, rows: Any, o: Any) -> Any:
 
 
 @inner
-def ask3(rows, o, stride):
+def prefetch3(rows, o, stride):
     """Have three places fetched, o, o + stride and o + 2 stride."""
-    ask(rows, o)
-    ask(rows, o + stride)
-    ask(rows, o + 2 * stride)
+    prefetch(rows, o)
+    prefetch(rows, o + stride)
+    prefetch(rows, o + 2 * stride)
 
 
 @intrinsic
-def width(typingctx: Any, rows: Any) -> Any:
+def lane_count(typingctx: Any, rows: Any) -> Any:
     """How many lanes a vector of these rows has."""
-    if not isinstance(rows, Rows):
+    if not isinstance(rows, PointerType):
         return None
-    count = lanes_of(rows).mask.count
+    count = vector_of(rows).mask.count
     return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
 
 
 @inner
-def deal_out(rows, o, count, work, to, stride):
+def deinterleave(rows, o, count, work, to, stride):
     """So many triples of numbers from place o on into a flat array, from places to, to + stride and to + 2 stride on:
     vectors as far as they go."""
-    out = strip(work)
-    whole = count - count % width(rows)
-    for k in range(0, whole, width(rows)):
-        x, y, z = deal(rows, o + 3 * k)
-        put3(out, to + k, stride, x, y, z)
+    out = half_width_pointer(work)
+    whole = count - count % lane_count(rows)
+    for k in range(0, whole, lane_count(rows)):
+        x, y, z = load_deinterleaved(rows, o + 3 * k)
+        store3(out, to + k, stride, x, y, z)
     for k in range(whole, count):
         work[to + k] = rows[o + 3 * k]
         work[to + k + stride] = rows[o + 3 * k + 1]

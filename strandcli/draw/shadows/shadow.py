@@ -43,6 +43,8 @@ NO_VIEWS = np.zeros((0, 24), np.float32)
 """Of scenes that have none: with None in their place kernels would be compiled once more for each kind of map that a
 scene does without."""
 
+NO_THICKNESS = Thickness()
+
 
 @dataclass
 class ShadowMaps:
@@ -64,7 +66,7 @@ class ShadowMaps:
     """Layers of each map, 0 for a min/max map."""
     extents: list[NDArray[np.float32]] = field(default_factory=list)
     """Nearest and farthest depth (n, 2) of each map's texels, or of an opacity map's cells, which is drawn first."""
-    thickness: Thickness = Thickness()
+    thickness: Thickness = NO_THICKNESS
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
     _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
@@ -157,7 +159,7 @@ def plan_maps(
     lights: tuple[Light, ...],
     bounds: NDArray[np.float64],
     scratch: Scratch,
-    thickness: Thickness = Thickness(),
+    thickness: Thickness = NO_THICKNESS,
     spacing: float = 0.0,
     counted: bool = True,
 ) -> ShadowMaps | None:

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined
-from ...simd import get, get3, put, put3, root, some, spread, where
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from .contact_shapes import LEAST, TINY, nearest
 from .rod import GRIP, HIT, OFF, OVER, PACK, E, R
 
@@ -61,9 +61,9 @@ def circle(s, found, q, over):
     """The circle on which an edge from q ends at the surface that was found, its length being 1: the axis, which leads
     to a ball's centre or straight into a flat face, and 1 over its square; how far along it the circle's centre is, as
     a share; the square of the radius. Where there is none, the end that is nearest to it."""
-    o = get3(s, found, 1)
-    size = get(s, found + 3)
-    round = get(s, found + 7) > 0.0
+    o = load3(s, found, 1)
+    size = load(s, found + 3)
+    round = load(s, found + 7) > 0.0
     axis = select(round, (over * (o[0] - q[0]), over * (o[1] - q[1]), over * (o[2] - q[2])), (-o[0], -o[1], -o[2]))
     square = max(dot(axis, axis), TINY)
     inverse = 1.0 / square
@@ -72,10 +72,10 @@ def circle(s, found, q, over):
     share = where(round, 0.5 + 0.5 * (square - size * size), height) * inverse
     high = share * share * square
     beyond = high > 1.0
-    if some(beyond):  # however far, even more than numbers can tell; from a ball's very centre, any way is as near
-        least = root(inverse)
+    if any_lane(beyond):  # however far, even more than numbers can tell; from a ball's very centre, any way is as near
+        least = sqrt(inverse)
         share = where(beyond, where(share > 0.0, least, -least), share)
-        high = where(beyond, where(square > TINY, spread(high, 1.0), 0.0), high)
+        high = where(beyond, where(square > TINY, broadcast(high, 1.0), 0.0), high)
     return axis, inverse, share, 1.0 - high
 
 
@@ -86,17 +86,17 @@ def across(d, axis, inverse, square):
     p = along(d, -(dot(d, axis) * inverse), axis)
     left = dot(p, p)
     steep = left < STEEP
-    if some(steep):
+    if any_lane(steep):
         p = select(steep, along(p, -(dot(p, axis) * inverse), axis), p)
         left = dot(p, p)
         lost = left < LEAST * LEAST
-        if some(lost):  # straight at it: any way round will do
-            one = where(axis[0] * axis[0] * inverse > 0.25, spread(left, 0.0), 1.0)
+        if any_lane(lost):  # straight at it: any way round will do
+            one = where(axis[0] * axis[0] * inverse > 0.25, broadcast(left, 0.0), 1.0)
             two = 1.0 - one
             f = (one * axis[0] + two * axis[1]) * inverse
             p = select(lost, (one - f * axis[0], two - f * axis[1], -f * axis[2]), p)
             left = dot(p, p)
-    f = root(square / max(left, TINY))
+    f = sqrt(square / max(left, TINY))
     return f * p[0], f * p[1], f * p[2]
 
 
@@ -109,11 +109,11 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
         x, y, z = along(q, length, d)
         depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, whole, first)
         inside = depth > slack
-        if not some(inside):
+        if not any_lane(inside):
             break
-        axis, inverse, share, square = circle(s, found, q, get(s, OVER))
+        axis, inverse, share, square = circle(s, found, q, load(s, OVER))
         d = select(inside, along(across(d, axis, inverse, square), share, axis), d)
-        if not some(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
+        if not any_lane(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
             break
     return d
 
@@ -127,52 +127,52 @@ def touch(
     in OFF how far that is put off; ``first``: whether q is the root, ``touched``: whether there is any force of the
     step before. The particle's velocity and force are in ``row``, its place before the step ``here``; alone: how far an
     acceleration of 1 m/s² takes a particle; beat: how long a step is; rounding: what is lost of a number of 1."""
-    d = get3(s, o + E, 1)
+    d = load3(s, o + E, 1)
     x, y, z = along(q, length, d)
-    none = spread(length, 0.0)
-    grip, light, held = none, spread(length, 1.0), (none, none, none)
+    none = broadcast(length, 0.0)
+    grip, light, held = none, broadcast(length, 1.0), (none, none, none)
     if touched:
-        ax, ay, az = get3(push, row, PACK)
+        ax, ay, az = load3(push, row, PACK)
         grip = abs(ax) + abs(ay) + abs(az)
         # of particles that nothing pressed R tells only how far others' forces take them
-        light = where(grip > 0.0, get(s, o + R), 0.0)
+        light = where(grip > 0.0, load(s, o + R), 0.0)
         light = where(light > 0.0, min(max(light, LIGHTEST), 1.0), 1.0)
         f = alone * light
         grip *= f  # at least as far as it puts the particle off
         held = f * ax, f * ay, f * az
     was = grip > 0.0
     depth, found = nearest(s, o, x, y, z, d, length, positions, here, grip, solids, whole, first)
-    if not some((depth > -grip) | was):
+    if not any_lane((depth > -grip) | was):
         return
-    over = get(s, OVER)
-    round = get(s, found + 7) > 0.0
-    centre = get3(s, found, 1)
+    over = load(s, OVER)
+    round = load(s, found + 7) > 0.0
+    centre = load3(s, found, 1)
     n = x - centre[0], y - centre[1], z - centre[2]
-    away = get(s, found + 3) - depth
+    away = load(s, found + 3) - depth
     deep = round & (depth > away)
-    if some(deep):  # a great ball's radius leaves nothing of a small distance
-        away = where(deep, root(dot(n, n)), away)
+    if any_lane(deep):  # a great ball's radius leaves nothing of a small distance
+        away = where(deep, sqrt(dot(n, n)), away)
     away = 1.0 / max(away, TINY)
     n = select(round, (away * n[0], away * n[1], away * n[2]), centre)
     force = max(dot(held, n), 0.0) + depth
     near = (depth > -grip) & (force > 0.0)
     free = was & ~near
     turned = d
-    if some(free):
+    if any_lane(free):
         e = along(d, -over, held)
-        f = 1.0 / root(max(dot(e, e), TINY))
+        f = 1.0 / sqrt(max(dot(e, e), TINY))
         turned = select(free, (f * e[0], f * e[1], f * e[2]), d)
-    if some(near):
+    if any_lane(near):
         axis, inverse, share, square = circle(s, found, q, over)
         # friction: what holds the particle across the normal, less the way that it slides there, f d of it by turning
         # the edge so that it comes to lie on the surface
         held = along(held, -dot(held, n), n)
         f = dot(d, n)
         f *= depth / max(1.0 - f * f, STEEP)
-        way = along((x - get(s, found + 4), y - get(s, found + 5), z - get(s, found + 6)), -f, d)
+        way = along((x - load(s, found + 4), y - load(s, found + 5), z - load(s, found + 6)), -f, d)
         kept = along(along(held, -1.0, way), dot(way, n), n)
         most = friction * force
-        f = min(root(most * most / max(dot(kept, kept), TINY)), 1.0)
+        f = min(sqrt(most * most / max(dot(kept, kept), TINY)), 1.0)
         kept = f * kept[0], f * kept[1], f * kept[2]
         p = across(along(d, over, along(kept, -1.0, held)), axis, inverse, square)
         turned = select(near, along(p, share, axis), turned)
@@ -180,20 +180,20 @@ def touch(
         # an edge too deep inside to end at the surface is only turned: no force of its depth would be the right one
         f = where(square > 0.0, 1.0 / (alone * light), 0.0)
         new = near & ~was
-        if some(new):
+        if any_lane(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
-            vx, vy, vz = get3(velocity, row, PACK)
-            ax, ay, az = get3(positions, here, W)
-            fall = dot(n, (get(s, found + 4) - ax, get(s, found + 5) - ay, get(s, found + 6) - az))
+            vx, vy, vz = load3(velocity, row, PACK)
+            ax, ay, az = load3(positions, here, W)
+            fall = dot(n, (load(s, found + 4) - ax, load(s, found + 5) - ay, load(s, found + 6) - az))
             fall -= beat * dot(n, (vx, vy, vz))
             f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
-            put(s, HIT, get(s, HIT) + where(new, spread(f, 1.0), 0.0))
+            store(s, HIT, load(s, HIT) + where(new, broadcast(f, 1.0), 0.0))
         ax, ay, az = select(near, (f * kept[0], f * kept[1], f * kept[2]), (none, none, none))
-        put3(push, row, PACK, ax, ay, az)
-        put(s, GRIP, get(s, GRIP) + (abs(ax) + abs(ay) + abs(az)))
+        store3(push, row, PACK, ax, ay, az)
+        store(s, GRIP, load(s, GRIP) + (abs(ax) + abs(ay) + abs(az)))
     else:
-        put3(push, row, PACK, 0.0, 0.0, 0.0)
+        store3(push, row, PACK, 0.0, 0.0, 0.0)
     turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)
-    put3(s, o + E, 1, turned[0], turned[1], turned[2])
-    ax, ay, az = get3(s, OFF, 1)
-    put3(s, OFF, 1, ax + turned[0] - d[0], ay + turned[1] - d[1], az + turned[2] - d[2])
+    store3(s, o + E, 1, turned[0], turned[1], turned[2])
+    ax, ay, az = load3(s, OFF, 1)
+    store3(s, OFF, 1, ax + turned[0] - d[0], ay + turned[1] - d[1], az + turned[2] - d[2])

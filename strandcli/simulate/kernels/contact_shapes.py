@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined, inner
-from ...simd import get, get3, put, root, some, spread, where
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .rod import FOUND, SEGMENT, E
 
 TINY = 1e-20
@@ -35,7 +35,7 @@ def on_axis(capsules, m, x, y, z):
 @inlined
 def in_ball(dx, dy, dz, r):
     """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
-    return r - root(dx * dx + dy * dy + dz * dz)
+    return r - sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @inner
@@ -63,16 +63,16 @@ def face(boxes, m, x, y, z):
     dx = x - boxes[m]
     dy = y - boxes[m + 1]
     dz = z - boxes[m + 2]
-    best = spread(x, 1.0 / TINY)
-    nx = spread(x, 0.0)
-    ny = spread(x, 1.0)
+    best = broadcast(x, 1.0 / TINY)
+    nx = broadcast(x, 0.0)
+    ny = broadcast(x, 1.0)
     nz = nx
     for k in range(3):
         u = across(boxes, m, k, dx, dy, dz)
         under = boxes[m + 12 + k] - abs(u)
         nearer = under < best
         best = where(nearer, under, best)
-        sign = where(u >= 0.0, spread(x, 1.0), -1.0)
+        sign = where(u >= 0.0, broadcast(x, 1.0), -1.0)
         nx = where(nearer, sign * boxes[m + 3 + k], nx)
         ny = where(nearer, sign * boxes[m + 6 + k], ny)
         nz = where(nearer, sign * boxes[m + 9 + k], nz)
@@ -85,7 +85,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
     edge, |d·G| F + |d·F| G. One that has passed G before it comes to F goes by the edge, at a negative depth. One that
     leaves by the opposite face, or not at all, is led out by the nearest face. -1 / TINY: neither of them."""
-    zero = spread(x, 0.0)
+    zero = broadcast(x, 0.0)
     enter = zero
     leave = reach
     f = zero
@@ -97,7 +97,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
         d = across(boxes, m, k, dx, dy, dz)
         size = max(abs(d), TINY)
-        way = where(d < 0.0, spread(x, -1.0), 1.0)
+        way = where(d < 0.0, broadcast(x, -1.0), 1.0)
         begin = -(half + way * q) / size
         end = (half - way * q) / size
         later = begin > enter
@@ -113,19 +113,19 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         by = where(sooner, way * boxes[m + 6 + k], by)
         bz = where(sooner, way * boxes[m + 9 + k], bz)
     inside = leave > enter
-    if not some(inside | ((f > 0.0) & (g > 0.0))):
-        return spread(x, -1.0 / TINY), zero, zero, zero
+    if not any_lane(inside | ((f > 0.0) & (g > 0.0))):
+        return broadcast(x, -1.0 / TINY), zero, zero, zero
     nx = g * ax + f * bx
     ny = g * ay + f * by
     nz = g * az + f * bz
-    size = root(nx * nx + ny * ny + nz * nz)
+    size = sqrt(nx * nx + ny * ny + nz * nz)
     edge = size > LEAST
     over = 1.0 / max(size, LEAST)
     depth = (leave - enter) * f * g * over
     nx *= over
     ny *= over
     nz *= over
-    if some(inside & ~edge):
+    if any_lane(inside & ~edge):
         t = where(g > 0.0, 0.5 * (enter + leave), leave)
         d, ax, ay, az = face(boxes, m, x + t * dx, y + t * dy, z + t * dz)
         depth = where(edge, depth, d)
@@ -149,15 +149,15 @@ def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
     """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
     the first edge all: up to its end it goes on for what is left of it from the tangent point."""
     if not whole:
-        return spread(dx, r)
+        return broadcast(dx, r)
     back, on = foot(dx, dy, dz, edge, next, 0.5 * length)
     if first:
         x = dx - length * edge[0]
         y = dy - length * edge[1]
         z = dz - length * edge[2]
-        back = max(length - root(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
+        back = max(length - sqrt(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
     s = max(back, on)
-    return root(s * s + r * r)
+    return sqrt(s * s + r * r)
 
 
 @inner
@@ -206,24 +206,24 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
     most = -reach
     found, other = FOUND, FOUND + 8
     next = (most, most, most)
-    lever = spread(x, 0.0)  # how far the nearest place of an edge may be from the particle
+    lever = broadcast(x, 0.0)  # how far the nearest place of an edge may be from the particle
     if whole:
-        next = get3(s, o + SEGMENT + E, 1)
+        next = load3(s, o + SEGMENT + E, 1)
         lever = length if first else 0.5 * length
     for m in range(0, last_sphere, SPHERE):
         dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
         far = spheres[m + 3] + lever - most
-        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+        if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
             r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
             d = in_ball(dx, dy, dz, r)
-            place = spread(x, spheres[m]), spread(x, spheres[m + 1]), spread(x, spheres[m + 2])
+            place = broadcast(x, spheres[m]), broadcast(x, spheres[m + 1]), broadcast(x, spheres[m + 2])
             found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + 5, positions, here)
             most = max(most, d)
     for m in range(0, last_capsule, CAPSULE):
         ox, oy, oz = on_axis(capsules, m, x, y, z)
         dx, dy, dz = x - ox, y - oy, z - oz
         far = capsules[m + 6] + lever - most
-        if some(dx * dx + dy * dy + dz * dz < far * abs(far)):
+        if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
             if whole:
                 ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
             r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
@@ -232,14 +232,14 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
             most = max(most, d)
     for m in range(0, last_plane, PLANE):
         d = under_plane(planes, m, x, y, z)
-        if some(d > most):
-            way = spread(x, planes[m]), spread(x, planes[m + 1]), spread(x, planes[m + 2])
-            level = spread(x, planes[m + 3])
+        if any_lane(d > most):
+            way = broadcast(x, planes[m]), broadcast(x, planes[m + 1]), broadcast(x, planes[m + 2])
+            level = broadcast(x, planes[m + 3])
             found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + 4, positions, here)
             most = max(most, d)
     for m in range(0, last_box, BOX):
         d, ox, oy, oz = face(boxes, m, x, y, z)
-        if some(d + lever > most):
+        if any_lane(d + lever > most):
             if whole:
                 d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length, reach)
             level = d + x * ox + y * oy + z * oz
@@ -253,14 +253,14 @@ def find(s, found, other, nearer, round, place, size, solids, moved, positions, 
     """Write down a solid, whose motion is in columns from ``moved`` on, where a mask holds, and elsewhere what was
     found before: to the other place, for to write some lanes only takes processors long. Returns both places,
     exchanged."""
-    x, y, z = get3(positions, here, W)
-    put(s, other, where(nearer, place[0], get(s, found)))
-    put(s, other + 1, where(nearer, place[1], get(s, found + 1)))
-    put(s, other + 2, where(nearer, place[2], get(s, found + 2)))
-    put(s, other + 3, where(nearer, size, get(s, found + 3)))
+    x, y, z = load3(positions, here, W)
+    store(s, other, where(nearer, place[0], load(s, found)))
+    store(s, other + 1, where(nearer, place[1], load(s, found + 1)))
+    store(s, other + 2, where(nearer, place[2], load(s, found + 2)))
+    store(s, other + 3, where(nearer, size, load(s, found + 3)))
     for k in range(3):
         row = moved + 3 * k
         there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + 9 + k]
-        put(s, other + 4 + k, where(nearer, there, get(s, found + 4 + k)))
-    put(s, other + 7, where(nearer, spread(x, round), get(s, found + 7)))
+        store(s, other + 4 + k, where(nearer, there, load(s, found + 4 + k)))
+    store(s, other + 7, where(nearer, broadcast(x, round), load(s, found + 7)))
     return other, found

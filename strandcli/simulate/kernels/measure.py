@@ -8,7 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from ...simd import get3, greatest, lay, spread, width
+from ...simd import broadcast, lane_count, load3, pointer, reduce_max
 from . import contact_shapes as shapes
 
 ZERO = np.float32(0)
@@ -57,11 +57,11 @@ def depth(positions, spheres, capsules, planes, boxes, out):
 def deepest(positions, b, spheres, capsules, planes, boxes):
     """That of one block."""
     rows = positions.shape[1]
-    where, balls, pills, flats, cubes = lay(positions), lay(spheres), lay(capsules), lay(planes), lay(boxes)
-    most = spread(where, 0.0)
+    where, balls, pills, flats, cubes = pointer(positions), pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
+    most = broadcast(where, 0.0)
     for i in range(2, rows):
-        for k in range(0, W, width(where)):
-            x, y, z = get3(where, (b * rows + i) * 3 * W + k, W)
+        for k in range(0, W, lane_count(where)):
+            x, y, z = load3(where, (b * rows + i) * 3 * W + k, W)
             for m in range(0, spheres.size, spheres.shape[1]):
                 most = max(most, shapes.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))
             for m in range(0, capsules.size, capsules.shape[1]):
@@ -70,4 +70,4 @@ def deepest(positions, b, spheres, capsules, planes, boxes):
                 most = max(most, shapes.under_plane(flats, m, x, y, z))
             for m in range(0, boxes.size, boxes.shape[1]):
                 most = max(most, shapes.face(cubes, m, x, y, z)[0])
-    return greatest(most)
+    return reduce_max(most)

@@ -37,7 +37,7 @@ segments of zeros before the first and after the last spare the recurrences thei
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, get3, put, put3, root, spread, where
+from ...simd import broadcast, load, load3, sqrt, store, store3, where
 
 FAR = 0.3
 """Error of |e|² above which edges go back to unit length before the next iteration."""
@@ -71,9 +71,9 @@ def rows_for(n: int) -> int:
 @inner
 def ahead(s, o, x, y, z, u, v, w):
     """The change of an edge, from that of the one before it and of the particle in between."""
-    f = get(s, o + N1)
-    g = get(s, o + N2)
-    a, b, c = get3(s, o + G, 1)
+    f = load(s, o + N1)
+    g = load(s, o + N2)
+    a, b, c = load3(s, o + G, 1)
     return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
 
 
@@ -81,7 +81,7 @@ def ahead(s, o, x, y, z, u, v, w):
 def move(s, n, share):
     """u += y, e += z, or a ``share`` of each where that is not None; the greatest | |e|² − 1 | of each lane, and their
     sum."""
-    worst = spread(s, 0.0)
+    worst = broadcast(s, 0.0)
     total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
@@ -91,19 +91,19 @@ def move(s, n, share):
         u += x
         v += y
         w += z
-        dx, dy, dz = get3(s, o + D, 1)
-        ex, ey, ez = get3(s, o + E, 1)
+        dx, dy, dz = load3(s, o + D, 1)
+        ex, ey, ez = load3(s, o + E, 1)
         if share is None:
-            put3(s, o + D, 1, dx - u, dy - v, dz - w)
+            store3(s, o + D, 1, dx - u, dy - v, dz - w)
             ex += x
             ey += y
             ez += z
         else:
-            put3(s, o + D, 1, dx - share * u, dy - share * v, dz - share * w)
+            store3(s, o + D, 1, dx - share * u, dy - share * v, dz - share * w)
             ex += share * x
             ey += share * y
             ez += share * z
-        put3(s, o + E, 1, ex, ey, ez)
+        store3(s, o + E, 1, ex, ey, ez)
         off = abs(ex * ex + ey * ey + ez * ez - 1.0)
         off = where(off < MOST, off, MOST)  # never NaN
         worst = max(worst, off)
@@ -115,16 +115,16 @@ def move(s, n, share):
 def retract(s, n, mass, joint, mine):
     """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
     it. Returns the energy of each lane, twice."""
-    stiff = get(s, STIFF)
-    x0 = spread(s, 0.0)
+    stiff = load(s, STIFF)
+    x0 = broadcast(s, 0.0)
     y0, z0 = x0, x0
     energy = x0
     for j in range(n):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(s, o + E, 1)
-        px, py, pz = get3(s, o - SEGMENT + E, 1)
+        x, y, z = load3(s, o + E, 1)
+        px, py, pz = load3(s, o - SEGMENT + E, 1)
         q = x * x + y * y + z * z
-        f = 1.0 / root(max(q, TINY)) - 1.0
+        f = 1.0 / sqrt(max(q, TINY)) - 1.0
         lost = q < TINY
         dx = where(mine, where(lost, px, x * f), 0.0)
         dy = where(mine, where(lost, py, y * f), 0.0)
@@ -132,20 +132,20 @@ def retract(s, n, mass, joint, mine):
         x += dx
         y += dy
         z += dz
-        put3(s, o + E, 1, x, y, z)
+        store3(s, o + E, 1, x, y, z)
         x0 += dx
         y0 += dy
         z0 += dz
-        cx, cy, cz = get3(s, o + C, 1)
+        cx, cy, cz = load3(s, o + C, 1)
         x -= px + cx
         y -= py + cy
         z -= pz + cz
         energy += stiff * joint[j] * (x * x + y * y + z * z)
-        x, y, z = get3(s, o + D, 1)
+        x, y, z = load3(s, o + D, 1)
         x -= x0
         y -= y0
         z -= z0
-        put3(s, o + D, 1, x, y, z)
+        store3(s, o + D, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
     return energy
 
@@ -153,8 +153,8 @@ def retract(s, n, mass, joint, mine):
 @inner
 def longest(s, n):
     """The greatest change of an edge that loads ask for, squared."""
-    worst = spread(s, TINY)
-    x = spread(s, 0.0)
+    worst = broadcast(s, TINY)
+    x = broadcast(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
     for j in range(n):
@@ -172,7 +172,7 @@ def shorten(s, n, share):
     for j in range(n):
         for c in range(3):
             o = FIRST + j * SEGMENT + G + c
-            put(s, o, get(s, o) * share)
+            store(s, o, load(s, o) * share)
 
 
 @inner
@@ -180,23 +180,23 @@ def yield_to(s, n, edge, mass, push):
     """Begin H⁻¹ M χ with the factors that there are, from the tip to the root: how far forces of contact move
     particles, as a share of how far they would move each alone, with χ = 1 where there are some. R takes what
     `yielding` ends it with."""
-    p = spread(s, 0.0)
+    p = broadcast(s, 0.0)
     q = p
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        x, y, z = get3(push, edge + j * AXES, PACK)
-        p -= where(abs(x) + abs(y) + abs(z) > 0.0, spread(s, mass[j]), 0.0)
+        x, y, z = load3(push, edge + j * AXES, PACK)
+        p -= where(abs(x) + abs(y) + abs(z) > 0.0, broadcast(s, mass[j]), 0.0)
         sum = p + q
-        put(s, o + R, get(s, o + DI) * sum)
-        p -= get(s, o + N2) * sum
-        q = get(s, o + N1) * sum
+        store(s, o + R, load(s, o + DI) * sum)
+        p -= load(s, o + N2) * sum
+        q = load(s, o + N1) * sum
 
 
 @inlined
 def yielding(s, o, y, z):
     """From the root to the tip, the same of a segment's particle and edge, given those of the one before: R ends as
     that of the particle."""
-    z = get(s, o + N1) * z - get(s, o + N2) * y - get(s, o + R)
+    z = load(s, o + N1) * z - load(s, o + N2) * y - load(s, o + R)
     y += z
-    put(s, o + R, y)
+    store(s, o + R, y)
     return y, z

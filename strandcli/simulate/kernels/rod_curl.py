@@ -17,7 +17,7 @@ as they were before the step, and so no coefficient of the step's matrix changes
 from __future__ import annotations
 
 from ...jit import inner
-from ...simd import cosine, get, get3, put, put3, root, sine, spread
+from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
 from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
 FOLD = 0.02
@@ -37,25 +37,25 @@ def recall(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion, dam
 def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
     """From the root to the tip: G takes what of a target is across the edge before it, for the ψ that there is, and N1
     and N2 the elimination of ψ_{j−1} = N1 + N2 ψ_j."""
-    tx, ty, tz = get3(s, FIRST - SEGMENT + E, 1)
-    x, y, z = get3(bends, bend, PACK)
+    tx, ty, tz = load3(s, FIRST - SEGMENT + E, 1)
+    x, y, z = load3(bends, bend, PACK)
     ax = pose[0] * x + pose[1] * y + pose[2] * z
     ay = pose[3] * x + pose[4] * y + pose[5] * z
     az = pose[6] * x + pose[7] * y + pose[8] * z
-    zero = spread(s, 0.0)
+    zero = broadcast(s, 0.0)
     angle = zero
     a = zero
     b = zero
     for j in range(n):
         o = FIRST + j * SEGMENT
-        _, v, w = get3(bends, bend + (j + 1) * AXES, PACK)
+        _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c = cosine(angle)
         d = sine(angle)
         v, w = v * c - w * d, v * d + w * c
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
-        put3(s, o + G, 1, x, y, z)
-        ex, ey, ez = get3(edges, edge + j * AXES, PACK)
+        store3(s, o + G, 1, x, y, z)
+        ex, ey, ez = load3(edges, edge + j * AXES, PACK)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j] if j + 1 < n else 0.0
@@ -64,16 +64,16 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
             over = 1.0 / (before * (1.0 - b) + after + stiff)
             a = (joint[j] * turn + stiff * angle + before * a) * over
             b = after * over
-            put(s, o + N1, a)
-            put(s, o + N2, b)
-        put(s, o + DI, angle)
-        angle = get(twist, tip + j * PACK)
+            store(s, o + N1, a)
+            store(s, o + N2, b)
+        store(s, o + DI, angle)
+        angle = load(twist, tip + j * PACK)
         # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
         f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
         ax -= f * (tx + ex)
         ay -= f * (ty + ey)
         az -= f * (tz + ez)
-        f = 1.0 / root(max(ax * ax + ay * ay + az * az, TINY))
+        f = 1.0 / sqrt(max(ax * ax + ay * ay + az * az, TINY))
         ax *= f
         ay *= f
         az *= f
@@ -85,26 +85,26 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
 @inner
 def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
     """From the tip to the root: the new ψ, targets by it, and what they ask of the edges before them."""
-    zero = spread(s, 0.0)
+    zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after, and the edge after it
     nx, ny, nz = zero, zero, zero
     bx, by, bz = zero, zero, zero  # Σ of forces on edges so far
     after = zero  # q / (1 + e·e) of the joint after
     angle = zero
-    ex, ey, ez = get3(edges, edge + (n - 1) * AXES, PACK)
+    ex, ey, ez = load3(edges, edge + (n - 1) * AXES, PACK)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         if j > 0:
-            px, py, pz = get3(edges, edge + (j - 1) * AXES, PACK)
+            px, py, pz = load3(edges, edge + (j - 1) * AXES, PACK)
         else:
-            px, py, pz = get3(s, FIRST - SEGMENT + E, 1)
-        past = get(s, o + DI)
+            px, py, pz = load3(s, FIRST - SEGMENT + E, 1)
+        past = load(s, o + DI)
         now = zero
         q = zero
         if j > 0:
-            now = get(s, o + N1) + get(s, o + N2) * angle
+            now = load(s, o + N1) + load(s, o + N2) * angle
             now = past + min(max(now - past, -MOST), MOST)
-            put(twist, tip + (j - 1) * PACK, now)
+            store(twist, tip + (j - 1) * PACK, now)
         if j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
         q = q / max(1.0 + ex * px + ey * py + ez * pz, FOLD)
@@ -119,19 +119,19 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
         by += fy + sy - f * ey
         bz += fz + sz - f * ez
         # this joint's target
-        x, y, z = get3(s, o + G, 1)
+        x, y, z = load3(s, o + G, 1)
         c = cosine(now - past)
         d = sine(now - past)
         wx, wy, wz = cross(px, py, pz, x, y, z)
-        u = get(bends, bend + (j + 1) * AXES)
+        u = load(bends, bend + (j + 1) * AXES)
         x = u * px + c * x + d * wx
         y = u * py + c * y + d * wy
         z = u * pz + c * z + d * wz
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
-        cx, cy, cz = get3(s, o + C, 1)
-        put3(s, o + C, 1, cx + share * (x + f * bx), cy + share * (y + f * by), cz + share * (z + f * bz))
+        cx, cy, cz = load3(s, o + C, 1)
+        store3(s, o + C, 1, cx + share * (x + f * bx), cy + share * (y + f * by), cz + share * (z + f * bz))
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q

@@ -7,7 +7,7 @@ that one has something to do while another waits, and what they need comes throu
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, put, root, some, spread, where
+from ...simd import any_lane, broadcast, load, sqrt, store, where
 from . import rod_tension
 from .rod import DI, FIRST, HARD, N1, N2, SEGMENT, STIFF, C, D, E, G, T
 
@@ -25,11 +25,11 @@ def settle(s, n, mass, joint, changed):
     """The pivots of H and the loads G of a τ that is ``changed`` before, where that is not None, by what
     `rod_tension` has prepared. Lanes where τ makes H indefinite take the bounded τ instead; returns whether there are
     any."""
-    put(s, HARD, 0.0)
+    store(s, HARD, 0.0)
     lost = descend(s, n, mass, joint, changed, False, None)
-    hard = some(lost > 0.0)
+    hard = any_lane(lost > 0.0)
     if hard:
-        put(s, HARD, lost)
+        store(s, HARD, lost)
         bound(s, n, mass, joint)
     return hard
 
@@ -39,8 +39,8 @@ def bound(s, n, mass, joint):
     """Pivots and loads with bounded τ in the lanes that row HARD marks, by 2 where the bound is what masses alone
     resist."""
     still = descend(s, n, mass, joint, None, True, None)
-    if some(still > 0.0):
-        put(s, HARD, get(s, HARD) + still)
+    if any_lane(still > 0.0):
+        store(s, HARD, load(s, HARD) + still)
         descend(s, n, mass, joint, None, True, None)
 
 
@@ -49,8 +49,8 @@ def foretell(s, n, mass, joint):
     """The loads of a changed τ with the pivots that there are; row HARD marks lanes where H will be indefinite with
     that τ. Returns whether there are any."""
     lost = descend(s, n, mass, joint, True, None, True)
-    put(s, HARD, lost)
-    return some(lost > 0.0)
+    store(s, HARD, lost)
+    return any_lane(lost > 0.0)
 
 
 @inner
@@ -66,19 +66,19 @@ def descend(s, n, mass, joint, changed, factored, judged):
     Loads: the residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1} and
     b_j = κ_j (c_j − c̄_j), where the edge before the first is the clamped direction.
     """
-    zero = spread(s, 0.0)
+    zero = broadcast(s, 0.0)
     none = zero, zero, zero
     ahead = none, none, (zero, zero)
     lost = zero
     a, b, c = none
     p, q, bend, force = none, none, none, none
-    stiff = get(s, STIFF)
+    stiff = load(s, STIFF)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         if changed is not None:
             change, ahead = rod_tension.recall(s, n, j, ahead)
-            put(s, o + T, get(s, o + T) + change)
-        t = get(s, o + T)
+            store(s, o + T, load(s, o + T) + change)
+        t = load(s, o + T)
         k = stiff * joint[j]
         if factored is not None or judged is not None:
             held = t
@@ -93,9 +93,9 @@ def descend(s, n, mass, joint, changed, factored, judged):
             f = k * i
             h = g * i
             if factored is not None:
-                put(s, o + DI, i)
-                put(s, o + N1, f)
-                put(s, o + N2, h)
+                store(s, o + DI, i)
+                store(s, o + N1, f)
+                store(s, o + N2, h)
             a -= g * h
             b = k * h
             c = raised * f
@@ -112,19 +112,19 @@ def descend(s, n, mass, joint, changed, factored, judged):
 @inlined
 def bounded(s, t, light, k):
     """τ, and in marked lanes no less than H can bear between particles of which the lighter one is that ``light``."""
-    given = get(s, HARD)
-    least = spread(s, -QUARTER * light)
-    beam = min(least, -BEAM * root(light * k))
+    given = load(s, HARD)
+    least = broadcast(s, -QUARTER * light)
+    beam = min(least, -BEAM * sqrt(light * k))
     return where(given > 0.0, max(t, where(given > 1.0, least, beam)), t)
 
 
 @inlined
 def bear(s, o, c, t, mass, k, p, q, bend, force):
     """Coordinate c of a segment's load, from what the segments after it leave: p and q of V, b and f of the next."""
-    edge = get(s, o + E + c)
-    b = k * (edge - get(s, o - SEGMENT + E + c) - get(s, o + C + c))
+    edge = load(s, o + E + c)
+    b = k * (edge - load(s, o - SEGMENT + E + c) - load(s, o + C + c))
     f = t * edge + (b - bend)
-    p -= mass * get(s, o + D + c) + (force - f)
+    p -= mass * load(s, o + D + c) + (force - f)
     sum = p + q
-    put(s, o + G + c, get(s, o + DI) * sum)
-    return p - get(s, o + N2) * sum, get(s, o + N1) * sum, b, f
+    store(s, o + G + c, load(s, o + DI) * sum)
+    return p - load(s, o + N2) * sum, load(s, o + N1) * sum, b, f

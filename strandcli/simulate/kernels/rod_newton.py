@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import inner
-from ...simd import get, put, root, some, spread, where
+from ...simd import any_lane, broadcast, load, sqrt, store, where
 from . import rod, rod_descent, rod_start, rod_tension
 from .rod import AXES, FIRST, SEGMENT, T
 
@@ -35,28 +35,28 @@ def iterate(s, n, mass, joint, iterations, enough, given):
 
     From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
     changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
-    worst = spread(s, 0.0)
+    worst = broadcast(s, 0.0)
     total = worst
     alone = min(1.0, FINE / n)
     together = WHOLE / n
-    share = spread(s, 1.0)
-    before = spread(s, rod.MOST * rod.MOST)
-    ever = spread(s, 0.0)
+    share = broadcast(s, 1.0)
+    before = broadcast(s, rod.MOST * rod.MOST)
+    ever = broadcast(s, 0.0)
     hard = False
     programmed = False
     for count in range(-1, iterations + 1):
-        if count > 1 and not some(min(worst, max(alone * worst, together * total)) > enough):
+        if count > 1 and not any_lane(min(worst, max(alone * worst, together * total)) > enough):
             break
         if count == 0:
-            if not some(worst > WILD):
+            if not any_lane(worst > WILD):
                 continue
             pull(s, n, mass, given)
         stale = programmed
         programmed = count > 0 and (hard or programmed)
         if count > 0:
-            far = programmed or some(worst > rod.FAR)
+            far = programmed or any_lane(worst > rod.FAR)
             if far:
-                ever = max(ever, get(s, rod.HARD))
+                ever = max(ever, load(s, rod.HARD))
                 mine = max(ever, worst) > rod.FAR
                 energy = rod.retract(s, n, mass, joint, mine)
                 if stale:
@@ -65,7 +65,7 @@ def iterate(s, n, mass, joint, iterations, enough, given):
                     rod_descent.descend(s, n, mass, joint, None, None, None)
                 if programmed:
                     rose = energy > before * RISE
-                    most = where(get(s, rod.HARD) > 0.0, spread(s, FAST if count > STUCK else 1.0), 1.0)
+                    most = where(load(s, rod.HARD) > 0.0, broadcast(s, FAST if count > STUCK else 1.0), 1.0)
                     share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
                     before = where(mine, energy, before)
             rod_tension.observe(s, n, mass, far)
@@ -77,7 +77,7 @@ def iterate(s, n, mass, joint, iterations, enough, given):
             else:
                 hard = rod_descent.settle(s, n, mass, joint, True)
                 if count > PATIENCE:
-                    rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / root(rod.longest(s, n))))
+                    rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / sqrt(rod.longest(s, n))))
                 worst, total = rod.move(s, n, None)
         else:
             hard = rod_descent.settle(s, n, mass, joint, None)
@@ -92,7 +92,7 @@ def pull(s, n, mass, given):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
     from the tip."""
     edge, velocity, before, moved, push, third, second, pressed = given
-    x = spread(s, 0.0)
+    x = broadcast(s, 0.0)
     y = x
     z = x
     sum = x
@@ -103,6 +103,6 @@ def pull(s, n, mass, given):
         y += mass[j] * ay
         z += mass[j] * az
         sum += mass[j]
-        load = root(x * x + y * y + z * z) - PULLED * sum
-        t = get(s, o + T)
-        put(s, o + T, where(load > 0.0, max(t, load), t))
+        pull = sqrt(x * x + y * y + z * z) - PULLED * sum
+        t = load(s, o + T)
+        store(s, o + T, where(pull > 0.0, max(t, load), t))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, get3, put, put3
+from ...simd import load, load3, store, store3
 from .rod import AXES, FALL, FIRST, OVER, PACK, PRESS, REST, SEGMENT, SHIFT, STIFF, C, D, E, T
 
 FARTHEST = 1e10
@@ -24,32 +24,32 @@ def start(
     """Fill the scratch, in units of a segment: edges are as they are when the root has moved and nothing else. Internal
     damping pulls each joint to the bend that it had. All in one pass: of long strands, what it reads comes from far."""
     h = numbers[0]
-    length = get(lengths, strand)
+    length = load(lengths, strand)
     over = 1.0 / length
-    put(s, OVER, over)
+    store(s, OVER, over)
     drag = numbers[7] * h
-    put(s, REST, h / (1 + drag) * over)
-    put(s, PRESS, alone(numbers) / length)
+    store(s, REST, h / (1 + drag) * over)
+    store(s, PRESS, alone(numbers) / length)
     for c in range(3):
-        put(s, FALL + c, h * numbers[1 + c] + drag * numbers[4 + c] * get(gust, strand))
+        store(s, FALL + c, h * numbers[1 + c] + drag * numbers[4 + c] * load(gust, strand))
     damping = numbers[8] / h
-    put(s, STIFF, get(stiffness, strand) * (h * h * (1 + damping)))
+    store(s, STIFF, load(stiffness, strand) * (h * h * (1 + damping)))
     share = damping / (1 + damping)
-    x0, y0, z0 = get3(s, FIRST - SEGMENT + E, 1)
+    x0, y0, z0 = load3(s, FIRST - SEGMENT + E, 1)
     for j in range(n):
         o = FIRST + j * SEGMENT
         row = edge + j * AXES
-        put(s, o + T, get(tension, tip + j * PACK) * (h * h))
-        x, y, z = get3(edges, row, PACK)
-        put3(s, o + E, 1, x, y, z)
-        put3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
+        store(s, o + T, load(tension, tip + j * PACK) * (h * h))
+        x, y, z = load3(edges, row, PACK)
+        store3(s, o + E, 1, x, y, z)
+        store3(s, o + C, 1, share * (x - x0), share * (y - y0), share * (z - z0))
         x0 = x
         y0 = y
         z0 = z
         x, y, z = wish(s, row, velocity, before, moved, push, numbers[9], second, pressed)
-        put3(s, o + D, 1, x, y, z)
+        store3(s, o + D, 1, x, y, z)
     for c in range(3):
-        put(s, FIRST + E + c, get(s, FIRST + E + c) - get(s, SHIFT + c) * over)
+        store(s, FIRST + E + c, load(s, FIRST + E + c) - load(s, SHIFT + c) * over)
 
 
 @inlined
@@ -69,14 +69,14 @@ def wish(s, row, velocity, before, moved, push, third, second, pressed):
 def wish_along(s, row, c, velocity, before, moved, push, third, second, pressed):
     """Coordinate c of it."""
     place = row + c * PACK
-    rest = get(s, REST)
-    v = get(velocity, place)
+    rest = load(s, REST)
+    v = load(velocity, place)
     if second:
-        v += (v - get(before, place)) * third
-        u = get(moved, place) * third * get(s, OVER) + rest * (v + get(s, FALL + c))
+        v += (v - load(before, place)) * third
+        u = load(moved, place) * third * load(s, OVER) + rest * (v + load(s, FALL + c))
     else:
-        u = rest * (v + get(s, FALL + c))
+        u = rest * (v + load(s, FALL + c))
     u = min(max(u, -FARTHEST), FARTHEST)
     if pressed:
-        u += get(s, PRESS) * get(push, place)
+        u += load(s, PRESS) * load(push, place)
     return u

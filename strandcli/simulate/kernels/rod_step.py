@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import function, inner
-from ...simd import get, get3, heap_at, lay_at, put, put3, root, rounded, some, where, width
+from ...simd import any_lane, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
 from .rod import AXES, FIRST, PACK, SEGMENT, SHIFT, E
 from .rod_sweep import ROW
@@ -53,24 +53,24 @@ def work(kind, book, worker):
     """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
     all of its arrays of the floating type ``kind``. There are flags where a None would have everything compiled once
     more."""
-    scratch = heap_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
+    scratch = vector_pointer_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
     solids = (
-        (lay_at(kind, book[AT + 20]), book[AT + 24]),
-        (lay_at(kind, book[AT + 21]), book[AT + 25]),
-        (lay_at(kind, book[AT + 22]), book[AT + 26]),
-        (lay_at(kind, book[AT + 23]), book[AT + 27]),
+        (pointer_at(kind, book[AT + 20]), book[AT + 24]),
+        (pointer_at(kind, book[AT + 21]), book[AT + 25]),
+        (pointer_at(kind, book[AT + 22]), book[AT + 26]),
+        (pointer_at(kind, book[AT + 23]), book[AT + 27]),
     )
     ticket = take(book)
     while ticket < book[ALL]:
         coming = take(book)
         run(
-            lay_at(kind, book[AT]), lay_at(kind, book[AT + 1]), lay_at(kind, book[AT + 2]),
-            lay_at(kind, book[AT + 3]), lay_at(kind, book[AT + 4]), lay_at(kind, book[AT + 5]),
-            lay_at(kind, book[AT + 6]), lay_at(kind, book[AT + 7]), lay_at(kind, book[AT + 8]),
-            lay_at(kind, book[AT + 9]), lay_at(kind, book[AT + 10]), lay_at(kind, book[AT + 11]),
-            lay_at(kind, book[AT + 12]), lay_at(kind, book[AT + 13]), lay_at(kind, book[AT + 14]),
-            lay_at(kind, book[AT + 15]), lay_at(kind, book[AT + 16]), lay_at(kind, book[AT + 17]),
-            lay_at(kind, book[AT + 18]), lay_at(kind, book[AT + 19]),
+            pointer_at(kind, book[AT]), pointer_at(kind, book[AT + 1]), pointer_at(kind, book[AT + 2]),
+            pointer_at(kind, book[AT + 3]), pointer_at(kind, book[AT + 4]), pointer_at(kind, book[AT + 5]),
+            pointer_at(kind, book[AT + 6]), pointer_at(kind, book[AT + 7]), pointer_at(kind, book[AT + 8]),
+            pointer_at(kind, book[AT + 9]), pointer_at(kind, book[AT + 10]), pointer_at(kind, book[AT + 11]),
+            pointer_at(kind, book[AT + 12]), pointer_at(kind, book[AT + 13]), pointer_at(kind, book[AT + 14]),
+            pointer_at(kind, book[AT + 15]), pointer_at(kind, book[AT + 16]), pointer_at(kind, book[AT + 17]),
+            pointer_at(kind, book[AT + 18]), pointer_at(kind, book[AT + 19]),
             book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
             ticket, coming, book[SEGMENTS],
         )  # fmt: skip
@@ -102,13 +102,13 @@ def run(
     rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
     segments are caught too; scratch as `rod_tension.size_for` says.
     """
-    for lane in range(0, PACK, width(scratch)):
+    for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
         tip = pack * n * PACK + lane
         edge = pack * n * AXES + lane
         place = rod_sweep.place_of(strand, n)
         place_root(scratch, pack * AXES + lane, place + ROW, roots, directions, pose, positions)
-        touched = solid and some(get(touching, strand) > 0.0)
+        touched = solid and any_lane(load(touching, strand) > 0.0)
         rod_start.start(
             scratch, n, edge, tip, strand, edges, tension, velocity, before, moved, push, lengths, stiffness, gust,
             numbers, second, touched,
@@ -121,7 +121,7 @@ def run(
         given = edge, velocity, before, moved, push, numbers[9], second, touched
         worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], given)
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
-        put(residuals, strand, worst / (1.0 + root(1.0 + where(worst > 1.0, worst, -worst))))
+        store(residuals, strand, worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst))))
         if touched:
             rod.yield_to(scratch, n, edge, mass, push)
         rod_sweep.sweep(
@@ -134,20 +134,20 @@ def run(
 def rotated(turn, k, x, y, z):
     """A vector turned by a matrix, given by rows from place k on, to the bits that NumPy finds."""
     return (
-        rounded(turn[k] * x) + rounded(turn[k + 1] * y) + rounded(turn[k + 2] * z),
-        rounded(turn[k + 3] * x) + rounded(turn[k + 4] * y) + rounded(turn[k + 5] * z),
-        rounded(turn[k + 6] * x) + rounded(turn[k + 7] * y) + rounded(turn[k + 8] * z),
+        no_fma(turn[k] * x) + no_fma(turn[k + 1] * y) + no_fma(turn[k + 2] * z),
+        no_fma(turn[k + 3] * x) + no_fma(turn[k + 4] * y) + no_fma(turn[k + 5] * z),
+        no_fma(turn[k + 6] * x) + no_fma(turn[k + 7] * y) + no_fma(turn[k + 8] * z),
     )
 
 
 @inner
 def place_root(s, local, place, roots, directions, pose, positions):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
-    x, y, z = get3(roots, local, PACK)
+    x, y, z = load3(roots, local, PACK)
     px, py, pz = rotated(pose, 0, x, y, z)
-    put3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
+    store3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
     px, py, pz = rotated(pose, 12, x, y, z)
-    put3(s, SHIFT, 1, px + pose[21], py + pose[22], pz + pose[23])
-    x, y, z = get3(directions, local, PACK)
+    store3(s, SHIFT, 1, px + pose[21], py + pose[22], pz + pose[23])
+    x, y, z = load3(directions, local, PACK)
     x, y, z = rotated(pose, 0, x, y, z)
-    put3(s, FIRST - SEGMENT + E, 1, x, y, z)
+    store3(s, FIRST - SEGMENT + E, 1, x, y, z)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined, inner
-from ...simd import ask, ask3, get, get3, put, put3, root, rounded, some, spread, where
+from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
 from . import contact, rod, rod_start
 from .rod import AXES, FIRST, GRIP, HARD, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, T
 
@@ -30,21 +30,21 @@ def sweep(
     an edge that has no direction or none that is finite stays as it was. The velocity is what led there, (u − û) / h. u
     is that of the iterations and how far the particle is put off: what rounding does to edges, an error of places, must
     not become one of velocities, which would last."""
-    length = get(lengths, strand)
-    over = get(s, OVER)
-    px, py, pz = get3(positions, place + ROW, W)
-    ex, ey, ez = get3(s, FIRST - SEGMENT + E, 1)
+    length = load(lengths, strand)
+    over = load(s, OVER)
+    px, py, pz = load3(positions, place + ROW, W)
+    ex, ey, ez = load3(s, FIRST - SEGMENT + E, 1)
     # as `rod.place_roots` rounds it
-    put3(positions, place, W, px - rounded(length * ex), py - rounded(length * ey), pz - rounded(length * ez))
-    put3(s, OFF, 1, 0.0, 0.0, 0.0)
-    put(s, LOST, 0.0)
-    put(s, HIT, 0.0)
-    put(s, GRIP, 0.0)
+    store3(positions, place, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
+    store3(s, OFF, 1, 0.0, 0.0, 0.0)
+    store(s, LOST, 0.0)
+    store(s, HIT, 0.0)
+    store(s, GRIP, 0.0)
     far = rod_start.alone(numbers)
     beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
-    least = where(get(s, HARD) > 0.0, spread(s, 0.0), -HUGE)
+    least = where(load(s, HARD) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1 / (numbers[0] * numbers[0])
-    y0 = spread(s, 0.0)
+    y0 = broadcast(s, 0.0)
     z0 = y0
     lost = False
     fetched, ahead = coming * PACK + strand % PACK, 0
@@ -58,11 +58,11 @@ def sweep(
         o = FIRST + j * SEGMENT
         lost = straighten(s, o, row, edges, numbers[12]) or lost
         x, y, z = rod_start.wish(s, row, velocity, before, moved, push, numbers[9], second, touched)
-        dx, dy, dz = get3(s, o + D, 1)
-        put3(s, o + U, 1, x - dx, y - dy, z - dz)
+        dx, dy, dz = load3(s, o + D, 1)
+        store3(s, o + U, 1, x - dx, y - dy, z - dz)
         # τ / h² for the next step, which does not begin with compression that made H indefinite
-        t = max(get(s, o + T), least)
-        put(tension, tip + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
+        t = max(load(s, o + T), least)
+        store(tension, tip + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
         if touched:
             y0, z0 = rod.yielding(s, o, y0, z0)
         if solid:
@@ -70,20 +70,20 @@ def sweep(
                 s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
                 0.25 * numbers[12], solids, whole, j == 0, touched,
             )  # fmt: skip
-        x, y, z = get3(s, OFF, 1)
-        ax, ay, az = get3(s, o + U, 1)
-        put3(s, o + U, 1, ax + x, ay + y, az + z)
+        x, y, z = load3(s, OFF, 1)
+        ax, ay, az = load3(s, o + U, 1)
+        store3(s, o + U, 1, ax + x, ay + y, az + z)
         if lost:
             turn_alone(s, o, j, row, edges, over)
-        x, y, z = get3(s, o + E, 1)
-        put3(edges, row, PACK, x, y, z)
+        x, y, z = load3(s, o + E, 1)
+        store3(edges, row, PACK, x, y, z)
         px += length * x
         py += length * y
         pz += length * z
-        put3(positions, here, W, px, py, pz)
+        store3(positions, here, W, px, py, pz)
         settle(s, o, row, length, velocity, before, moved, numbers, second)
     if solid:
-        put(touching, strand, where(get(s, GRIP) > 0.0, spread(s, 1.0), 0.0))
+        store(touching, strand, where(load(s, GRIP) > 0.0, broadcast(s, 1.0), 0.0))
 
 
 @inlined
@@ -98,28 +98,28 @@ def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions
     since the step before, and asked for all at once it would be waited for; of a long one itself."""
     segment = strand // PACK * n + j
     row = segment * AXES + strand % PACK
-    ask3(edges, row, PACK)
-    ask3(velocity, row, PACK)
+    prefetch3(edges, row, PACK)
+    prefetch3(velocity, row, PACK)
     if second:
-        ask3(before, row, PACK)
-        ask3(moved, row, PACK)
+        prefetch3(before, row, PACK)
+        prefetch3(moved, row, PACK)
     if solid:
-        ask3(push, row, PACK)
-    ask(tension, segment * PACK + strand % PACK)
-    ask3(positions, place_of(strand, n) + (j + 2) * ROW, W)
+        prefetch3(push, row, PACK)
+    prefetch(tension, segment * PACK + strand % PACK)
+    prefetch3(positions, place_of(strand, n) + (j + 2) * ROW, W)
 
 
 @inner
 def straighten(s, o, row, edges, rounding):
     """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
     to keep, from there on; returns whether there are such lanes."""
-    x, y, z = get3(s, o + E, 1)
-    dx, dy, dz = get3(s, OFF, 1)
+    x, y, z = load3(s, o + E, 1)
+    dx, dy, dz = load3(s, OFF, 1)
     x -= dx
     y -= dy
     z -= dz
     q = x * x + y * y + z * z
-    size = root(max(q, TINY))
+    size = sqrt(max(q, TINY))
     exact = abs(1.0 - q) < rounding  # or every step would round it anew, and never to rest
     f = where(exact, 1.0, 1.0 / size)
     g = where(exact, 0.0, (1.0 - q) / (q + size))  # f - 1
@@ -130,29 +130,29 @@ def straighten(s, o, row, edges, rounding):
     y *= f
     z *= f
     good = (q > NONE) & (q < HUGE * HUGE)
-    lost = some(~good)
+    lost = any_lane(~good)
     if lost:
-        put(s, LOST, where(good, get(s, LOST), 1.0))
-        old = get3(edges, row, PACK)
+        store(s, LOST, where(good, load(s, LOST), 1.0))
+        old = load3(edges, row, PACK)
         x = where(good, x, old[0])
         y = where(good, y, old[1])
         z = where(good, z, old[2])
         dx = where(good, dx, 0.0)
         dy = where(good, dy, 0.0)
         dz = where(good, dz, 0.0)
-    put3(s, o + E, 1, x, y, z)
-    put3(s, OFF, 1, dx, dy, dz)
+    store3(s, o + E, 1, x, y, z)
+    store3(s, OFF, 1, dx, dy, dz)
     return lost
 
 
 @inner
 def turn_alone(s, o, j, row, edges, over):
     """The displacement of a particle in lanes that are LOST: that of the one before it, and how its edge has turned."""
-    lost = get(s, LOST) > 0.0
+    lost = load(s, LOST) > 0.0
     for c in range(3):
-        past = get(s, SHIFT + c) * over if j == 0 else get(s, o - SEGMENT + U + c)
-        u = past + get(s, o + E + c) - get(edges, row + c * PACK)
-        put(s, o + U + c, where(lost, u, get(s, o + U + c)))
+        past = load(s, SHIFT + c) * over if j == 0 else load(s, o - SEGMENT + U + c)
+        u = past + load(s, o + E + c) - load(edges, row + c * PACK)
+        store(s, o + U + c, where(lost, u, load(s, o + U + c)))
 
 
 @inner
@@ -163,15 +163,15 @@ def settle(s, o, row, length, velocity, before, moved, numbers, second):
     if second:
         third = numbers[9]
         rate = over / (1 + 1.5 * third)
-        hit = get(s, HIT) > 0.0
+        hit = load(s, HIT) > 0.0
         for c in range(3):
-            sum = length * get(s, o + U + c)
+            sum = length * load(s, o + U + c)
             p = row + c * PACK
-            past = get(velocity, p)
-            v = where(hit, rate * sum, (sum - get(moved, p) * third) * over)
-            put(before, p, where(hit, v, past))
-            put(velocity, p, v)
-            put(moved, p, sum)
+            past = load(velocity, p)
+            v = where(hit, rate * sum, (sum - load(moved, p) * third) * over)
+            store(before, p, where(hit, v, past))
+            store(velocity, p, v)
+            store(moved, p, sum)
     else:
         for c in range(3):
-            put(velocity, row + c * PACK, length * get(s, o + U + c) * over)
+            store(velocity, row + c * PACK, length * load(s, o + U + c) * over)

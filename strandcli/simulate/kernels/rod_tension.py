@@ -19,7 +19,7 @@ segment's gain is that on the next.
 from __future__ import annotations
 
 from ...jit import inlined, inner
-from ...simd import get, get3, put, put3, root, spread, where
+from ...simd import broadcast, load, load3, sqrt, store, store3, where
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, rows_for
 
 SHORT = 1 / 16
@@ -45,19 +45,19 @@ def observe(s, n, mass, foreseen):
     """From the root to the tip. Covariances: a of the particle, b of the same with the edge, c of the edge; m, w: their
     means; h, k: what an edge's observation has to do with either. ``foreseen``: r is what is left of it after the
     change that loads ask for, which is taken from the means: it follows the same recurrence."""
-    zero = spread(s, 0.0)
-    noise = get(s, FIRST + DI)
+    zero = broadcast(s, 0.0)
+    noise = load(s, FIRST + DI)
     axx, axy, axz, ayy, ayz, azz = noise, zero, zero, noise, zero, noise
     bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = noise, zero, zero, zero, noise, zero, zero, zero, noise
     cxx, cxy, cxz, cyy, cyz, czz = noise, zero, zero, noise, zero, noise
     wx, wy, wz = zero, zero, zero
     if foreseen:
-        wx, wy, wz = get3(s, FIRST + G, 1)
+        wx, wy, wz = load3(s, FIRST + G, 1)
     mx, my, mz = wx, wy, wz
     for j in range(n):
         o = FIRST + j * SEGMENT
         # what is observed: its covariance with both, and its variance
-        x, y, z = get3(s, o + E, 1)
+        x, y, z = load3(s, o + E, 1)
         hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
         kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
         square = x * x + y * y + z * z
@@ -65,11 +65,11 @@ def observe(s, n, mass, foreseen):
         least = max(noise * square + short, TINY)
         over = 1.0 / max(short + x * kx + y * ky + z * kz, least)
         seen = (demand(square) - (x * wx + y * wy + z * wz)) * over
-        put(s, o + R, seen)
+        store(s, o + R, seen)
         # on to the next segment, all as if nothing had been observed
-        f = get(s, o + SEGMENT + N1)
-        g = get(s, o + SEGMENT + N2)
-        noise = get(s, o + SEGMENT + DI)
+        f = load(s, o + SEGMENT + N1)
+        g = load(s, o + SEGMENT + N2)
+        noise = load(s, o + SEGMENT + DI)
         kx, ky, kz = f * kx - g * hx, f * ky - g * hy, f * kz - g * hz
         hx += kx
         hy += ky
@@ -94,7 +94,7 @@ def observe(s, n, mass, foreseen):
         azz += pzz + bzz
         wx, wy, wz = f * wx - g * mx, f * wy - g * my, f * wz - g * mz
         if foreseen:
-            x, y, z = get3(s, o + SEGMENT + G, 1)
+            x, y, z = load3(s, o + SEGMENT + G, 1)
             wx += x
             wy += y
             wz += z
@@ -110,8 +110,8 @@ def observe(s, n, mass, foreseen):
         wz += kz * seen
         dx, dy, dz = hx * over, hy * over, hz * over
         ex, ey, ez = kx * over, ky * over, kz * over
-        put3(s, gain(n, j), 1, dx, dy, dz)
-        put3(s, o + G, 1, ex, ey, ez)
+        store3(s, gain(n, j), 1, dx, dy, dz)
+        store3(s, o + G, 1, ex, ey, ez)
         axx -= dx * hx
         axy -= dx * hy
         axz -= dx * hz
@@ -135,19 +135,19 @@ def recall(s, n, j, ahead):
     i κ and i B; and the same of this one, as they are before τ changes."""
     (mx, my, mz), (wx, wy, wz), (f, g) = ahead
     o = FIRST + j * SEGMENT
-    dx, dy, dz = get3(s, gain(n, j), 1)
-    ex, ey, ez = get3(s, o + G, 1)
-    change = get(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    dx, dy, dz = load3(s, gain(n, j), 1)
+    ex, ey, ez = load3(s, o + G, 1)
+    change = load(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
     wx += mx
     wy += my
     wz += mz
-    x, y, z = get3(s, o + E, 1)
+    x, y, z = load3(s, o + E, 1)
     mean = mx - g * wx, my - g * wy, mz - g * wz
     bent = f * wx + x * change, f * wy + y * change, f * wz + z * change
-    return change, (mean, bent, (get(s, o + N1), get(s, o + N2)))
+    return change, (mean, bent, (load(s, o + N1), load(s, o + N2)))
 
 
 @inlined
 def demand(q):
     """r of an edge whose length is √q."""
-    return where(q > 0.25, q * (root(q) - 1.0), 0.5 * (q - 1.0))
+    return where(q > 0.25, q * (sqrt(q) - 1.0), 0.5 * (q - 1.0))

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from ....constants import VECTOR
 from ....jit import inlined, inner
-from ....simd import get, pattern, put, strip
+from ....simd import half_width_pointer, load, movemask, store
 from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS
 
 ZERO = np.float32(0.0)
@@ -170,15 +170,15 @@ def below(d, a, b, norm):
 def choose(work, n):
     """List where anything is covered, row by row: which is as good as random, so that nothing is asked of each, but of
     some at once, whose pattern tells what to list."""
-    rows = strip(work)
-    lists = strip(LISTED)
+    rows = half_width_pointer(work)
+    lists = half_width_pointer(LISTED)
     chosen = np.uint64(0)
     for row in range(3):
         begin = COVERED + row * CELLS
         for k in range(n, min(n + LANES, CELLS)):
             work[begin + k] = ZERO
         for some in range(0, n, LANES):
-            bits = pattern(get(rows, begin + some) > ZERO)
-            put(rows, np.uint64(CHOSEN) + chosen, get(lists, bits * EACH) + np.float32(row * CELLS + some))
+            bits = movemask(load(rows, begin + some) > ZERO)
+            store(rows, np.uint64(CHOSEN) + chosen, load(lists, bits * EACH) + np.float32(row * CELLS + some))
             chosen += np.uint64(HOW_MANY[bits])
     return chosen

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import inlined, inner
-from ....simd import get, lay, put, strip
+from ....simd import half_width_pointer, load, pointer, store
 from ...common.kernels.prefetch import prefetch
 from .coverage import (
     ALONG,
@@ -85,7 +85,7 @@ def gather(
         veil[:] = ZERO
     else:
         hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE
-    points = strip(screen)
+    points = half_width_pointer(screen)
     n = np.int64(0)
     m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
     for one in range(heads.shape[0]):
@@ -208,7 +208,7 @@ def thin(
 
     Most pieces leave few cells: a vector of them is written, and what is too many written over by the next.
     """
-    p = lay(pieces)
+    p = pointer(pieces)
     if p[NEAREST + k] < hidden:
         return n, m
     flat = abs(run) == 1
@@ -218,9 +218,9 @@ def thin(
     stop = min(np.int64(p[LAST + k]) + np.int64(closing), high if run > 0 else -low)
     sign = ONE if run > 0 else -ONE
     back = ZERO if run > 0 else ONE
-    floats = strip(work)
-    integers = strip(cells)
-    steps = get(strip(STEPS), 0)
+    floats = half_width_pointer(work)
+    integers = half_width_pointer(cells)
+    steps = load(half_width_pointer(STEPS), 0)
     while cell < stop:
         if n > CELLS - LANES:
             m = fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
@@ -230,16 +230,16 @@ def thin(
         length = min(here + ONE, p[END + k]) - enter
         past = enter + HALF * length - p[BEGIN + k]
         t = min(max(past * p[PER + k], ZERO), ONE)
-        put(floats, DEPTH + n, p[Q + k] + p[DEEPER + k] * t)
-        put(floats, MIDDLE + n, p[ACROSS + k] + p[SLOPE + k] * past)
-        put(floats, AREA + n, p[STRETCH + k] * length * (p[W + k] + t * p[WIDER + k]))
-        put(floats, RISE + n, abs(p[SLOPE + k]) * length)
-        put(floats, H + n, p[HEIGHT + k])
-        put(floats, ALONG + n, t)
-        put(floats, CELL + n, sign * here - back)
-        put(integers, PLACE + n, lit_past << bits)
-        put(integers, VERTEX + n, v - 1)
-        put(integers, FLAT_WAY + n, -np.int64(flat))
+        store(floats, DEPTH + n, p[Q + k] + p[DEEPER + k] * t)
+        store(floats, MIDDLE + n, p[ACROSS + k] + p[SLOPE + k] * past)
+        store(floats, AREA + n, p[STRETCH + k] * length * (p[W + k] + t * p[WIDER + k]))
+        store(floats, RISE + n, abs(p[SLOPE + k]) * length)
+        store(floats, H + n, p[HEIGHT + k])
+        store(floats, ALONG + n, t)
+        store(floats, CELL + n, sign * here - back)
+        store(integers, PLACE + n, lit_past << bits)
+        store(integers, VERTEX + n, v - 1)
+        store(integers, FLAT_WAY + n, -np.int64(flat))
         n += min(stop - cell, LANES)
         cell += LANES
     return n, m

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....constants import VECTOR
 from ....jit import inlined, inner, parallel, prange
-from ....simd import get, lay, put, spread, strip, tally, three, where, width
+from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, triple_pointer, where
 from ...common.kernels.prefetch import prefetch
 from . import segments
 from .composite import OPAQUE, weigh, weigh_points
@@ -141,16 +141,16 @@ def rank(fragments, counts, ends, depths, listed, behind, spare, order):
         n = np.int64(counts[p])
         first = np.int64(ends[p]) - n
         if n <= FEW_LANES:
-            if tied(strip(depths), get(strip(STEPS), 0), first, n, FEW_LANES, listed, order):
+            if tied(half_width_pointer(depths), load(half_width_pointer(STEPS), 0), first, n, FEW_LANES, listed, order):
                 insert(fragments, listed, first, n, order)
             continue
         if n <= MORE_LANES:
-            if tied(lay(depths), get(lay(STEPS), 0), first, n, MORE_LANES, listed, order):
+            if tied(pointer(depths), load(pointer(STEPS), 0), first, n, MORE_LANES, listed, order):
                 insert(fragments, listed, first, n, order)
             continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            count_nearer(lay(depths), lay(behind), low, size)
+            count_nearer(pointer(depths), pointer(behind), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
                 o = np.int64(behind[i])
@@ -167,11 +167,11 @@ def tied(rows, steps, low, n, lanes, listed, order):
     """Sort n that are no more than a vector from place `low` on, and tell whether some are equally far. As many steps
     for a few as for all: when a short loop ends has to be guessed. What is no part of the list goes behind it, where
     the next one comes."""
-    own = get(rows, low)
+    own = load(rows, low)
     there = steps < np.float32(n)
     taken = np.uint64(0)
     for i in range(lanes):
-        o = tally((own > rows[low + i]) & there) if i < n else np.uint64(lanes)
+        o = count_true((own > rows[low + i]) & there) if i < n else np.uint64(lanes)
         order[np.uint64(low) + o] = listed[np.uint64(low + i)]
         taken |= ONE_ON << o
     return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))
@@ -180,12 +180,12 @@ def tied(rows, steps, low, n, lanes, listed, order):
 @inlined
 def count_nearer(rows, ranks, low, size):
     """How many of so many depths from place `low` on are nearer than each."""
-    for some in range(0, size, width(rows)):
-        own = get(rows, low + some)
-        nearer = spread(rows, ZERO)
+    for some in range(0, size, lane_count(rows)):
+        own = load(rows, low + some)
+        nearer = broadcast(rows, ZERO)
         for j in range(low, low + size):
             nearer = where(own < rows[j], nearer + ONE, nearer)
-        put(ranks, some, nearer)
+        store(ranks, some, nearer)
 
 
 @inner
@@ -253,9 +253,9 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""
     vertices = np.uint64(vertex.shape[0])
-    colours = three(vertex)
-    edges = three(light)
-    picture = three(image)
+    colours = triple_pointer(vertex)
+    edges = triple_pointer(light)
+    picture = triple_pointer(image)
     width = image.shape[1]
     at = np.uint64(o)
     last = np.uint64(place.shape[0] - 1)
@@ -265,7 +265,7 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
             n = np.uint64(kept[np.uint64(base + (y - top) * TILE_WIDTH + x - left)])
             if n == NONE:
                 continue
-            shown = spread(colours, ZERO)
+            shown = broadcast(colours, ZERO)
             total = ZERO
             for i in range(at, at + n):
                 v = np.uint64(place[i])
@@ -277,9 +277,9 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
                     # of the light at both lit vertices
                     far = w * along[i]
                     near = w - far
-                    shown += near * get(colours, THREE * v) + far * get(colours, THREE * v + step)
+                    shown += near * load(colours, THREE * v) + far * load(colours, THREE * v + step)
                 else:
-                    shown += w * get(edges, THREE * (v - vertices))
+                    shown += w * load(edges, THREE * (v - vertices))
                 total += w
             at += n
             through = ONE - total
@@ -287,4 +287,4 @@ def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top
                 shown *= ONE / total
                 through = ZERO
             here = np.uint64(3 * (y * width + x))
-            put(picture, here, shown + through * get(picture, here))
+            store(picture, here, shown + through * load(picture, here))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import inlined, inner
-from ....simd import deal_out, get, put, root, spread, strip, where, whole, width
+from ....simd import broadcast, deinterleave, floor, half_width_pointer, lane_count, load, sqrt, store, where
 from .tiles import THIN
 
 ZERO = np.float32(0.0)
@@ -38,7 +38,7 @@ HELD = 15
 @inner
 def take(points, widths, v, count, pieces):
     """Vertices from number v on of points, a `strip` of (V, 3); widths None: all are a pixel wide."""
-    deal_out(points, 3 * v, count, pieces, X, ROW)
+    deinterleave(points, 3 * v, count, pieces, X, ROW)
     for k in range(np.uint64(count)):
         pieces[np.uint64(WIDTH) + k] = ONE if widths is None else widths[np.uint64(v) + k]
 
@@ -48,7 +48,7 @@ def way_of(dx, dy, near, wide):
     """How pieces go over (dx, dy): `ALONG_X` or `ALONG_Y`, negative against the axis; or `RIBBON` if their greater
     width is more than `WIDE`, `BEHIND` if the lesser depth number is none, `NO_WAY`."""
     du = where(abs(dx) >= abs(dy), dx, dy)
-    way = where(abs(dx) >= abs(dy), spread(dx, ALONG_X), ALONG_Y)
+    way = where(abs(dx) >= abs(dy), broadcast(dx, ALONG_X), ALONG_Y)
     way = where(du > ZERO, way, -way)
     way = where(wide > WIDE, RIBBON, way)
     way = where(abs(du) < POINT, NO_WAY, way)
@@ -65,11 +65,11 @@ def along(way, x, y):
 @inner
 def look(pieces, count, opacity):
     """What is needed of the pieces between count + 1 vertices."""
-    rows = strip(pieces)
-    for k in range(0, count, width(rows)):
-        x0, y0, q0, w0 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+    rows = half_width_pointer(pieces)
+    for k in range(0, count, lane_count(rows)):
+        x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
-        x1, y1, q1, w1 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         wide = max(w0, w1)
         way = way_of(x1 - x0, y1 - y0, min(q0, q1), wide)
         begin = along(way, x0, y0)
@@ -78,22 +78,22 @@ def look(pieces, count, opacity):
         across = where(flat, y0, x0)
         per = ONE / (end - begin)
         slope = (where(flat, y1, x1) - across) * per
-        stretch = root(ONE + slope * slope)
-        put(rows, WAY + k, way)
-        put(rows, BEGIN + k, begin)
-        put(rows, END + k, end)
-        put(rows, FIRST + k, whole(begin))
-        put(rows, LAST + k, whole(end))
-        put(rows, ACROSS + k, across)
-        put(rows, SLOPE + k, slope)
-        put(rows, PER + k, per)
-        put(rows, HEIGHT + k, max(HALF * stretch * wide, THIN))
-        put(rows, STRETCH + k, stretch * opacity)
-        put(rows, Q + k, q0)
-        put(rows, DEEPER + k, q1 - q0)
-        put(rows, NEAREST + k, max(q0, q1))
-        put(rows, W + k, w0)
-        put(rows, WIDER + k, w1 - w0)
+        stretch = sqrt(ONE + slope * slope)
+        store(rows, WAY + k, way)
+        store(rows, BEGIN + k, begin)
+        store(rows, END + k, end)
+        store(rows, FIRST + k, floor(begin))
+        store(rows, LAST + k, floor(end))
+        store(rows, ACROSS + k, across)
+        store(rows, SLOPE + k, slope)
+        store(rows, PER + k, per)
+        store(rows, HEIGHT + k, max(HALF * stretch * wide, THIN))
+        store(rows, STRETCH + k, stretch * opacity)
+        store(rows, Q + k, q0)
+        store(rows, DEEPER + k, q1 - q0)
+        store(rows, NEAREST + k, max(q0, q1))
+        store(rows, W + k, w0)
+        store(rows, WIDER + k, w1 - w0)
 
 
 @inlined

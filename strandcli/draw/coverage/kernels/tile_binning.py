@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from ....jit import inlined, inner, parallel, prange
-from ....simd import get, put, strip, where, whole
-from ....simd import width as vector
+from ....simd import floor, half_width_pointer, load, store, where
+from ....simd import lane_count as vector
 from .segments import (
     ACROSS,
     ALONG_X,
@@ -149,7 +149,7 @@ def worker(
     A part goes on as long as its pieces' boxes touch the tile.
     """
     across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
-    points = strip(screen)
+    points = half_width_pointer(screen)
     wide = np.float32(width)
     tall = np.float32(bottom - top)
     above = np.float32(top)
@@ -194,15 +194,15 @@ def worker(
 def touch(pieces, count, above, wide, tall):
     """How the pieces between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
     wide and tall whose first row is `above`: from `LEFT` to before `RIGHT`, from `UP` to before `DOWN`."""
-    rows = strip(pieces)
+    rows = half_width_pointer(pieces)
     for k in range(0, count, vector(rows)):
-        x0, y0, q0, w0 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
-        x1, y1, q1, w1 = get(rows, X + k), get(rows, Y + k), get(rows, DEPTH + k), get(rows, WIDTH + k)
+        x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         w = max(w0, w1)
         way = way_of(x1 - x0, y1 - y0, min(q0, q1), w)
-        put(rows, WAY + k, way)
-        put(rows, BEGIN + k, along(way, x0, y0))
+        store(rows, WAY + k, way)
+        store(rows, BEGIN + k, along(way, x0, y0))
         y0 -= above
         y1 -= above
         # a thin piece's cells are those of its ends, whatever it reaches across
@@ -210,16 +210,16 @@ def touch(pieces, count, above, wide, tall):
         reach_x = where(abs(abs(way) - ALONG_X) <= ZERO, ZERO, reach)
         reach_y = where(abs(abs(way) - ALONG_Y) <= ZERO, ZERO, reach)
         there = way < BEHIND
-        put(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
-        put(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))
-        put(rows, RIGHT + k, tile_of(there, max(x0, x1) + reach_x, OUTSIDE, wide - HALF, PER_X, ONE))
-        put(rows, DOWN + k, tile_of(there, max(y0, y1) + reach_y, OUTSIDE, tall - HALF, PER_Y, ONE))
+        store(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
+        store(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))
+        store(rows, RIGHT + k, tile_of(there, max(x0, x1) + reach_x, OUTSIDE, wide - HALF, PER_X, ONE))
+        store(rows, DOWN + k, tile_of(there, max(y0, y1) + reach_y, OUTSIDE, tall - HALF, PER_Y, ONE))
 
 
 @inlined
 def tile_of(there, x, low, high, per, more):
     """The tile at x between bounds, the lower one for what is not a number, or so many more; 0 where none is there."""
-    return where(there, whole(min(high, max(low, x)) * per + more), ZERO)
+    return where(there, floor(min(high, max(low, x)) * per + more), ZERO)
 
 
 @inlined

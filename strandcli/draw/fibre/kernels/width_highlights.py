@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ....constants import W
 from ....jit import inner
 from ...common.kernels.batch import ARRIVES, EXTRA, TRT, TT, R, U, V
 from ...coverage.kernels.column_light import COLUMNS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import function, inner, parallel, prange
-from ....simd import lay
+from ....simd import pointer
 from ...common.kernels.keys import EMPTY, LOW
 
 ZERO = np.float32(0.0)
@@ -88,7 +88,7 @@ def develop(image, samples, exposure, curve, roll, out):
     """
     height, width, _ = out.shape
     share = exposure / np.float32(samples * samples) * LAST
-    flat = lay(image)
+    flat = pointer(image)
     for y in prange(height):
         row = np.int64(y)
         levels = np.empty(3 * width, np.float32)

@@ -27,7 +27,7 @@ import math
 import numpy as np
 
 from ....jit import function, inlined, inner
-from ....simd import greatest, lay, pick, spread, where, whole
+from ....simd import broadcast, floor, gather, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from .minmax import between, held, texel_of
 
@@ -80,21 +80,21 @@ def layers_at(d, rows, start, number, over, layers):
     layer is in front, how many layers have ended, beyond the last too, and how many there are a metre. Vectors, as
     `number`; rows: `lay` of the maps."""
     stride = HEAD + FIVE * (layers + 1)
-    far = max(ZERO, (d - pick(rows, start, number, stride, ZERO)) * over)
+    far = max(ZERO, (d - gather(rows, start, number, stride, ZERO)) * over)
     near = ONE / (far + ONE)
-    most = pick(rows, start, number, stride, ONE)
+    most = gather(rows, start, number, stride, ONE)
     gone = most * (far * near)
     ended = min(np.float32(layers), gone)
-    k = min(np.float32(layers - 1), whole(ended))
-    return k, ended - k, whole(gone), most * over * near * near
+    k = min(np.float32(layers - 1), floor(ended))
+    return k, ended - k, floor(gone), most * over * near * near
 
 
 @inlined
 def within(rows, start, number, k, part, which, layers):
     """Of one of a cell's five, τ in front of depths, of which `layers_at` tells where they are."""
     stride = HEAD + FIVE * (layers + 1)
-    low = pick(rows, start, number, stride, BEGIN + EACH * k + which)
-    high = pick(rows, start, number, stride, NEXT + EACH * k + which)
+    low = gather(rows, start, number, stride, BEGIN + EACH * k + which)
+    high = gather(rows, start, number, stride, NEXT + EACH * k + which)
     return low + part * (high - low)
 
 
@@ -104,11 +104,11 @@ def growth_at(rows, start, number, k, dense, reach, layers):
     side of them, where there are so many layers a metre; 0 where none is so near."""
     stride = HEAD + FIVE * (layers + 1)
     most = np.float32(layers)
-    aside = whole(min(most, max(ZERO, reach * dense)))
+    aside = floor(min(most, max(ZERO, reach * dense)))
     first = min(most, max(ZERO, k - aside))
     last = min(most, k + aside + ONE)
-    low = pick(rows, start, number, stride, BEGIN + MEAN + EACH * first)
-    high = pick(rows, start, number, stride, BEGIN + MEAN + EACH * last)
+    low = gather(rows, start, number, stride, BEGIN + MEAN + EACH * first)
+    high = gather(rows, start, number, stride, BEGIN + MEAN + EACH * last)
     return (high - low) * dense / max(last - first, ONE)
 
 
@@ -128,14 +128,14 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     body = start + half * half
     wide_u = HALF * (u - HALF)
     wide_v = HALF * (v - HALF)
-    left = min(last, max(ZERO, whole(wide_u)))
-    up = min(last, max(ZERO, whole(wide_v)))
+    left = min(last, max(ZERO, floor(wide_u)))
+    up = min(last, max(ZERO, floor(wide_v)))
     wide_u = min(max(wide_u - left, ZERO), ONE)
     wide_v = min(max(wide_v - up, ZERO), ONE)
-    a = pick(rows, start, up, half, left)
-    b = pick(rows, start, up, half, left + ONE)
-    c = pick(rows, start, up + ONE, half, left)
-    e = pick(rows, start, up + ONE, half, left + ONE)
+    a = gather(rows, start, up, half, left)
+    b = gather(rows, start, up, half, left + ONE)
+    c = gather(rows, start, up + ONE, half, left)
+    e = gather(rows, start, up + ONE, half, left + ONE)
     reach = REACH / scale
     k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
     k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)
@@ -153,10 +153,10 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
         growth_at(rows, body, c, gone_c, dense_c, reach, layers),
         growth_at(rows, body, e, gone_e, dense_e, reach, layers),
     )  # fmt: skip
-    column = whole(u)
-    row = whole(v)
-    first = whole(HALF * column)
-    upper = whole(HALF * row)
+    column = floor(u)
+    row = floor(v)
+    first = floor(HALF * column)
+    upper = floor(HALF * row)
     right = column - (first + first)  # 1 where it is odd
     low = row - (upper + upper)
     here = low + low + right
@@ -223,12 +223,12 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
             continue
         scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
         d -= lights[i, 9]
-        rows = lay(stacks)
+        rows = pointer(stacks)
         texels, cells, growth = in_front(
-            spread(rows, u), spread(rows, v), spread(rows, d), spread(rows, scale), rows, starts[one], sizes[one],
+            broadcast(rows, u), broadcast(rows, v), broadcast(rows, d), broadcast(rows, scale), rows, starts[one], sizes[one],
             lights[i, 14], layers,
         )  # fmt: skip
-        return settled(greatest(texels), greatest(cells), greatest(growth), width, scale)
+        return settled(reduce_max(texels), reduce_max(cells), reduce_max(growth), width, scale)
     return ZERO
 
 

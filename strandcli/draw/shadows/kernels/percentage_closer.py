@@ -29,7 +29,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import function, inner
-from ....simd import get, lay, pick, put, where, whole, width
+from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.surface_batch import (
@@ -266,29 +266,29 @@ def odd(half):
 def sink(work, n, start, size, over, layers, stacks):
     """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
     and end."""
-    rows, maps = lay(work), lay(stacks)
+    rows, maps = pointer(work), pointer(stacks)
     half = size >> 1
     body = start + half * half
     most = np.float32(layers)
     stride = opacity.HEAD + opacity.FIVE * (layers + 1)
     for k in range(n, W):  # the last vector's other lanes read something too
         work[ACROSS + k] = -ONE
-    for k in range(0, n, width(rows)):
-        across = get(rows, ACROSS + k)
+    for k in range(0, n, lane_count(rows)):
+        across = load(rows, ACROSS + k)
         there = across >= ZERO
         column = where(there, across, ZERO)
-        row = where(there, get(rows, DOWN + k), ZERO)
-        left, up = whole(HALF * column), whole(HALF * row)
-        number = pick(maps, start, up, half, left)
-        layer, part, _, _ = opacity.layers_at(get(rows, DEPTH + k), maps, body, number, over, layers)
+        row = where(there, load(rows, DOWN + k), ZERO)
+        left, up = floor(HALF * column), floor(HALF * row)
+        number = gather(maps, start, up, half, left)
+        layer, part, _, _ = opacity.layers_at(load(rows, DEPTH + k), maps, body, number, over, layers)
         which = TWO * (row - (up + up)) + (column - (left + left))
         passed = where(there, opacity.within(maps, body, number, layer, part, which, layers), ZERO)
-        front = pick(maps, body, number, stride, ZERO)
-        ended = pick(maps, body, number, stride, ONE)
+        front = gather(maps, body, number, stride, ZERO)
+        ended = gather(maps, body, number, stride, ONE)
         some = passed > ZERO
-        put(rows, PASSED + k, passed)
-        put(rows, FRONT + k, where(some, front, ZERO))
-        put(rows, BACK + k, where(some, front + most / ((ended - most) * over), ZERO))
+        store(rows, PASSED + k, passed)
+        store(rows, FRONT + k, where(some, front, ZERO))
+        store(rows, BACK + k, where(some, front + most / ((ended - most) * over), ZERO))
 
 
 @inner

@@ -6,8 +6,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import inner
-from ....simd import get, lay, put3, spread
-from ....simd import width as lanes
+from ....simd import broadcast, load, pointer, store3
+from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from . import opacity
 from .minmax import between, held, texel_of, through
@@ -68,19 +68,19 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
-    rows, maps = lay(work), lay(stacks)
+    rows, maps = pointer(work), pointer(stacks)
     for k in range(n, W):  # the last vector's other lanes read something too
         work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
     near = views[one, 12] > ZERO
     for k in range(0, n, lanes(rows)):
-        depth = get(rows, DEPTH + k)
-        scale = spread(rows, views[one, 13])
+        depth = load(rows, DEPTH + k)
+        scale = broadcast(rows, views[one, 13])
         if near:
             scale = scale / (depth + bias)
         texels, cells, growth = opacity.in_front(
-            get(rows, U + k), get(rows, V + k), depth, scale, maps, start, size, over, layers
+            load(rows, U + k), load(rows, V + k), depth, scale, maps, start, size, over, layers
         )
-        put3(rows, TEXELS + k, W, texels, cells, growth)
+        store3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
         scale = scale_at(work, k, views, one, bias)
         passed = opacity.settled(work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k], width, scale)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....constants import VECTOR
 from ....jit import inner, parallel, prange
-from ....simd import deal_out, get, put, root, some, strip, where, width
+from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -63,7 +63,7 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
 def beside(screen, begin, end, v, count, work):
     """Vertices from number v on, with one before and one after them, whose depth number is 0 where the strand ends."""
     low = max(v - 1, begin)
-    deal_out(strip(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
+    deinterleave(half_width_pointer(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
     if v == begin:
         work[NUMBER] = ZERO
     if v + count == end:
@@ -73,25 +73,25 @@ def beside(screen, begin, end, v, count, work):
 @inner
 def widen(work, count, past, view, thickness, per, scale, aslant, least):
     """Widths of so many vertices, the first of which is number `past` of its strand."""
-    rows = strip(work)
-    steps = get(strip(STEPS), 0)
-    for k in range(0, count, width(rows)):
-        x, y, q = get(rows, X + 1 + k), get(rows, Y + 1 + k), get(rows, NUMBER + 1 + k)
+    rows = half_width_pointer(work)
+    steps = load(half_width_pointer(STEPS), 0)
+    for k in range(0, count, lane_count(rows)):
+        x, y, q = load(rows, X + 1 + k), load(rows, Y + 1 + k), load(rows, NUMBER + 1 + k)
         wide = thickness * (ONE - per * (steps + np.float32(past + k))) * view[13]
         if scale is not None:
             wide *= scale
         if view[12] > ZERO:
             wide *= q
         if aslant:
-            before = get(rows, NUMBER + k) > ZERO
-            after = get(rows, NUMBER + 2 + k) > ZERO
-            dx = where(after, get(rows, X + 2 + k), x) - where(before, get(rows, X + k), x)
-            dy = where(after, get(rows, Y + 2 + k), y) - where(before, get(rows, Y + k), y)
+            before = load(rows, NUMBER + k) > ZERO
+            after = load(rows, NUMBER + 2 + k) > ZERO
+            dx = where(after, load(rows, X + 2 + k), x) - where(before, load(rows, X + k), x)
+            dy = where(after, load(rows, Y + 2 + k), y) - where(before, load(rows, Y + k), y)
             x -= view[15]
             y -= view[16]
-            off = (dx * y - dy * x) / (max(root(dx * dx + dy * dy), TINY) * view[13])
-            wide *= root(ONE + off * off)
-        put(rows, WIDE + k, max(wide, least))
+            off = (dx * y - dy * x) / (max(sqrt(dx * dx + dy * dy), TINY) * view[13])
+            wide *= sqrt(ONE + off * off)
+        store(rows, WIDE + k, max(wide, least))
 
 
 @inner
@@ -144,9 +144,9 @@ def points(first, world, stride, view, screen):
 @inner
 def fetch(world, low, stride, count, work):
     """So many vertices, from number `low` on."""
-    points = strip(world)
+    points = half_width_pointer(world)
     if stride == 1:
-        deal_out(points, 3 * low, count, work, X, ROW)
+        deinterleave(points, 3 * low, count, work, X, ROW)
         return
     for k in range(np.uint64(count)):
         v = np.uint64(3) * (np.uint64(low) + k * np.uint64(stride))
@@ -158,15 +158,15 @@ def fetch(world, low, stride, count, work):
 @inner
 def turn(work, count, view):
     """From the world to the view; returns whether any vertex lies behind its near plane."""
-    rows = strip(work)
-    steps = get(strip(STEPS), 0)
+    rows = half_width_pointer(work)
+    steps = load(half_width_pointer(STEPS), 0)
     behind = False
-    for k in range(0, count, width(rows)):
-        x, y, z = into(get(rows, X + k), get(rows, Y + k), get(rows, NUMBER + k), view)
-        put(rows, X + k, x)
-        put(rows, Y + k, y)
-        put(rows, NUMBER + k, z)
-        behind |= some((z < view[14]) & (steps < np.float32(count - k)))
+    for k in range(0, count, lane_count(rows)):
+        x, y, z = into(load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k), view)
+        store(rows, X + k, x)
+        store(rows, Y + k, y)
+        store(rows, NUMBER + k, z)
+        behind |= any_lane((z < view[14]) & (steps < np.float32(count - k)))
     return behind
 
 
@@ -186,11 +186,11 @@ def clip(world, low, stride, count, begin, end, view, work):
 def throw(work, count, view):
     """From the view to the screen. A vertex so far off that pixels can no longer be told apart is left out, as is what
     is not a number."""
-    rows = strip(work)
+    rows = half_width_pointer(work)
     focal = view[13]
     far = ONE / view[19]
-    for k in range(0, count, width(rows)):
-        x, y, z = get(rows, X + k), get(rows, Y + k), get(rows, NUMBER + k)
+    for k in range(0, count, lane_count(rows)):
+        x, y, z = load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k)
         if view[12] > ZERO:
             q = ONE / z
             x = view[15] + focal * x * q
@@ -200,9 +200,9 @@ def throw(work, count, view):
             x = view[15] + focal * x
             y = view[16] - focal * y
         seen = (z >= view[14]) & (abs(x) < MOST) & (abs(y) < MOST)
-        put(rows, X + k, where(seen, x, ZERO))
-        put(rows, Y + k, where(seen, y, ZERO))
-        put(rows, NUMBER + k, where(seen, q, ZERO))
+        store(rows, X + k, where(seen, x, ZERO))
+        store(rows, Y + k, where(seen, y, ZERO))
+        store(rows, NUMBER + k, where(seen, q, ZERO))
 
 
 @inner
