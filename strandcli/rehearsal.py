@@ -82,7 +82,7 @@ def _helps() -> bool:
     """Whether there is a core for it, and nothing compiled yet that it would compile."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     folder = runtime.shared_folder()
-    return cores > 1 and folder is not None and next(folder.rglob("shade_strands.strands-*.nbi"), None) is None
+    return cores > 1 and folder is not None and next(folder.rglob("shade_strands.strands-*.kernel"), None) is None
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ away from numba, whose import alone takes a fifth of a second.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import platform
@@ -177,7 +178,7 @@ def _writable_folder() -> Path:
 
     chosen = os.environ.get("STRANDCLI_CACHE_DIR")
     base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strandcli", appauthor=False))
-    folder = base / f"{__version__}-{source_hash()}"
+    folder = base / f"kernels-{__version__}"
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -207,7 +208,7 @@ def _forget_old(base: Path, keep: Path, days: float = 14.0) -> None:
 
 def _watch() -> None:
     """Time compilation through Numba's events, and survive a damaged cache (Numba #10434: a truncated file raises)."""
-    from numba.core import caching, event
+    from numba.core import event
 
     from .compiler import kernel, spare
 
@@ -229,19 +230,20 @@ def _watch() -> None:
                 _state["compile_seconds"] += time.perf_counter() - _state["began"]
 
     event.register("numba:compile", Clock())
-    load = caching.Cache.load_overload
 
-    def load_or_forget(self: Any, signature: Any, context: Any) -> Any:
-        try:
-            return load(self, signature, context)
-        except Exception as error:
-            if _state["notify"] is not None:
-                _state["notify"](f"cached kernels cannot be loaded ({type(error).__name__}: {error}): compiling anew")
-            for path in cache_folder().rglob("*.nb[ic]"):
-                path.unlink(missing_ok=True)
-            return None
 
-    caching.Cache.load_overload = load_or_forget  # type: ignore[method-assign]
+def damaged(path: Path, error: Exception) -> None:
+    """A cache entry is not what was written: it is removed, and the kernel compiled anew."""
+    if _state["notify"] is not None:
+        _state["notify"](f"{path}: cached kernel cannot be loaded ({error}): compiling anew")
+    with contextlib.suppress(OSError):
+        path.unlink()
+
+
+def unwritable(error: OSError) -> None:
+    """A compiled kernel could not be kept."""
+    if _state["notify"] is not None:
+        _state["notify"](f"a compiled kernel cannot be kept: {error.strerror or error}")
 
 
 def _cpu_name() -> str:

@@ -19,7 +19,7 @@ from numba.core.compiler import Flags, run_frontend
 
 from strandcli import runtime
 from strandcli.compiler import TESTED
-from strandcli.jit import function, inner, parallel, prange
+from strandcli.jit import device, function, parallel, prange
 
 pytestmark = [
     pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled"),
@@ -27,7 +27,7 @@ pytestmark = [
 ]
 
 
-@inner
+@device
 def mixed(x, i):
     """Integers and floats of two widths, literals among them: each operator with types of its own."""
     whole = i + i * 2
@@ -47,7 +47,7 @@ def strict(n):
     return n
 
 
-@inner
+@device
 def refused(n):
     if n > 9:
         raise ValueError("too many")
@@ -203,7 +203,7 @@ def test_nothing_is_left_changed() -> None:
     before = gc.get_threshold(), list(ffi.lib._lock._cblist)
     assert before[1]
 
-    @inner
+    @device
     def twice(x):
         return x + x
 

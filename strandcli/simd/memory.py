@@ -13,7 +13,7 @@ from numba.core.extending import intrinsic, lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
 from ..constants import VECTOR
-from ..jit import inner
+from ..jit import device
 from .kinds import PointerType, VectorType, vector_of, widened
 
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
@@ -147,13 +147,13 @@ def gather(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> An
     return vector_of(rows)(rows, o, x, stride, y), emit
 
 
-@inner
+@device
 def load3(rows, o, stride):
     """Vectors from places o, o + stride and o + 2 stride on."""
     return load(rows, o), load(rows, o + stride), load(rows, o + 2 * stride)
 
 
-@inner
+@device
 def store3(rows, o, stride, x, y, z):
     """Keep three vectors so."""
     store(rows, o, x)
@@ -199,7 +199,7 @@ def prefetch(typingctx: Any, rows: Any, o: Any) -> Any:
     return types.void(rows, o), emit
 
 
-@inner
+@device
 def prefetch3(rows, o, stride):
     """Have three places fetched, o, o + stride and o + 2 stride."""
     prefetch(rows, o)
@@ -216,7 +216,7 @@ def lane_count(typingctx: Any, rows: Any) -> Any:
     return types.int64(rows), lambda context, builder, sig, args: context.get_constant(types.int64, count)
 
 
-@inner
+@device
 def deinterleave(rows, o, count, work, to, stride):
     """So many triples of numbers from place o on into a flat array, from places to, to + stride and to + 2 stride on:
     vectors as far as they go."""

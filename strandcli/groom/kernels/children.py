@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import inner, parallel, prange
+from ...jit import device, parallel, prange
 from .outside import outside
 
 ZERO = np.float32(0.0)
@@ -164,7 +164,7 @@ def grow(
             lengths[b, lane] = rest
 
 
-@inner
+@device
 def base(guides, parents, weights, roots, i, low, t):
     """Child number i between rows low and low + 1 of its guides, without clumps and waves."""
     x = roots[i, 0]
@@ -180,14 +180,14 @@ def base(guides, parents, weights, roots, i, low, t):
     return x, y, z
 
 
-@inner
+@device
 def mix(guides, g, low, c, t):
     """Coordinate c of guide g between two particles."""
     a = guides[g, low + 1, c]
     return a + t * (guides[g, low + 2, c] - a)
 
 
-@inner
+@device
 def straighten(path, rest):
     """Give the segments of a path (m + 1, 3), of which row 0 does not count, the length ``rest``, root to tip: each in
     its own direction, turned toward where the path was before by its distance across."""
@@ -213,7 +213,7 @@ def straighten(path, rest):
         path[j, 2] = pz + rest * tz
 
 
-@inner
+@device
 def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane):
     """Wind the waves about a path, root to tip, give its segments their length, and write it."""
     m = path.shape[0] - 1
@@ -278,7 +278,7 @@ def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, p
         out[b, j, 2 * W + lane] = pz
 
 
-@inner
+@device
 def unit(x, y, z):
     """A vector's direction."""
     size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))

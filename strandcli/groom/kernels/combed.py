@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import inner, parallel, prange
+from ...jit import device, parallel, prange
 
 STEPS = 128
 """At the most, to leave a solid: a way out at right angles takes one."""
@@ -36,7 +36,7 @@ def clear(points, normals, solids, k, out):
         out[i] = up
 
 
-@inner
+@device
 def distance(x, y, z, solids, k):
     """From the surface of all solids together to a point, metres, negative inside."""
     least = np.inf

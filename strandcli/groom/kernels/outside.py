@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from ...jit import inner
+from ...jit import device
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 
 
-@inner
+@device
 def outside(x, y, z, clear, spheres, capsules, planes, boxes):
     """The point, `clear` metres off the surface of every solid that it was in or nearer to. Solids as packed by
     `strandcli.solids.pack`."""
@@ -50,7 +50,7 @@ def outside(x, y, z, clear, spheres, capsules, planes, boxes):
     return x, y, z
 
 
-@inner
+@device
 def off(x, y, z, ox, oy, oz, r):
     """A point at the distance r from (ox, oy, oz) at the least; one at the very centre leaves upward."""
     dx = x - ox

@@ -13,7 +13,7 @@ beginning would throw up. Of the first edge, whose root cannot give way, the par
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .rod import FOUND, SEGMENT, E
 
@@ -38,26 +38,26 @@ def in_ball(dx, dy, dz, r):
     return r - sqrt(dx * dx + dy * dy + dz * dz)
 
 
-@inner
+@device
 def in_capsule(capsules, m, x, y, z):
     """Depth of a point in a capsule."""
     ox, oy, oz = on_axis(capsules, m, x, y, z)
     return in_ball(x - ox, y - oy, z - oz, capsules[m + 6])
 
 
-@inner
+@device
 def under_plane(planes, m, x, y, z):
     """Depth of a point under a plane."""
     return planes[m + 3] - (x * planes[m] + y * planes[m + 1] + z * planes[m + 2])
 
 
-@inner
+@device
 def across(boxes, m, k, x, y, z):
     """Coordinate of a direction along an axis of a box."""
     return boxes[m + 3 + k] * x + boxes[m + 6 + k] * y + boxes[m + 9 + k] * z
 
 
-@inner
+@device
 def face(boxes, m, x, y, z):
     """Depth in a box below its nearest face, and that face's normal in the world."""
     dx = x - boxes[m]
@@ -79,7 +79,7 @@ def face(boxes, m, x, y, z):
     return best, nx, ny, nz
 
 
-@inner
+@device
 def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
     enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
@@ -160,7 +160,7 @@ def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
     return sqrt(s * s + r * r)
 
 
-@inner
+@device
 def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
     """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
     that is nearest to the particle: by alternating projections."""
@@ -176,7 +176,7 @@ def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
     return ox, oy, oz
 
 
-@inner
+@device
 def deeper(one, other):
     """Of two ways out of a box, (depth, normal) each, the longer one."""
     a = one[0] > other[0]
@@ -185,7 +185,7 @@ def deeper(one, other):
     )  # fmt: skip
 
 
-@inner
+@device
 def past_edge(boxes, m, x, y, z, under, edge, next, lever, length, far):
     """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are, if
     no further away than ``far``."""

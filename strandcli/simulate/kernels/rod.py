@@ -36,7 +36,7 @@ segments of zeros before the first and after the last spare the recurrences thei
 
 from __future__ import annotations
 
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
 
 FAR = 0.3
@@ -68,7 +68,7 @@ def rows_for(n: int) -> int:
     return FIRST + (n + 2) * SEGMENT
 
 
-@inner
+@device
 def ahead(s, o, x, y, z, u, v, w):
     """The change of an edge, from that of the one before it and of the particle in between."""
     f = load(s, o + N1)
@@ -77,7 +77,7 @@ def ahead(s, o, x, y, z, u, v, w):
     return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
 
 
-@inner
+@device
 def move(s, n, share):
     """u += y, e += z, or a ``share`` of each where that is not None; the greatest | |e|² − 1 | of each lane, and their
     sum."""
@@ -111,7 +111,7 @@ def move(s, n, share):
     return worst, total
 
 
-@inner
+@device
 def retract(s, n, mass, joint, mine):
     """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
     it. Returns the energy of each lane, twice."""
@@ -150,7 +150,7 @@ def retract(s, n, mass, joint, mine):
     return energy
 
 
-@inner
+@device
 def longest(s, n):
     """The greatest change of an edge that loads ask for, squared."""
     worst = broadcast(s, TINY)
@@ -166,7 +166,7 @@ def longest(s, n):
     return worst
 
 
-@inner
+@device
 def shorten(s, n, share):
     """Take only a share of the change that loads ask for."""
     for j in range(n):
@@ -175,7 +175,7 @@ def shorten(s, n, share):
             store(s, o, load(s, o) * share)
 
 
-@inner
+@device
 def yield_to(s, n, edge, mass, push):
     """Begin H⁻¹ M χ with the factors that there are, from the tip to the root: how far forces of contact move
     particles, as a share of how far they would move each alone, with χ = 1 where there are some. R takes what

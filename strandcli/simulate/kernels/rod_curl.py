@@ -16,7 +16,7 @@ as they were before the step, and so no coefficient of the step's matrix changes
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import device
 from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
 from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
@@ -26,14 +26,14 @@ MOST = 1.0
 """Radians that ψ changes by in a step at the most."""
 
 
-@inner
+@device
 def recall(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion, damping):
     """Add the rest shape to c̄, of rows as `rod_step.run` has them."""
     frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion)
     react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, 1 / (1 + damping))
 
 
-@inner
+@device
 def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
     """From the root to the tip: G takes what of a target is across the edge before it, for the ψ that there is, and N1
     and N2 the elimination of ψ_{j−1} = N1 + N2 ψ_j."""
@@ -82,7 +82,7 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
         tz = ez
 
 
-@inner
+@device
 def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
     """From the tip to the root: the new ψ, targets by it, and what they ask of the edges before them."""
     zero = broadcast(s, 0.0)
@@ -137,7 +137,7 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
         after = q
 
 
-@inner
+@device
 def cross(ax, ay, az, bx, by, bz):
     """Vector product."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -6,7 +6,7 @@ that one has something to do while another waits, and what they need comes throu
 
 from __future__ import annotations
 
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, sqrt, store, where
 from . import rod_tension
 from .rod import DI, FIRST, HARD, N1, N2, SEGMENT, STIFF, C, D, E, G, T
@@ -20,7 +20,7 @@ MARGIN = 0.5
 """H counts as definite where its pivots keep this share of the mass."""
 
 
-@inner
+@device
 def settle(s, n, mass, joint, changed):
     """The pivots of H and the loads G of a τ that is ``changed`` before, where that is not None, by what
     `rod_tension` has prepared. Lanes where τ makes H indefinite take the bounded τ instead; returns whether there are
@@ -34,7 +34,7 @@ def settle(s, n, mass, joint, changed):
     return hard
 
 
-@inner
+@device
 def bound(s, n, mass, joint):
     """Pivots and loads with bounded τ in the lanes that row HARD marks, by 2 where the bound is what masses alone
     resist."""
@@ -44,7 +44,7 @@ def bound(s, n, mass, joint):
         descend(s, n, mass, joint, None, True, None)
 
 
-@inner
+@device
 def foretell(s, n, mass, joint):
     """The loads of a changed τ with the pivots that there are; row HARD marks lanes where H will be indefinite with
     that τ. Returns whether there are any."""
@@ -53,7 +53,7 @@ def foretell(s, n, mass, joint):
     return any_lane(lost > 0.0)
 
 
-@inner
+@device
 def descend(s, n, mass, joint, changed, factored, judged):
     """From the tip to the root: τ, then i, i κ and i B, and then G; ``changed`` and ``factored`` are None for a pass
     without that.

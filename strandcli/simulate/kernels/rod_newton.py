@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...jit import inner
+from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
 from . import rod, rod_descent, rod_start, rod_tension
 from .rod import AXES, FIRST, SEGMENT, T
@@ -25,7 +25,7 @@ FAST = 1.9
 """Steps with bounded τ are too short where they go on for long, as near a saddle; twice as long is safe."""
 
 
-@inner
+@device
 def iterate(s, n, mass, joint, iterations, enough, given):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
@@ -87,7 +87,7 @@ def iterate(s, n, mass, joint, iterations, enough, given):
     return worst
 
 
-@inner
+@device
 def pull(s, n, mass, given):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
     from the tip."""

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import load, load3, store, store3
 from .rod import AXES, FALL, FIRST, OVER, PACK, PRESS, REST, SEGMENT, SHIFT, STIFF, C, D, E, T
 
 FARTHEST = 1e10
 
 
-@inner
+@device
 def alone(numbers):
     """How far an acceleration of 1 m/s² takes a particle in a step that nothing else holds, in m."""
     h = numbers[0]
     return h * h / (1 + numbers[7] * h)
 
 
-@inner
+@device
 def start(
     s, n, edge, tip, strand, edges, tension, velocity, before, moved, push, lengths, stiffness, gust, numbers, second,
     pressed,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...constants import W
-from ...jit import function, inner
+from ...jit import device, function
 from ...simd import any_lane, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
 from .rod import AXES, FIRST, PACK, SEGMENT, SHIFT, E
@@ -48,7 +48,7 @@ def double(book, worker):
     work(np.float64, book, worker)
 
 
-@inner
+@device
 def work(kind, book, worker):
     """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
     all of its arrays of the floating type ``kind``. There are flags where a None would have everything compiled once
@@ -77,7 +77,7 @@ def work(kind, book, worker):
         ticket = coming
 
 
-@inner
+@device
 def run(
     edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
     directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
@@ -130,7 +130,7 @@ def run(
         )  # fmt: skip
 
 
-@inner
+@device
 def rotated(turn, k, x, y, z):
     """A vector turned by a matrix, given by rows from place k on, to the bits that NumPy finds."""
     return (
@@ -140,7 +140,7 @@ def rotated(turn, k, x, y, z):
     )
 
 
-@inner
+@device
 def place_root(s, local, place, roots, directions, pose, positions):
     """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
     x, y, z = load3(roots, local, PACK)

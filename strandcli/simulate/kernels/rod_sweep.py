@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
 from . import contact, rod, rod_start
 from .rod import AXES, FIRST, GRIP, HARD, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, T
@@ -21,7 +21,7 @@ U = D
 """The displacement takes the place of what was left of u*."""
 
 
-@inner
+@device
 def sweep(
     s, n, edge, tip, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
     numbers, second, solid, solids, whole, touched,
@@ -92,7 +92,7 @@ def place_of(strand, n):
     return strand // W * (n + 2) * ROW + strand % W
 
 
-@inner
+@device
 def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions, second, solid):
     """Have the processor fetch what the step has of segment j of a strand: of one to come, of which none has been used
     since the step before, and asked for all at once it would be waited for; of a long one itself."""
@@ -109,7 +109,7 @@ def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions
     prefetch3(positions, place_of(strand, n) + (j + 2) * ROW, W)
 
 
-@inner
+@device
 def straighten(s, o, row, edges, rounding):
     """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
     to keep, from there on; returns whether there are such lanes."""
@@ -145,7 +145,7 @@ def straighten(s, o, row, edges, rounding):
     return lost
 
 
-@inner
+@device
 def turn_alone(s, o, j, row, edges, over):
     """The displacement of a particle in lanes that are LOST: that of the one before it, and how its edge has turned."""
     lost = load(s, LOST) > 0.0
@@ -155,7 +155,7 @@ def turn_alone(s, o, j, row, edges, over):
         store(s, o + U + c, where(lost, u, load(s, o + U + c)))
 
 
-@inner
+@device
 def settle(s, o, row, length, velocity, before, moved, numbers, second):
     """The velocity that led to the displacement. From where a strand has been HIT on, it goes on from that alone: BDF2
     would take a jump of velocity further, and strands bounce."""

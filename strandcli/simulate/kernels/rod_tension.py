@@ -18,7 +18,7 @@ segment's gain is that on the next.
 
 from __future__ import annotations
 
-from ...jit import inlined, inner
+from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
 from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, rows_for
 
@@ -40,7 +40,7 @@ def gain(n, j):
     return FIRST + (n + 2) * SEGMENT + j * GAIN
 
 
-@inner
+@device
 def observe(s, n, mass, foreseen):
     """From the root to the tip. Covariances: a of the particle, b of the same with the edge, c of the edge; m, w: their
     means; h, k: what an edge's observation has to do with either. ``foreseen``: r is what is left of it after the

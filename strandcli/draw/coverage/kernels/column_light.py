@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from ...common.kernels.approximations import clamp
 from .masks import WHOLE, behind, ones, turned
 
@@ -25,7 +25,7 @@ UPRIGHT = np.float32(0.01)
 """Least share of a strand's way along either axis: what is less makes no difference."""
 
 
-@inner
+@device
 def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius, shares):
     """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light, over what a
     sample shows of it: of its columns what `columns` tells, and within `half` the piece's length of its place t.
@@ -52,7 +52,7 @@ def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius,
     return (r + t * (x - r)) * per, (g + t * (y - g)) * per, (b + t * (z - b)) * per
 
 
-@inner
+@device
 def columns(bits, table, dx, dy, off, radius, shares):
     """How much a sample shows of each column of a strand along (dx, dy) that passes its middle `off` aside: as many of
     the sample's points as have a bit, or all of the area, where none has or there is no `masks.sides` for a table.
@@ -95,7 +95,7 @@ def places_of(t, half):
     return since, max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
 
 
-@inner
+@device
 def area(distance, dx, dy):
     """The share of a sample that lies before a line along (dx, dy), at a distance from the sample's middle."""
     long = max(abs(dx), abs(dy))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from .masks import EMPTY, POINTS, WHOLE, covered, ones
 from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
@@ -28,7 +28,7 @@ def numbers(fragments, i):
     return alpha, vertex, np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
 
 
-@inner
+@device
 def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, place, weight, along, marks):
     """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
     end = np.int64(0)
@@ -69,7 +69,7 @@ def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, plac
     return o
 
 
-@inner
+@device
 def weigh_points(
     fragments, counts, order, screen, widths, table, bits, left, top, o, base, kept, place, weight, along, seen, marks,
 ):  # fmt: skip

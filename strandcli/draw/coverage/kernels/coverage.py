@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....constants import VECTOR
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from ....simd import half_width_pointer, load, movemask, store
 from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS
 
@@ -71,7 +71,7 @@ LISTED = _listed()
 HOW_MANY = np.array([bits.bit_count() for bits in range(1 << LANES)], np.uint8)
 
 
-@inner
+@device
 def fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m):
     """Add what the first n cells cover of a tile, but for what a solid hides, to the m fragments found before; returns
     how many there are then. veil (PIXELS,) float32: depth number in front of which nothing is hidden; the rest as in
@@ -99,7 +99,7 @@ def fragments(work, cells, n, bits, top, bottom, left, right, veil, found, count
     return np.int64(o)
 
 
-@inner
+@device
 def locate(work, cells, n, bits, top, bottom, left, right):
     """Where in the tile the three pixels of each of the first n cells lie; those outside of it are not covered. And
     where on their strand, `PLACE` having been that of the piece."""
@@ -133,7 +133,7 @@ def lie(along, over, way, left, top, wide, tall):
     return np.int32(np.int32(y << np.int32(ROW_BITS)) | x), (np.uint32(x) < wide) & (np.uint32(y) < tall)
 
 
-@inner
+@device
 def cover(work, n):
     """What the first n cells cover of three rows each."""
     for k in range(n):
@@ -166,7 +166,7 @@ def below(d, a, b, norm):
     return tail if d < ZERO else ONE - tail
 
 
-@inner
+@device
 def choose(work, n):
     """List where anything is covered, row by row: which is as good as random, so that nothing is asked of each, but of
     some at once, whose pattern tells what to list."""

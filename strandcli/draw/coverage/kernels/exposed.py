@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from .column_light import COLUMNS, columns, places_of
 from .masks import WHOLE
 from .tiles import PIXELS, TILE_WIDTH, corner
@@ -47,7 +47,7 @@ def expose(begin, kept, place, along, bits, table, screen, widths, slots, top, w
                 f += 1
 
 
-@inner
+@device
 def mark(x, y, v, t, bits, table, screen, widths, slot, shares, shown):
     """What the sample with the middle (x, y) shows of the piece after vertex v, at a place t of it."""
     dx = screen[v + 1, 0] - screen[v, 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from ....simd import half_width_pointer, load, pointer, store
 from ...common.kernels.prefetch import prefetch
 from .coverage import (
@@ -63,7 +63,7 @@ SURE = np.float32(1 - 1e-6)
 """What is so much behind is behind, whatever the rounding."""
 
 
-@inner
+@device
 def gather(
     first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
     tile, top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
@@ -124,7 +124,7 @@ def ask(pool, slot, first, screen, widths, marks):
         prefetch(widths, low)
 
 
-@inner
+@device
 def solids(edges, depth, cover, base, top, bottom, left, right, width, found, counts):
     """What solids cover of the tile's pixels that they cover in part; returns how many these are."""
     m = np.int64(0)
@@ -245,7 +245,7 @@ def thin(
     return n, m
 
 
-@inner
+@device
 def draw_veil(hides, top, bottom, left, right, width, veil):
     """The depth numbers in front of which nothing is hidden, of the tile's pixels; returns the least."""
     least = np.int32(np.float32(np.inf).view(np.int32))

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -43,7 +43,7 @@ def behind(table, row, turn, distance):
     return bits if turn > ZERO else ~bits
 
 
-@inner
+@device
 def covered(table, screen, widths, v, x, y):
     """Of the piece from vertex v to the next, in the sample whose middle is (x, y): the points it covers."""
     x0 = screen[v, 0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import VECTOR
-from ....jit import inlined, inner, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, triple_pointer, where
 from ...common.kernels.prefetch import prefetch
 from . import segments
@@ -110,7 +110,7 @@ def resolve(
                 )  # fmt: skip
 
 
-@inner
+@device
 def share_out(fragments, n, counts, starts, depths, listed):
     """List a tile's n fragments pixel by pixel.
 
@@ -129,7 +129,7 @@ def share_out(fragments, n, counts, starts, depths, listed):
         listed[at] = np.uint32(i)
 
 
-@inner
+@device
 def rank(fragments, counts, ends, depths, listed, behind, spare, order):
     """Sort each pixel's list, nearest first, ties by index: `order` becomes what `listed` is before;
     behind (RUN,) float32, spare: to work with.
@@ -188,7 +188,7 @@ def count_nearer(rows, ranks, low, size):
         store(ranks, some, nearer)
 
 
-@inner
+@device
 def before(fragments, i, j):
     """Whether a fragment comes before another."""
     one = np.int32(fragments[np.uint64(i) * FOUR]).view(np.float32)
@@ -197,7 +197,7 @@ def before(fragments, i, j):
     return (one > other) | ((one == other) & tie)
 
 
-@inner
+@device
 def insert(fragments, listed, first, n, order):
     """Sort a list of n from place `first` on, one after the other."""
     for i in range(first, first + n):
@@ -209,7 +209,7 @@ def insert(fragments, listed, first, n, order):
         order[j] = new
 
 
-@inner
+@device
 def merge(fragments, first, n, order, spare):
     """Sort a list of n from place `first` on, runs of `RUN` of which are."""
     size = RUN
@@ -248,7 +248,7 @@ def compose(begin, kept, place, weight, along, stride, vertex, light, top, botto
                 )  # fmt: skip
 
 
-@inner
+@device
 def compose_tile(o, base, kept, place, weight, along, stride, vertex, light, top, bottom, left, right, image):
     """All that `compose` does in the tile that is the rows from top to before bottom, the columns from left to before
     right, whose fragments begin at place `o` and whose pixels at number `base`."""

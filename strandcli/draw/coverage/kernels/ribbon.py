@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner
+from ....jit import device
 from ...geometry.kernels.joints import mitre
 from ...zbuffer.kernels.raster import front
 from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS, fixed
@@ -29,7 +29,7 @@ OPAQUE = np.float32(1 - 1 / 512)
 TINY = np.float32(1e-30)
 
 
-@inner
+@device
 def ribbon(
     screen, widths, opacity, nearer, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m,
 ):  # fmt: skip
@@ -130,14 +130,14 @@ def ribbon(
     return m
 
 
-@inner
+@device
 def edge(height, spread, narrow):
     """How much of a pixel's column lies under an edge at this height above the row, averaged over the edge's rise."""
     height = min(max(height, -ONE), TWO)
     return (ramp(height + HALF * spread) - ramp(height - HALF * spread)) * narrow
 
 
-@inner
+@device
 def ramp(x):
     """Integral of x clipped to [0, 1]."""
     inside = min(max(x, ZERO), ONE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from ....simd import broadcast, deinterleave, floor, half_width_pointer, lane_count, load, sqrt, store, where
 from .tiles import THIN
 
@@ -35,7 +35,7 @@ HELD = 15
 """Rows with one a piece."""
 
 
-@inner
+@device
 def take(points, widths, v, count, pieces):
     """Vertices from number v on of points, a `strip` of (V, 3); widths None: all are a pixel wide."""
     deinterleave(points, 3 * v, count, pieces, X, ROW)
@@ -62,7 +62,7 @@ def along(way, x, y):
     return where(way > ZERO, u, -u)
 
 
-@inner
+@device
 def look(pieces, count, opacity):
     """What is needed of the pieces between count + 1 vertices."""
     rows = half_width_pointer(pieces)

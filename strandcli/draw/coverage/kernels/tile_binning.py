@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ....jit import inlined, inner, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....simd import floor, half_width_pointer, load, store, where
 from ....simd import lane_count as vector
 from .segments import (
@@ -107,7 +107,7 @@ def toil(first, screen, widths, width, height, out):
         out[s] = total
 
 
-@inner
+@device
 def inside(one, other, reach, end):
     """How much of the way between two places, and a reach beyond both, lies between 0 and an end."""
     return max(min(max(one, other) + reach, end) - max(min(one, other) - reach, ZERO), ZERO)
@@ -137,7 +137,7 @@ def share_out(first, screen, widths, rows, top, bottom, width, workers, pool, li
         )  # fmt: skip
 
 
-@inner
+@device
 def worker(
     low, high, first, screen, widths, rows, top, bottom, width, pool, links, heads, fills, used, begin, last, task,
     opened, pieces,
@@ -190,7 +190,7 @@ def worker(
         )  # fmt: skip
 
 
-@inner
+@device
 def touch(pieces, count, above, wide, tall):
     """How the pieces between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
     wide and tall whose first row is `above`: from `LEFT` to before `RIGHT`, from `UP` to before `DOWN`."""
@@ -251,7 +251,7 @@ def begin_in(left, right, up, down, old_left, old_right, old_up, old_down, here,
                 opened[y * across + x] = here
 
 
-@inner
+@device
 def link(slot, tile, links, heads, used, begin, last, task):
     """The first slot of another block for a worker's chain in a tile, where the last one is full."""
     block = min(begin + used[task], last)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...common.kernels.approximations import clamp
 from ...common.kernels.batch import (
     BEFORE,
@@ -50,7 +50,7 @@ HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
 """Mean of √(1 − h²) over each column, less that over all."""
 
 
-@inner
+@device
 def begin(profile, slot):
     """An empty profile."""
     for row in range(profile.shape[0]):
@@ -59,14 +59,14 @@ def begin(profile, slot):
                 profile[row, slot, i, c] = ZERO
 
 
-@inner
+@device
 def remember(work):
     """Note the radiance of a batch before light of a kind is added."""
     for k in range(3 * W):
         work[BEFORE + k] = work[RADIANCE + k]
 
 
-@inner
+@device
 def round_off(work, n, which, slots, profile, row):
     """Light that has been added since `remember` as a cosine lobe about the side that faces it: times
     1 + cos (γ − φ) − mean, h = sin γ, which is nowhere negative."""
@@ -80,7 +80,7 @@ def round_off(work, n, which, slots, profile, row):
                     profile[row, slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
 
 
-@inner
+@device
 def azimuth(work, k):
     """Cosine and sine of the angle from the eye to the light about the tangent, positive toward b."""
     tx, ty, tz = work[TX + k], work[TY + k], work[TZ + k]
@@ -94,7 +94,7 @@ def azimuth(work, k):
     return clamp(along * size, -ONE, ONE), clamp(across * size, -ONE, ONE)
 
 
-@inner
+@device
 def darken(work, n, which, slots, profile, row, clear):
     """Leave of the light that has been added since `remember` what exact shadows do: of its average over the width the
     share `clear` (lights, V). Profiles of wide strands have all of it in their own `row`, for `lit`, and in the first
@@ -142,7 +142,7 @@ def departure(profile, slots, v, c, low, high):
     return (gathered(profile, slot, c, high) - gathered(profile, slot, c, low)) / (high - low)
 
 
-@inner
+@device
 def gathered(profile, slot, c, place):
     """What `add_up` made at a place in [0, COLUMNS]: a cubic whose slope, the light, has no steps."""
     i = min(np.int64(place), COLUMNS - 1)
@@ -155,7 +155,7 @@ def gathered(profile, slot, c, place):
     return a + t * (before + t * ((THREE * rise - TWO * before - after) + t * (before + after - TWO * rise)))
 
 
-@inner
+@device
 def add(
     x, y, v, t, stride, weight, bits, table, screen, widths, samples, start, full, slots, profile, shades, shares,
     image,

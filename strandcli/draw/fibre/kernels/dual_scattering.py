@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     CHANNELS,
@@ -36,7 +36,7 @@ from ...common.kernels.batch import (
 from . import dual
 
 
-@inner
+@device
 def glow(work, n, lights, one, twice, scale):
     """Light that comes by way of other strands. What reaches a vertex with no strand in the way is in the row `WHOLE`,
     what does with them in `ARRIVES`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.batch import ARRIVES, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, REST, TRT, TT, TX, TY, TZ, R, U, V
 from . import chiang, marschner
 from .lobes import azimuthal
@@ -13,7 +13,7 @@ from .lobes import azimuthal
 ZERO = np.float32(0.0)
 
 
-@inner
+@device
 def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
     """Light that a strand scatters once: by Marschner's model where there are `lobes`, by Chiang's where there is a
     `fibre`; the other one is None."""

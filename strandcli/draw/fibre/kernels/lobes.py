@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.approximations import exp2
 
 ONE = np.float32(1.0)
@@ -17,7 +17,7 @@ R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix`
 """Channels of a node."""
 
 
-@inner
+@device
 def azimuthal(
     x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32, m_rest: np.float32 | None,
     nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
@@ -72,14 +72,14 @@ def azimuthal(
     return red, green, blue
 
 
-@inner
+@device
 def grown(extra, length):
     """What absorption beyond the tables' leaves of light along a path, its length times log₂ e; less than theirs makes
     it grow, within limits."""
     return exp2(min(GROWTH_LIMIT, -extra * length))
 
 
-@inner
+@device
 def mix(table, i, j, c, w00, w01, w10, w11):
     """Channel c of a table (A, B, C), weighted among the four nodes of a cell. By indices: a row would be a view, and
     views are counted by an atomic instruction."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.batch import ARRIVES, EXTRA, TRT, TT, R, U, V
 from ...coverage.kernels.column_light import COLUMNS
 from ...coverage.kernels.width_profiles import azimuth
@@ -16,7 +16,7 @@ CHANNELS = 8
 """Of a column in the tables: R, TT in red, green and blue, TRT, and padding."""
 
 
-@inner
+@device
 def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile, row):
     """The lobes across the strand, from what `highlights.highlights` has left in the batch.
 
@@ -55,7 +55,7 @@ def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, 
                 )
 
 
-@inner
+@device
 def cell(columns, i, j, h, c, x, y):
     """Bilinear among four nodes."""
     low = columns[i, j, h, c] + y * (columns[i, j + 1, h, c] - columns[i, j, h, c])

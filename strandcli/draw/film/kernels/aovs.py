@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...coverage.kernels.composite import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, corner
@@ -24,7 +24,7 @@ RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
 INF = np.float32(np.inf)
 
 
-@inner
+@device
 def nearest(keys, samples, width, y, x):
     """The smallest key of a pixel's samples × samples, and the row and column of that sample."""
     best = EMPTY
@@ -125,13 +125,13 @@ def strands(keys, samples, base, begin, first, world, screen, view, ids, tangent
             angles[y, x] = angle if angle < PI else ZERO
 
 
-@inner
+@device
 def along(world, i, j):
     """Unit vector from vertex i to vertex j."""
     return unit(world[j, 0] - world[i, 0], world[j, 1] - world[i, 1], world[j, 2] - world[i, 2])
 
 
-@inner
+@device
 def unit(x, y, z):
     """A vector at length 1; none stays none."""
     size = max(abs(x), max(abs(y), abs(z)))  # squares of what is very short would vanish

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ....simd import pointer
 from ...common.kernels.keys import EMPTY, LOW
 
@@ -104,7 +104,7 @@ def develop(image, samples, exposure, curve, roll, out):
                 out[row, x, c] = curve[np.uint64(np.int64(levels[THREE * x + c]))]
 
 
-@inner
+@device
 def add_up(image, samples, y, width, levels):
     """The sums of a row's samples."""
     for x in range(width):
@@ -116,7 +116,7 @@ def add_up(image, samples, y, width, levels):
             levels[3 * x + c] = total
 
 
-@inner
+@device
 def encode(levels, share, roll):
     """From light to places in a curve: that of 0 to 65535, rounded; beyond that range, at its ends."""
     for i in range(np.uint64(levels.shape[0])):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ...view.kernels.project import into
 
 ZERO = np.float32(0.0)
@@ -23,7 +23,7 @@ WANG = np.float32(0.75)
 STRAIGHT = np.float32(0.1)
 
 
-@inner
+@device
 def difference(block, lane, i, n):
     """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
     the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
@@ -37,7 +37,7 @@ def difference(block, lane, i, n):
     return x * size, y * size, z * size
 
 
-@inner
+@device
 def circle(block, lane, i, n):
     """The same where segments differ in length: the tangent of the circle through three particles, e₁ / |e₁|² +
     e₂ / |e₂|² with the segments before and after."""
@@ -58,7 +58,7 @@ def circle(block, lane, i, n):
     return x * size, y * size, z * size
 
 
-@inner
+@device
 def printed(block, lane, i, n):
     """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
     t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
@@ -172,7 +172,7 @@ def count(
         error[s] = bound
 
 
-@inner
+@device
 def reach(u0, v0, z0, u1, v1, z1, margin, view):
     """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
     about it; 0 where that cannot touch the picture."""
@@ -275,7 +275,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             az = bz
 
 
-@inner
+@device
 def chord(x, y, z):
     """A vector's length."""
     return np.sqrt(x * x + y * y + z * z)
@@ -297,13 +297,13 @@ def longest(positions):
     return found.max()
 
 
-@inner
+@device
 def cubic(e, g, h):
     """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
     return THREE * (e - TWO * g - h)
 
 
-@inner
+@device
 def slack(e, g, h):
     """Coefficient of t³."""
     return THREE * (g + h) - TWO * e

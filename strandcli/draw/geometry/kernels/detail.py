@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -49,7 +49,7 @@ def shorten(first, world, fade):
             cut(world, first[s], first[s + 1], fade[s])
 
 
-@inner
+@device
 def cut(world, begin, end, part):
     """Leave a part of the length of one polyline."""
     left = ZERO

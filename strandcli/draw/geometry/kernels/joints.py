@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from ....jit import inner
+from ....jit import device
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 
 
-@inner
+@device
 def mitre(screen, v, a, end, dx, dy, half, per):
     """Normal of the joint between a piece of direction d and its neighbour, the one from vertex v to v + 1: halfway
     between their directions. At a strand's end it is d itself, and where the strand turns by more than a right angle,

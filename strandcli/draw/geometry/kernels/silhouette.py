@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ...view.kernels.project import MOST
 
 ZERO = np.float32(0.0)
@@ -45,7 +45,7 @@ def rims(first, world, view, width, taper, scale, screen):
             rim(world, tip, tip - 1, tip, view, radius * (ONE - taper), screen)
 
 
-@inner
+@device
 def rim(world, v, low, high, view, reach, screen):
     """Move vertex v, one of those at the ends of the piece from vertex `low` to `high`."""
     tx = world[high, 0] - world[low, 0]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -45,7 +45,7 @@ def nearest(positions, strands, points, own, out):
             out[p, k] = math.sqrt(out[p, k])
 
 
-@inner
+@device
 def enclose(positions, block, lanes, low, high, boxes):
     """Into boxes[block]: the least and the greatest coordinates of the block's strands, of which there are `lanes`;
     low, high (W,): to work with."""
@@ -64,7 +64,7 @@ def enclose(positions, block, lanes, low, high, boxes):
             boxes[block, c + 3] = max(boxes[block, c + 3], high[k])
 
 
-@inner
+@device
 def beyond(boxes, block, x, y, z):
     """Square of what a point is off a block at least, whatever the rounding."""
     x = max(max(boxes[block, 0] - x, x - boxes[block, 3]), ZERO)
@@ -73,7 +73,7 @@ def beyond(boxes, block, x, y, z):
     return SURE * (x * x + y * y + z * z)
 
 
-@inner
+@device
 def approach(positions, block, x, y, z, least):
     """Into least (W,): squares of the distances from a point to the strands of a block."""
     for k in range(W):
@@ -93,7 +93,7 @@ def approach(positions, block, x, y, z, least):
             least[k] = min(least[k], ax * ax + ay * ay + az * az)
 
 
-@inner
+@device
 def put_in_order(out, p, value):
     """Into its place among out[p], whose last drops out."""
     k = out.shape[1] - 1

@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X, Y, Z
 from .light import around
 from .occlusion import seen
@@ -27,7 +27,7 @@ FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
 """Ā: share of the sky that what is seen of a mass' face sees."""
 
 
-@inner
+@device
 def ambient_light(work, n, ambient, sky, volume, box):
     """Radiance of the first n vertices of a batch in the light from everywhere, ambient (3,), sky of
     `strandcli.draw.lighting.environment`, and volume, box of `strandcli.draw.lighting.occlusion`; sky and volume as in

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inner
+from ....jit import device, function
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -15,7 +15,7 @@ TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
 
 
-@inner
+@device
 def toward(lights, i, x, y, z):
     """Unit direction to light number i, its distance, and its irradiance's falloff at a point."""
     if lights[i, 0] == ZERO:

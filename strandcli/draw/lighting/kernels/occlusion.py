@@ -15,7 +15,7 @@ import numpy as np
 
 from ....constants import W
 from ....groom.kernels.outside import outside
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...common.kernels.approximations import exp
 from ...solids.kernels import solids
 
@@ -63,7 +63,7 @@ def count(positions, strands, step, width, taper, scale, weight, box, cells):
             z += dz
 
 
-@inner
+@device
 def piece(x, y, z, dx, dy, dz, length, width, box, cells):
     """A straight piece of a strand, a sample for each cell that it crosses along its longest way."""
     most = max(max(abs(dx) * box[3], abs(dy) * box[4]), abs(dz) * box[5])
@@ -88,7 +88,7 @@ def piece(x, y, z, dx, dy, dz, length, width, box, cells):
         cells[cell, 6] += share * tz * tz
 
 
-@inner
+@device
 def place(x, box, axis):
     """Number of the cell along an axis; the outermost takes what is beyond."""
     u = (x - box[axis]) * box[3 + axis] + HALF
@@ -118,7 +118,7 @@ def sweep(cells, counts, sides, ways, left):
         across(cells, counts, sides, ways, d, axis, one, two, before, after, thick, thicker, left)
 
 
-@inner
+@device
 def across(cells, counts, sides, ways, d, axis, one, two, before, after, thick, thicker, left):
     """`sweep` of one direction, slab by slab along the axis on which it crosses most cells; what is left and how thick
     it is before and after a slab."""
@@ -163,7 +163,7 @@ def across(cells, counts, sides, ways, d, axis, one, two, before, after, thick, 
         thick, thicker = thicker, thick
 
 
-@inner
+@device
 def mixed(plane, at, row, f, g):
     """Bilinear in a plane, from the place `at`."""
     upper = plane[at] + g * (plane[at + 1] - plane[at])
@@ -223,7 +223,7 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
                 volume[cell, 3] = THREE * vz * per
 
 
-@inner
+@device
 def hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin):
     """No light from the first n directions where a solid stands between: `solids.lit` of each, row by row."""
     for s in range(spheres.shape[0]):
@@ -249,7 +249,7 @@ def hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin):
             )
 
 
-@inner
+@device
 def occupied(cells, counts, i, j, k):
     """Whether a cell or one beside it holds a strand."""
     for a in range(max(i - 1, 0), min(i + 2, counts[0])):
@@ -260,7 +260,7 @@ def occupied(cells, counts, i, j, k):
     return False
 
 
-@inner
+@device
 def corner(u, count):
     """The lower of two neighbouring cells, and the part of the way to the other."""
     u = min(max(u, ZERO), count - ONE)
@@ -301,7 +301,7 @@ def seen(volume, box, x, y, z, nx, ny, nz):
     return ONE - fall * fall * (ONE - min(max(share, ZERO), ONE))
 
 
-@inner
+@device
 def past(u, count):
     """Cells by which a place is beyond the box."""
     return max(max(-u, u - (count - ONE)), ZERO)

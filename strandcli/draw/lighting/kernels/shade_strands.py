@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     ARRIVES,
@@ -115,7 +115,7 @@ def strands(
         scatter(work, which, n, out)
 
 
-@inner
+@device
 def gather(world, v, begin, end, tone, per, colour, tint, work, k):
     """Put a vertex into place k of a batch."""
     low = max(v - 1, begin)
@@ -133,7 +133,7 @@ def gather(world, v, begin, end, tone, per, colour, tint, work, k):
             work[EXTRA + c * W + k] = found[c + 3]
 
 
-@inner
+@device
 def scatter(work, which, n, out):
     """Radiance back to the vertices of a batch."""
     for k in range(n):
@@ -141,7 +141,7 @@ def scatter(work, which, n, out):
             out[which[k], c] = work[RADIANCE + c * W + k]
 
 
-@inner
+@device
 def batch(
     work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
     maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, sized, which, slots,
@@ -207,7 +207,7 @@ def batch(
                 width_profiles.add_up(profile, slots[which[k]])
 
 
-@inner
+@device
 def frames(work, n, view):
     """Unit tangents, and unit directions to the eye."""
     perspective = view[12]
@@ -229,7 +229,7 @@ def frames(work, n, view):
         work[EZ + k] = z * size
 
 
-@inner
+@device
 def aim(work, n, lights, i):
     """Directions to a light, and its falloff."""
     for k in range(n):
@@ -242,7 +242,7 @@ def aim(work, n, lights, i):
         work[INSIDE + k] = ZERO
 
 
-@inner
+@device
 def hide(work, n, spheres, capsules, planes, boxes, skin):
     """No light where a solid stands between."""
     for s in range(spheres.shape[0]):

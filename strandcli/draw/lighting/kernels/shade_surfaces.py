@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
 from ...common.kernels.surface_batch import (
     ARRIVED,
@@ -85,7 +85,7 @@ def surfaces(
                 scatter(work, np.int64(1) if fine else n, which, picture)
 
 
-@inner
+@device
 def surroundings(ambient, sky, x, y, z):
     """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
     r, g, b = ambient[0], ambient[1], ambient[2]
@@ -96,7 +96,7 @@ def surroundings(ambient, sky, x, y, z):
     return r, g, b
 
 
-@inner
+@device
 def batch(
     work, n, which, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
     spheres, capsules, planes, boxes, paint, coats, skin, sized,
@@ -145,7 +145,7 @@ def batch(
                 work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
 
 
-@inner
+@device
 def look(work, n, view):
     """From places on the screen and distances to points, directions to the eye, and pixels' widths."""
     focal = view[13]
@@ -164,7 +164,7 @@ def look(work, n, view):
         work[PIXEL + k] = t / (focal * far) if view[12] > ZERO else ONE / focal
 
 
-@inner
+@device
 def face(work, n, spheres, capsules, planes, boxes, which):
     """Unit normals."""
     if which < spheres.shape[0] and not smooth_union.blends(spheres, capsules, which):
@@ -186,7 +186,7 @@ def face(work, n, spheres, capsules, planes, boxes, which):
             work[NZ + k] = z
 
 
-@inner
+@device
 def surround(work, n, ambient, sky, volume, box, bounce):
     """Radiance of what is around, as far as it is seen."""
     for k in range(n):
@@ -203,7 +203,7 @@ def surround(work, n, ambient, sky, volume, box, bounce):
                 work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)
 
 
-@inner
+@device
 def fade(work, n, paint, which):
     """How much of the picture a solid becomes."""
     for k in range(n):
@@ -217,7 +217,7 @@ def fade(work, n, paint, which):
             work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
 
 
-@inner
+@device
 def cover(work, n, ambient, sky, volume, box, coats, which):
     """What a coat mirrors of what is around, and what it leaves, in patches, to what is under it."""
     for k in range(n):
@@ -249,7 +249,7 @@ def cover(work, n, ambient, sky, volume, box, coats, which):
         work[COAT + 2 * W + k] = b
 
 
-@inner
+@device
 def rise(work, n, skin):
     """Points to above the surface, where no light arrives from behind it."""
     for k in range(3 * W):
@@ -263,7 +263,7 @@ def rise(work, n, skin):
         work[Z + k] += work[NZ + k] * skin
 
 
-@inner
+@device
 def gleam(work, n, lights, i, coats, which):
     """What a coat mirrors of a light."""
     if coats[which, coat.COAT] <= ZERO:

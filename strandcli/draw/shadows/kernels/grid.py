@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....jit import inlined, inner, parallel, prange
+from ....jit import device, inlined, parallel, prange
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -47,7 +47,7 @@ def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, k
                         list_one(bands, v, stretch, top, bottom, size, at, keys)
 
 
-@inner
+@device
 def list_one(bands, v, stretch, top, bottom, size, at, keys):
     """All that `list_bands` does with the piece after vertex v in the rows from `top` to before `bottom`."""
     x0 = bands[v, 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -24,7 +24,7 @@ def between_bits(since, until, w):
     return (ALL << first) & (ALL >> rest)
 
 
-@inner
+@device
 def darken(dark, since, until, veil, v, w):
     """Set the bits from `since` to before `until`, those that band w darkens of the line v; whether there are any."""
     if since >= until:
@@ -37,7 +37,7 @@ def darken(dark, since, until, veil, v, w):
     return True
 
 
-@inner
+@device
 def all_dark(dark, since, until):
     """Whether all bits from `since` to before `until` are set."""
     for word in range(since // WORD, (until - 1) // WORD + 1):
@@ -47,7 +47,7 @@ def all_dark(dark, since, until):
     return True
 
 
-@inner
+@device
 def scattered(seed, word, veil):
     """Bits of which `veil` in `VEILS` are set, by chance, the same for the same numbers (SplitMix64)."""
     out = NONE
@@ -61,7 +61,7 @@ def scattered(seed, word, veil):
     return out
 
 
-@inner
+@device
 def add_up(dark, sums, p):
     """Share of piece p that is lit, and what it comes to where it counts the more the nearer it is to the piece's
     end."""

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...zbuffer.kernels.raster import FIXED, POINT
 
 HALF = np.float32(0.5)
@@ -36,7 +36,7 @@ def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
             band(first, screen, members, begin, b, size, rows, far, near, texels)
 
 
-@inner
+@device
 def band(first, screen, members, begin, b, size, rows, far, near, texels):
     """All that `fill` does in band number `b`."""
     top = b * rows
@@ -116,7 +116,7 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
     return ONE
 
 
-@inner
+@device
 def texel_of(x, y, z, views, one):
     """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
     sx = views[one, 0] * x + views[one, 1] * y + views[one, 2] * z + views[one, 3]
@@ -126,13 +126,13 @@ def texel_of(x, y, z, views, one):
     return views[one, 15] + scale * sx - HALF, views[one, 16] - scale * sy - HALF, d
 
 
-@inner
+@device
 def held(u, v, d, views, one, edge):
     """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
     return (d >= views[one, 14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
 
 
-@inner
+@device
 def between(u, v, one, right, below, corner):
     """Bilinear among four texels."""
     upper = one + u * (right - one)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import inlined, inner
+from ....jit import device, inlined
 from .grid import (
     ALONG,
     ALONG_X,
@@ -37,7 +37,7 @@ BATCH = 64
 """Bands that are held against a line at once."""
 
 
-@inner
+@device
 def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
     """Darken the piece after vertex v, from point p of `world` to the next, by what one view shows in front of it, but
     not by the pieces after the vertices from `low` to `high`."""
@@ -101,7 +101,7 @@ def between(a, b, value, slope):
     return low, low if (slope == ZERO) & (value < ZERO) else high
 
 
-@inner
+@device
 def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil, cuts, dark):
     """Darken a line, the piece after vertex v, between its places a and b, points (xa, ya) and (xb, yb) of one cell, by
     the bands in front of it there: those of the keys from i to before last."""
@@ -128,7 +128,7 @@ def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil
             return
 
 
-@inner
+@device
 def cut(lines, at, n, count, xa, ya, qa, xb, yb, qb, cuts):
     """From where to where each of some bands covers a line, whose ends are 0 and 1: the ends' rows in `cuts`."""
     for k in range(count):

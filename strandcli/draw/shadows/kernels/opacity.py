@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inlined, inner
+from ....jit import device, function, inlined
 from ....simd import broadcast, floor, gather, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from .minmax import between, held, texel_of
@@ -180,7 +180,7 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     return texels, cells, growth
 
 
-@inner
+@device
 def through(u, v, start, size, layers, stacks):
     """τ of all strands at a place of a map."""
     low_u = np.floor(u)
@@ -198,7 +198,7 @@ def through(u, v, start, size, layers, stacks):
     )  # fmt: skip
 
 
-@inner
+@device
 def settled(texels, cells, growth, width, scale):
     """Which of both, in which mixture, less the strand's own share, and more where strands are crowded; width: of
     strands, metres; scale: texels a metre there."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...view.kernels.project import wider
 from .opacity import FIVE, HEAD, cell_of
 
@@ -41,7 +41,7 @@ def draw(
                 )  # fmt: skip
 
 
-@inner
+@device
 def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, extents, over, layers, stacks):
     """All pieces of the polyline a … end − 1 in the rows from `top` to before `bottom`."""
     thin = width * taper / np.float32(max(end - a - 1, 1))
@@ -120,7 +120,7 @@ def piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, heads, over, laye
         drop(u, v, d0 + t * rise, share, top, bottom, size, heads, over, layers, stacks)
 
 
-@inner
+@device
 def drop(u, v, d, share, top, bottom, size, heads, over, layers, stacks):
     """Divide a share among the four texels that a place lies between, those of them that lie in these rows."""
     left = np.floor(u)

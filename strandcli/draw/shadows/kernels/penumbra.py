@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ....jit import function, inlined, inner
+from ....jit import device, function, inlined
 from ...common.kernels.approximations import asin
 from ...solids.kernels import solids
 
@@ -38,7 +38,7 @@ ALONG = np.int64(16)
 """Along an axis."""
 
 
-@inner
+@device
 def past(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights, i, sized):
     """What solids leave of light number i at a point: `solids.lit`, or `lit` where any light has a size."""
     if sized is None:
@@ -121,7 +121,7 @@ def beside(r, off, t, radius):
     return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
 
 
-@inner
+@device
 def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     """As `ball`, the least of a capsule's balls: along the axis there is one minimum, since the capsule is convex.
     ``radius`` (sine) of the light, beyond which nothing has to be known."""
@@ -164,7 +164,7 @@ def nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius):
     return free, min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
 
 
-@inner
+@device
 def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     """As `ball`, for a box: the least of its distance over the distance travelled, which has one minimum on the way to
     the light because the box is convex. ``radius`` (sine) of the light, beyond which nothing has to be known."""
@@ -189,7 +189,7 @@ def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     return lowest_on_way((ox, oy, oz, dx, dy, dz, hx, hy, hz), high * SHARP, high, STEPS)
 
 
-@inner
+@device
 def away(x, y, z, hx, hy, hz):
     """Distance of a point from a box of half extents h about the origin, negative inside."""
     ax = abs(x) - hx
@@ -201,14 +201,14 @@ def away(x, y, z, hx, hy, hz):
     return math.sqrt(ox * ox + oy * oy + oz * oz) + min(max(ax, max(ay, az)), ZERO)
 
 
-@inner
+@device
 def on_axis(s, at):
     """`ball` of the ball at the place s of a capsule's axis, from w along b."""
     r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach = at
     return ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
 
 
-@inner
+@device
 def on_way(t, at):
     """A box's distance, at the distance t from o along d, over t."""
     ox, oy, oz, dx, dy, dz, hx, hy, hz = at
@@ -219,7 +219,7 @@ def search(of: Any) -> Any:
     """A kernel's search for the least value of a function of (t, at): (at, low, high, steps) to that value, where
     between low and high there is one minimum. By golden sections."""
 
-    @inner
+    @device
     def lowest(at, low, high, steps):
         near = high - CLOSER * (high - low)
         far = low + CLOSER * (high - low)

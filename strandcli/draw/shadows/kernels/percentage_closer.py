@@ -28,7 +28,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inner
+from ....jit import device, function
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
@@ -131,7 +131,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
             work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
 
 
-@inner
+@device
 def hold(work, n, lights, i, views, one, size):
     """Where each point is in a map, 1 in the row `INSIDE` where light arrives at it and no map before held it, and how
     far strands would blur that are in the map's middle, or at its front for points in its front half."""
@@ -162,13 +162,13 @@ def hold(work, n, lights, i, views, one, size):
         work[INSIDE + k] = ONE if held else work[INSIDE + k]
 
 
-@inner
+@device
 def reach(blur):
     """Texels to each side over which a disc of so many texels is averaged."""
     return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
 
 
-@inner
+@device
 def search(work, n, size, start, over, layers, stacks):
     """How far the strands blur that hide the light: by their mean distance from each point, as far as there are any."""
     wide, tall = about(work, n, np.float32(STEP), LEAST)
@@ -192,7 +192,7 @@ def search(work, n, size, start, over, layers, stacks):
         work[RADIUS + k] = found if work[RADIUS + k] > LEAST else work[RADIUS + k]
 
 
-@inner
+@device
 def about(work, n, step, least):
     """Which texels are about each point that this map holds and that is averaged over more than `least`, from the first
     that `step`, or more where many are about it, divides; returns the greatest number of columns and of rows."""
@@ -217,14 +217,14 @@ def about(work, n, step, least):
     return most(work, n, FIRST_U, LAST_U), most(work, n, FIRST_V, LAST_V)
 
 
-@inner
+@device
 def below(x):
     """The greatest whole number that is no greater, as a loop's compiler knows it."""
     whole = np.float32(np.int32(x))
     return whole - ONE if whole > x else whole
 
 
-@inner
+@device
 def most(work, n, first, last):
     """The greatest number of columns or rows that a point has about it."""
     out = ZERO
@@ -233,7 +233,7 @@ def most(work, n, first, last):
     return np.int64(out)
 
 
-@inner
+@device
 def weigh(work, n, row, column, size):
     """Place and weight of the texel in this row and column of those about each point."""
     for k in range(n):
@@ -256,13 +256,13 @@ def weigh(work, n, row, column, size):
         work[TOTAL + k] += weight
 
 
-@inner
+@device
 def odd(half):
     """1 where a whole number, of which this is half, is odd, and 0 where it is even."""
     return TWO * (half - below(half))
 
 
-@inner
+@device
 def sink(work, n, start, size, over, layers, stacks):
     """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
     and end."""
@@ -291,7 +291,7 @@ def sink(work, n, start, size, over, layers, stacks):
         store(rows, BACK + k, where(some, front + most / ((ended - most) * over), ZERO))
 
 
-@inner
+@device
 def dim(work, n, veil):
     """Add the light that strands in that texel take from each point, in red, green and blue."""
     for k in range(n):

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inlined, inner
+from ....jit import device, function, inlined
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, TEXELS, X, Y, Z
 from . import penumbra
 
@@ -67,7 +67,7 @@ def lifted(work, k, skin):
     return work[X + k] + skin * work[LX + k], work[Y + k] + skin * work[LY + k], work[Z + k] + skin * work[LZ + k]
 
 
-@inner
+@device
 def by_ball(work, n, cx, cy, cz, r, skin):
     """Past a ball of radius r."""
     for k in range(n):
@@ -76,7 +76,7 @@ def by_ball(work, n, cx, cy, cz, r, skin):
         work[LEAST + k] = min(work[LEAST + k], least)
 
 
-@inner
+@device
 def by_plane(work, n, nx, ny, nz, height, skin):
     """Past a plane."""
     for k in range(n):
@@ -87,7 +87,7 @@ def by_plane(work, n, nx, ny, nz, height, skin):
         work[LEAST + k] = min(work[LEAST + k], least if over >= ZERO else penumbra.CLEAR)
 
 
-@inner
+@device
 def by_capsule(work, n, capsules, m, skin):
     """Past a capsule."""
     r = capsules[m, 6] - skin
@@ -133,7 +133,7 @@ def by_capsule(work, n, capsules, m, skin):
     search(work, listed_again(work, count), r, bx, by, bz)
 
 
-@inner
+@device
 def listed_again(work, count):
     """Note what was found of those that are listed, and list those that have to be asked further; returns how many."""
     left = np.int64(0)
@@ -155,7 +155,7 @@ def on_axis(work, j, r, bx, by, bz, s):
     )  # fmt: skip
 
 
-@inner
+@device
 def search(work, count, r, bx, by, bz):
     """`penumbra.lowest_on_axis` for those that are listed."""
     if count == 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ....simd import broadcast, load, pointer, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
@@ -18,7 +18,7 @@ NEXT = np.uint64(1)
 TWICE = np.float32(2.0)
 
 
-@inner
+@device
 def shade(work, n, views, one, maps, start, size, bias):
     """What strands leave of a light, by one map: only where no map before held the vertex."""
     if size < 2:
@@ -48,7 +48,7 @@ def shade(work, n, views, one, maps, start, size, bias):
         work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
 
 
-@inner
+@device
 def locate(work, n, views, one, size, bias):
     """Where a map shows the vertices that no map before held."""
     edge = np.float32(size - 1)
@@ -61,7 +61,7 @@ def locate(work, n, views, one, size, bias):
         work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
 
 
-@inner
+@device
 def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres;
     over: of `opacity_maps.draw`."""
@@ -87,13 +87,13 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
-@inner
+@device
 def scale_at(work, k, views, one, bias):
     """Texels a metre at vertex k."""
     return views[one, 13] / (work[DEPTH + k] + bias) if views[one, 12] > ZERO else views[one, 13]
 
 
-@inner
+@device
 def beyond(work, n, views, one, stacks, layers, start, size, bias, width):
     """Strands behind each vertex, where `sink` has just found those in front of it."""
     if size < 2:

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from ....jit import inlined, inner, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...coverage.kernels.column_light import LINES
 from ...coverage.kernels.masks import ones
 from ...geometry.kernels.silhouette import STEEPEST
@@ -97,7 +97,7 @@ def visibility(
                     out[a + v] = mean(sums, v, n, reach(screen, a, v, n, stride))
 
 
-@inner
+@device
 def across(
     world, a, n, p, slot, half, taper, q, eye, shown, views, sizes, cells, begin, keys, lines, low, high, veil, bias,
     cuts, single, pair, shades,
@@ -128,7 +128,7 @@ def across(
     return np.float32(left) / np.float32(places) if places > 0 else UNSEEN
 
 
-@inner
+@device
 def shared(half, q, eye):
     """How many lines across a strand have the shadow of one: the fewer samples of the camera `eye` (26,) show it, the
     more. half: of its width, metres; q: its depth number there."""
@@ -138,7 +138,7 @@ def shared(half, q, eye):
     return np.int64(2) if wide >= NARROW else np.int64(4)
 
 
-@inner
+@device
 def together_shown(shown, slot, line, count):
     """What is wanted of so many lines that have the shadow of one."""
     need = NONE
@@ -147,7 +147,7 @@ def together_shown(shown, slot, line, count):
     return need
 
 
-@inner
+@device
 def beside(world, a, n, p, views, apart):
     """From which to which vertex the pieces lie that do not shade piece p of the same strand, whose n pieces begin with
     vertex a: from p on as far as they are not `apart` metres aside of its middle, as the light of the `views` sees
@@ -181,7 +181,7 @@ def aside(world, v, x, y, z, lx, ly, lz, per):
     return dx * dx + dy * dy + dz * dz
 
 
-@inner
+@device
 def surface(world, a, n, p, radius, h, eye, pair, row):
     """Into a row of `pair`: vertex p of a strand of n pieces that begins with vertex a, moved from the strand's middle
     to its surface, where the camera `eye` (26,) sees the offset h ∈ [−1, 1] as in `kernels.body`: aside, and then
@@ -210,7 +210,7 @@ def surface(world, a, n, p, radius, h, eye, pair, row):
     pair[row, 2] = world[v, 2] + across * bz + out * ez
 
 
-@inner
+@device
 def want(a, n, marks, screen, stride, wanted):
     """Flag the pieces that the marked vertices need; whether there are any."""
     wanted[:n] = 0
@@ -223,7 +223,7 @@ def want(a, n, marks, screen, stride, wanted):
     return found
 
 
-@inner
+@device
 def reach(screen, a, v, n, stride):
     """How many pieces to each side of vertex v its light is averaged over."""
     p = a + min(v, max(n - 1, 0))
@@ -235,7 +235,7 @@ def reach(screen, a, v, n, stride):
     return max(stride, np.int64(math.ceil(min(ONE / max(size, TINY), np.float32(MOST)))))
 
 
-@inner
+@device
 def mean(sums, v, n, far):
     """What of the light is left about vertex v of n pieces, weighted by a hat that reaches over `far` pieces."""
     total = ZERO

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inner
+from ....jit import device, function
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -32,7 +32,7 @@ COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
 """Columns of `strandcli.draw.solids.solids.finish_of`."""
 
 
-@inner
+@device
 def fresnel(coat, edge, cosine):
     """What is mirrored: ``coat`` straight on, ``edge`` at a grazing angle (Schlick 1994)."""
     x = min(max(ONE - cosine, ZERO), ONE)
@@ -81,7 +81,7 @@ def patches(x, y, z, grain, pixel):
     return min(max(total, -ONE), ONE)
 
 
-@inner
+@device
 def lattice(x, y, z, seed):
     """Value noise in [−1, 1]: even numbers at whole places, smooth in between."""
     i = np.floor(x)
@@ -103,13 +103,13 @@ def lattice(x, y, z, seed):
     return TWO * total - ONE
 
 
-@inner
+@device
 def smooth(t):
     """0 to 1 with level ends."""
     return t * t * (THREE - TWO * t)
 
 
-@inner
+@device
 def value(a, b, c, seed):
     """Even noise in [0, 1) of a whole place, by Wellons's `lowbias32` hash."""
     bits = np.uint32(a * 73856093 ^ b * 19349663 ^ c * 83492791) + np.uint32(0x9E3779B9) * seed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from . import smooth_union, sphere_tracing
 from .solids import HALF, INF, ONE, ZERO, aim, key_at, meet, ray
@@ -42,7 +42,7 @@ def find(keys, width, height, ends, counts):
         counts[y] = total(ends, y * width, width)
 
 
-@inner
+@device
 def compare(keys, own, above, below, width, ends):
     """What `find` does in the row that begins at `own`, but for its first and last pixel, whose neighbours are those
     that begin at `above` and `below`: one vector after the other."""
@@ -54,7 +54,7 @@ def compare(keys, own, above, below, width, ends):
         ends[at] = np.uint8((other & LOW) != EVEN)
 
 
-@inner
+@device
 def total(ends, begin, count):
     """Sum of so many marks from a place on."""
     n = np.int64(0)
@@ -112,7 +112,7 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
             settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts)
 
 
-@inner
+@device
 def spot(pixels, width, e, i):
     """Where on the screen sample number i of a pixel lies."""
     x = pixels[e] % width
@@ -121,7 +121,7 @@ def spot(pixels, width, e, i):
     return column, np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
 
 
-@inner
+@device
 def inside(pixels, width, e, frames, m):
     """Whether a pixel can show solid number m."""
     x = pixels[e] % width
@@ -129,7 +129,7 @@ def inside(pixels, width, e, frames, m):
     return frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]
 
 
-@inner
+@device
 def any_inside(pixels, width, begin, end, frames, m):
     """Whether any of these pixels can."""
     found = False
@@ -138,7 +138,7 @@ def any_inside(pixels, width, begin, end, frames, m):
     return found
 
 
-@inner
+@device
 def meet_one(work, j, spheres, capsules, planes, boxes, m):
     """Where ray number j of a batch meets solid number m: what blends has been met."""
     if smooth_union.blends(spheres, capsules, m):
@@ -149,7 +149,7 @@ def meet_one(work, j, spheres, capsules, planes, boxes, m):
     )  # fmt: skip
 
 
-@inner
+@device
 def count_samples(pixels, width, e, best, at, keys, spots, counts):
     """Count what the samples of a pixel show, whose keys begin at place `at`, and add up where they lie."""
     for slot in range(SLOTS):
@@ -170,7 +170,7 @@ def count_samples(pixels, width, e, best, at, keys, spots, counts):
             spots[e, slot, 1] += row
 
 
-@inner
+@device
 def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts):
     """The middle of the samples that show each of a pixel's solids, and its key there."""
     for slot in range(SLOTS):
@@ -187,7 +187,7 @@ def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, co
                 keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
 
 
-@inner
+@device
 def foremost(keys, e):
     """The slot of the solid in front."""
     best = 0
@@ -218,7 +218,7 @@ def part(pixels, keys, counts, hides, depth, cover):
             hides[pixels[e]] = rest if shown == WHOLE else ZERO
 
 
-@inner
+@device
 def number(key):
     """The depth number of a key."""
     return np.uint32(LOW - (key >> SHIFT)).view(np.float32)

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ....jit import function, inlined, inner
+from ....jit import device, function, inlined
 from ...common.kernels.approximations import exp, log
 
 ZERO = np.float32(0.0)
@@ -32,7 +32,7 @@ APART = np.float32(6.0)
 EVERY = np.uint64(0xFFFFFFFFFFFFFFFF)
 
 
-@inner
+@device
 def blends(spheres, capsules, m):
     """Whether solid number m is one that blends."""
     if m < spheres.shape[0]:
@@ -43,7 +43,7 @@ def blends(spheres, capsules, m):
     return False
 
 
-@inner
+@device
 def way(spheres, capsules):
     """k."""
     for m in range(spheres.shape[0]):
@@ -55,7 +55,7 @@ def way(spheres, capsules):
     return ONE
 
 
-@inner
+@device
 def from_axis(capsules, m, x, y, z):
     """From the nearest point of a capsule's axis to a point."""
     ox = x - capsules[m, 0]
@@ -108,7 +108,7 @@ def surface(spheres, capsules, felt, k, x, y, z):
     return least - k * log(max(total, TINY)), nx, ny, nz
 
 
-@inner
+@device
 def ball_about(spheres, capsules, m):
     """Centre and radius of the ball about solid number m."""
     if m < spheres.shape[0]:

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inlined, inner, parallel, prange
+from ....jit import device, function, inlined, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from . import smooth_union, sphere_tracing
 
@@ -22,7 +22,7 @@ TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
 
 
-@inner
+@device
 def sphere(p, m, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to the outside of sphere number m; inf where it is missed or begins
     inside. (A row of p would be a view, and views are counted by an atomic instruction: an index is not.)"""
@@ -82,7 +82,7 @@ def end_of(r, cx, cy, cz, dx, dy, dz, dd):
     return t - math.sqrt(max(left, ZERO) / dd) if left >= ZERO else INF
 
 
-@inner
+@device
 def plane(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for the upper side of a plane."""
     down = p[m, 0] * dx + p[m, 1] * dy + p[m, 2] * dz
@@ -92,7 +92,7 @@ def plane(p, m, ox, oy, oz, dx, dy, dz):
     return -over / down
 
 
-@inner
+@device
 def box(p, m, ox, oy, oz, dx, dy, dz):
     """As `sphere`, for a box, by slabs (Kay & Kajiya 1986)."""
     cx = ox - p[m, 0]
@@ -175,7 +175,7 @@ def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     return past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
 
 
-@inner
+@device
 def past_sphere(p, m, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for one sphere, without branches."""
     cx = p[m, 0] - x - skin * lx
@@ -202,7 +202,7 @@ def passes(p, m, x, y, z, lx, ly, lz):
     return cx * cx + cy * cy + cz * cz - t * t > square + square
 
 
-@inner
+@device
 def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for one capsule, from a point that has been moved by `skin`; without branches but where all is far."""
     if passes(p, m, x, y, z, lx, ly, lz):
@@ -211,7 +211,7 @@ def past_capsule(p, m, x, y, z, lx, ly, lz, reach, skin):
     return ZERO if (skin < t) & (t < reach) else ONE
 
 
-@inner
+@device
 def past_others(capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin):
     """`lit` for all that are not spheres."""
     x += skin * lx
@@ -279,7 +279,7 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
                     part[x] = min(part[x], key_at(t, view, flat, far, identity))
 
 
-@inner
+@device
 def key_at(t, view, flat, far, identity):
     """The z-buffer's key of a solid at depth t, `keys.EMPTY` where t is not in front of the eye; flat: 1 for an
     orthographic view, far: one over its depth range."""
@@ -306,7 +306,7 @@ def meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz):
     return box(boxes, m - planes.shape[0], ox, oy, oz, dx, dy, dz)
 
 
-@inner
+@device
 def aim(work, j, view, right, up):
     """`ray`, as number j of a batch of `marching`."""
     ox, oy, oz, dx, dy, dz = ray(view, right, up)
@@ -318,7 +318,7 @@ def aim(work, j, view, right, up):
     work[sphere_tracing.DZ + j] = dz
 
 
-@inner
+@device
 def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
     direction's length is such that its parameter is the depth. No branch: view[12] is 1 for perspective, else 0."""

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import function, inlined, inner
+from ....jit import device, function, inlined
 from ...common.kernels.approximations import exp, log
 from . import smooth_union
 
@@ -61,7 +61,7 @@ def meet(work, n, spheres, capsules):
             count = kept(work, count)
 
 
-@inner
+@device
 def begin(work, n, spheres, capsules, k):
     """Where rays first are in the ball about a solid and where they last are; returns which solids count, as bits."""
     for j in range(n):
@@ -86,7 +86,7 @@ def begin(work, n, spheres, capsules, k):
     return felt
 
 
-@inner
+@device
 def touched(work, n, cx, cy, cz, r):
     """Widen where rays are looked at by their way through a ball; returns how many pass it."""
     square = r * r
@@ -103,7 +103,7 @@ def touched(work, n, cx, cy, cz, r):
     return hits
 
 
-@inner
+@device
 def kept(work, count):
     """Note where rays have met the surface, and keep those that are on their way; returns how many."""
     left = np.int64(0)
@@ -118,7 +118,7 @@ def kept(work, count):
     return left
 
 
-@inner
+@device
 def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
     """Add a sphere to the surface where rays are."""
     for j in range(n):
@@ -129,7 +129,7 @@ def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
         add(work, j, math.sqrt(x * x + y * y + z * z) - r, reach, per_k)
 
 
-@inner
+@device
 def by_capsule(work, n, capsules, m, reach, per_k):
     """Add a capsule."""
     ax, ay, az = capsules[m, 0], capsules[m, 1], capsules[m, 2]
@@ -157,7 +157,7 @@ def add(work, j, away, reach, per):
     work[LEAST + j] = min(least, away)
 
 
-@inner
+@device
 def go_on(work, n, k, near, first):
     """A step of each ray, by its distance from the surface, or the end of it where that is less than `near` k; returns
     how many are still on their way."""

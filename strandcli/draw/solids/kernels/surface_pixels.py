@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import inner
+from ....jit import device
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
@@ -20,7 +20,7 @@ FINE = 4
 """Rays along each side of such a pixel."""
 
 
-@inner
+@device
 def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which):
     """Put pixels of one solid into a batch, from pixel number p on, or the rays of one where that ends in front of
     itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
@@ -57,7 +57,7 @@ def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, w
     return end, n, solid, False
 
 
-@inner
+@device
 def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
     """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
     n = np.int64(0)
@@ -72,14 +72,14 @@ def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
     return n
 
 
-@inner
+@device
 def distance(x, y, view, spheres, capsules, planes, boxes, which):
     """How far off solid number `which` is at a place on the screen."""
     ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[15]) / view[13], (view[16] - y) / view[13])
     return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
 
 
-@inner
+@device
 def average(work, n):
     """Mean radiance of the n rays of a pixel, as that of its first, and what the last becomes of the picture."""
     for c in range(3):
@@ -90,7 +90,7 @@ def average(work, n):
     work[THERE] = work[THERE + n - 1]
 
 
-@inner
+@device
 def scatter(work, n, which, picture):
     """Lay a batch over the picture."""
     for k in range(n):
@@ -99,7 +99,7 @@ def scatter(work, n, which, picture):
             picture[p + c] += work[THERE + k] * (work[RADIANCE + c * W + k] - picture[p + c])
 
 
-@inner
+@device
 def folded(keys, at, column, width, view):
     """Whether a solid that blends ends in front of itself at pixel number `at`."""
     if at < width or at >= keys.shape[0] - width:
@@ -113,7 +113,7 @@ def folded(keys, at, column, width, view):
     return max(across, down) > FOLD * pixel
 
 
-@inner
+@device
 def bend(keys, at, step, here, view):
     """Metres by which the depths of three pixels leave a straight line; 0 where they are not of one solid."""
     if (((keys[at - step] ^ keys[at]) | (keys[at + step] ^ keys[at])) & LOW) != np.uint64(0):
@@ -121,7 +121,7 @@ def bend(keys, at, step, here, view):
     return abs(depth_at(keys, at - step, view) + depth_at(keys, at + step, view) - here - here)
 
 
-@inner
+@device
 def depth_at(keys, at, view):
     """The depth of what a pixel shows, metres."""
     number = np.uint32(LOW - (keys[at] >> SHIFT)).view(np.float32)

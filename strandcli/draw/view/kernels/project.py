@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....constants import VECTOR
-from ....jit import inner, parallel, prange
+from ....jit import device, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 
 ZERO = np.float32(0.0)
@@ -26,7 +26,7 @@ X, Y, NUMBER, WIDE = (i * ROW for i in range(4))
 ROWS = 4
 
 
-@inner
+@device
 def into(x, y, z, view):
     """World to view: right, up, and depth along the view direction."""
     return (
@@ -59,7 +59,7 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
                     out[np.uint64(v) + k] = work[np.uint64(WIDE) + k]
 
 
-@inner
+@device
 def beside(screen, begin, end, v, count, work):
     """Vertices from number v on, with one before and one after them, whose depth number is 0 where the strand ends."""
     low = max(v - 1, begin)
@@ -70,7 +70,7 @@ def beside(screen, begin, end, v, count, work):
         work[NUMBER + count + 1] = ZERO
 
 
-@inner
+@device
 def widen(work, count, past, view, thickness, per, scale, aslant, least):
     """Widths of so many vertices, the first of which is number `past` of its strand."""
     rows = half_width_pointer(work)
@@ -94,7 +94,7 @@ def widen(work, count, past, view, thickness, per, scale, aslant, least):
         store(rows, WIDE + k, max(wide, least))
 
 
-@inner
+@device
 def wider(x, y, dx, dy, focal):
     """How many times wider on the screen than in the middle, at the same depth, a thin cylinder is at (x, y) pixels
     from the view's axis whose picture goes along (dx, dy).
@@ -141,7 +141,7 @@ def points(first, world, stride, view, screen):
                 at += count
 
 
-@inner
+@device
 def fetch(world, low, stride, count, work):
     """So many vertices, from number `low` on."""
     points = half_width_pointer(world)
@@ -155,7 +155,7 @@ def fetch(world, low, stride, count, work):
         work[np.uint64(NUMBER) + k] = points[v + np.uint64(2)]
 
 
-@inner
+@device
 def turn(work, count, view):
     """From the world to the view; returns whether any vertex lies behind its near plane."""
     rows = half_width_pointer(work)
@@ -170,7 +170,7 @@ def turn(work, count, view):
     return behind
 
 
-@inner
+@device
 def clip(world, low, stride, count, begin, end, view, work):
     """Move vertices behind the near plane to it where a neighbour is in front, and others to where nothing is seen."""
     for k in range(count):
@@ -182,7 +182,7 @@ def clip(world, low, stride, count, begin, end, view, work):
             work[NUMBER + k] = view[14] if front else -INF
 
 
-@inner
+@device
 def throw(work, count, view):
     """From the view to the screen. A vertex so far off that pixels can no longer be told apart is left out, as is what
     is not a number."""
@@ -205,7 +205,7 @@ def throw(work, count, view):
         store(rows, NUMBER + k, where(seen, q, ZERO))
 
 
-@inner
+@device
 def forward(world, view, v, stride, begin, end, x, y, z):
     """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
     them crosses that plane."""

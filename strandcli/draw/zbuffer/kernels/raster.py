@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import function, inner, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...common.kernels.keys import LOW, SHIFT
 from ...geometry.kernels.joints import mitre
 
@@ -89,7 +89,7 @@ def visible(first, screen, widths, nearer, members, begin, width, height, rows, 
             band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys)
 
 
-@inner
+@device
 def band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys):
     """All that `visible` does in band number `b`."""
     top = b * rows
@@ -124,7 +124,7 @@ def band(first, screen, widths, nearer, members, begin, b, width, height, rows, 
                 ribbon(screen, v, a, first[s + 1], w0, w1, nearer, top, bottom, width, np.uint64(base + v - 1), keys)
 
 
-@inner
+@device
 def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
     """One segment into the rows top <= y < bottom.
 
@@ -168,7 +168,7 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
         b += step
 
 
-@inner
+@device
 def ribbon(screen, v, begin, end, w0, w1, nearer, top, bottom, width, identity, keys):
     """As `line`, the piece from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide: a sample
     for each centre that its band covers, which ends where the next piece's begins (`joints.mitre`), straight across at
@@ -242,13 +242,13 @@ def ribbon(screen, v, begin, end, w0, w1, nearer, top, bottom, width, identity, 
             deposit(near, identity, np.uint64(c * one + row * aside), keys)
 
 
-@inner
+@device
 def near_by(x, y, wide):
     """Whether a place is within half a width."""
     return x * x + y * y <= HALF * HALF * wide * wide
 
 
-@inner
+@device
 def front(q, half, steep, x, y, dx, dy, nearer):
     """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
     its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
@@ -276,7 +276,7 @@ def front(q, half, steep, x, y, dx, dy, nearer):
     return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
 
 
-@inner
+@device
 def deposit(q, identity, pixel, keys):
     """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity

@@ -6,25 +6,39 @@ decorated. No fastmath: without it the bits are the same on every thread count, 
 
 from typing import Any
 
-from . import runtime
+from .. import runtime
 
 runtime.start_once()
 
 from numba import njit, prange  # noqa: E402
 
-__all__ = ["function", "inlined", "inner", "parallel", "prange"]
+from .cache import KernelCache  # noqa: E402
 
-_kept: dict[str, Any] = {"cache": True, "no_cfunc_wrapper": True}
-parallel: Any = njit(parallel=True, nogil=True, error_model="numpy", **_kept)
+__all__ = ["device", "function", "inlined", "parallel", "prange"]
+
+
+def _cached(**options: Any) -> Any:
+    """A decorator that compiles with these options and keeps what was compiled in strandcli's own cache."""
+
+    def decorate(function: Any) -> Any:
+        dispatcher = njit(**options)(function)
+        dispatcher._cache = KernelCache(function, options, runtime)
+        return dispatcher
+
+    return decorate
+
+
+_kept: dict[str, Any] = {"no_cfunc_wrapper": True}
+parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_kept)
 """A kernel that a driver calls: its loops run on all threads."""
 
 _lean: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-function: Any = njit(**_lean, **_kept)
+function: Any = _cached(**_lean, **_kept)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
 each array and call: the kernel keeps them. So kernels alone take memory, and hand it on."""
 
 _bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-inner: Any = njit(**_lean, **_bare)
+device: Any = njit(**_lean, **_bare)
 """A function that only kernels call, each of which holds a copy: without the wrappers for Python, which take a tenth of
 a second each, without machine code, and not cached."""
 

@@ -1,0 +1,78 @@
+"""What a kernel is made of: the text of its module and of every module of this package that it imports, directly or not.
+
+Numba compares one file with its cache, and does not see that a function in another file has changed.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import re
+import sys
+from pathlib import Path
+
+PACKAGE = __name__.split(".")[0]
+ROOT = Path(__file__).parents[1]
+IMPORT = re.compile(rb"^[ \t]*from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]+)", re.MULTILINE)
+NOT_COMPILED = frozenset({f"{PACKAGE}.jit.cache", f"{PACKAGE}.jit.sources", f"{PACKAGE}.runtime", f"{PACKAGE}.errors"})
+"""Modules that decide where kernels are kept and when they are compiled, not what is in them."""
+
+
+@functools.cache
+def digest(module: str) -> str:
+    """SHA-256 of the module's text and of all that it imports of this package, as hexadecimal digits."""
+    found: dict[str, bytes] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name in found or name in NOT_COMPILED:
+            continue
+        text = _text(name)
+        found[name] = text
+        waiting += [one for one in _imported(name, text) if one not in found]
+    whole = hashlib.sha256()
+    for name in sorted(found):
+        whole.update(name.encode() + b"\0" + hashlib.sha256(found[name]).digest())
+    return whole.hexdigest()
+
+
+@functools.cache
+def _text(module: str) -> bytes:
+    path = _path(module)
+    return b"" if path is None else path.read_bytes()
+
+
+@functools.cache
+def _path(module: str) -> Path | None:
+    """The file of a module: of this package by its name, of another by what Python has loaded."""
+    parts = module.split(".")
+    if parts[0] == PACKAGE:
+        plain = ROOT.joinpath(*parts[1:]).with_suffix(".py") if len(parts) > 1 else ROOT / "__init__.py"
+        if plain.is_file():
+            return plain
+        folder = ROOT.joinpath(*parts[1:], "__init__.py")
+        return folder if folder.is_file() else None
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return None if file is None else Path(file)
+
+
+def _imported(module: str, text: bytes) -> list[str]:
+    """Modules of this package that a module's text imports."""
+    path = _path(module)
+    package = module.split(".") if path is not None and path.name == "__init__.py" else module.split(".")[:-1]
+    found = []
+    for source, names in IMPORT.findall(text):
+        where = source.decode()
+        dots = len(where) - len(where.lstrip("."))
+        parts = [part for part in where.lstrip(".").split(".") if part]
+        if dots:
+            parts = package[: len(package) - dots + 1] + parts
+        if not parts or parts[0] != PACKAGE:
+            continue
+        base = ".".join(parts)
+        if _path(base) is not None:
+            found.append(base)
+        for name in re.findall(r"(\w+)(?:[ \t]+as[ \t]+\w+)?", names.decode()):
+            if _path(f"{base}.{name}") is not None:
+                found.append(f"{base}.{name}")
+    return found
