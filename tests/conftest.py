@@ -33,15 +33,16 @@ def alone() -> Iterator[None]:
         yield
 
 
-DRAWING = ("draw", "pipeline", "presets", "study_pictures")
-MOVING = ("simulate", "stress", "study")
-BOTH = ("stress_inputs", "study_cli")
+DRAWING = ("draw/", "run/", "study/test_pictures", "study/test_golden")
+MOVING = ("simulate/", "stress/", "study/")
+BOTH = ("stress/test_inputs", "study/test_cli")
 
 
 def place(scope: str) -> tuple[int, str]:
     """Where a file of tests stands between those that draw and those that simulate."""
-    name = scope.rpartition("test_")[2]
-    return 0 if name.startswith(DRAWING) else 2 if name.startswith(MOVING) and not name.startswith(BOTH) else 1, scope
+    name = scope.removeprefix("tests/")
+    drawing = name.startswith(DRAWING)
+    return 0 if drawing else 2 if name.startswith(MOVING) and not name.startswith(BOTH) else 1, scope
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from hypothesis import strategies as st
-from scene_kit import RULES
 
+from scene_kit import RULES
 from strandcli.scene import RuleUse, Scene
 from strandcli.scene.checks import findings
 from strandcli.scene.fields import (

@@ -11,8 +11,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from reference.rules import Twin
 
+from reference.rules import Twin
 from strandcli import runtime
 from strandcli.frame import Frame
 from strandcli.groom.emit import Groom, emit

@@ -22,7 +22,7 @@ C follow from τ and τ'. Nothing goes sideways: a small ball of strands keeps s
 
 A strand answers to D and B − e^-τ as evenly spread over the half circle about the light, by the mean and the first
 harmonic of its azimuthal lobes; B, which is narrower, has the second as well, weakened once more by the passage that
-turned it. It answers to U from the half circle behind. `tests/test_mitsuba.py` compares with a path tracer.
+turned it. It answers to U from the half circle behind. `tests/study/test_mitsuba.py` compares with a path tracer.
 
 Lobes are Chiang's whichever model draws the highlights. Where colours vary, tables are those of the mean absorption; a
 vertex scales them with the colour of a mass of its own over that of the mean.

@@ -20,7 +20,7 @@ paper's caustic removal.
 
 Absorption: T = exp(−2 σ_a cos γ_t / cos θ_t), 2 cos γ_t being the chord of the unit circle. The paper prints
 exp(−2 σ_a (1 + cos 2γ_t)), whose length 4 cos² γ_t is twice the diameter for h = 0; the chord is what Chiang et al.'s
-colours were fitted with, and a traced ray confirms it (tests/test_study_bsdf.py).
+colours were fitted with, and a traced ray confirms it (tests/study/test_bsdf.py).
 """
 
 from __future__ import annotations

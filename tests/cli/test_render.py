@@ -1,0 +1,415 @@
+"""`strandcli render` and `simulate` with the real pipeline on a tiny scene: files, report, resuming, interruption."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import strandcli
+from cli_runs import TINY, Runner, child, environment, listen
+from strandcli import pipeline
+from strandcli.errors import RefusedError, SimulationError
+from strandcli.output import frames, png
+
+PANELS = TINY + "panels:\n  - {label: one}\n  - {label: two, set: {image.size: [32, 24]}}\n"
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def names(folder: str) -> list[str]:
+    return sorted(os.listdir(folder))
+
+
+def report(folder: str) -> dict[str, Any]:
+    data = json.loads(Path(folder, "report.json").read_text())
+    assert isinstance(data, dict)
+    return data
+
+
+def hashes(folder: str) -> dict[int, str]:
+    return {entry["frame"]: entry["pixels_sha256"] for entry in report(folder)["frames"]}
+
+
+def test_frames_and_report_are_what_the_design_page_says(run: Runner) -> None:
+    result = run("render", "tiny.yaml", "-f", "1-3")
+    assert (result.code, result.out) == (0, "")
+    assert names("out/tiny") == ["frame_0001.png", "frame_0002.png", "frame_0003.png", "report.json"]
+    data = report("out/tiny")
+    assert data["schema_version"] == 1
+    assert data["strandcli"] == strandcli.__version__
+    assert data["status"] == "complete"
+    assert data["preset"]["name"] == "tiny"
+    assert data["preset"]["sha256"] == strandcli.load("tiny.yaml").sha256
+    assert set(data["machine"]) >= {"cpu", "cores", "threads", "threading_layer", "python", "numba", "llvm"}
+    assert {"stage": "rule collision", "why": "the preset does not list it"} in data["plan"]["left_out"]
+    for entry, frame in zip(data["frames"], pipeline.render(strandcli.load("tiny.yaml"), [1, 2, 3]), strict=True):
+        assert entry["frame"] == frame.number
+        image = png.read(Path("out/tiny", entry["file"]))
+        np.testing.assert_array_equal(image, frame.image)
+        assert entry["pixels_sha256"] == png.pixels_sha256(image)
+        assert set(entry["seconds"]) >= {"simulate", "curves", "shadow", "shade", "raster", "write", "total"}
+        assert entry["seconds"]["total"] == pytest.approx(
+            sum(value for name, value in entry["seconds"].items() if name != "total" and value is not None)
+        )
+        assert entry["counts"]["strands"] == 150
+        assert set(entry["error"]) >= {"stretch_max", "penetration_max", "residual_max", "curve_px_max", "nonfinite"}
+    assert data["totals"]["frames_per_second"] > 0
+
+
+def test_json_is_alone_on_stdout_and_the_same_as_the_file(run: Runner) -> None:
+    result = run("render", "tiny.yaml", "-f", "2", "-o", "a", "--json")
+    assert json.loads(result.out) == report("a")
+    assert run("render", "tiny.yaml", "-f", "2", "-o", "b", "-q").err == ""
+    assert "frame 2: " in run("render", "tiny.yaml", "-f", "2", "-o", "c", "-v").err
+
+
+def test_pixels_do_not_depend_on_threads_or_on_which_frames_are_asked_for(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-o", "a", "--threads", "1", "-f", "1-5").code == 0
+    assert run("render", "tiny.yaml", "-o", "b", "-f", "1-5x2,4").code == 0
+    assert run("render", "tiny.yaml", "-o", "c", "-f", "5", "--seed", "3").code == 0
+    assert hashes("b") == {frame: digest for frame, digest in hashes("a").items() if frame in (1, 3, 4, 5)}
+    assert len(set(hashes("a").values())) == 5
+    assert hashes("c")[5] != hashes("a")[5]
+    assert report("a")["machine"]["threads"] == 1
+
+
+def test_the_common_options_change_the_scene(run: Runner) -> None:
+    options = ["--size", "20x30", "--strands", "70", "--particles", "4", "--set", "wind.strength=9", "--seed", "1"]
+    data = json.loads(run("render", "tiny.yaml", "-f", "2", "--json", *options).out)
+    assert data["frames"][0]["counts"]["strands"] == 70
+    assert data["frames"][0]["counts"]["particles"] == 280
+    assert png.read(Path("out/tiny/frame_0002.png")).shape == (30, 20, 3)
+
+
+def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
+    run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
+    first = report("a")
+    refused = run("render", "tiny.yaml", "-o", "a", "-f", "2-4")
+    assert refused.code == 2
+    assert "frame_0002.png, frame_0003.png" in refused.error()
+    Path("a/frame_0002.png").write_bytes(b"half")
+    stamp = Path("a/frame_0001.png").stat().st_mtime_ns
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume")
+    assert result.code == 0
+    assert "2 frames" in result.err
+    assert "2 kept" in result.err
+    assert Path("a/frame_0001.png").stat().st_mtime_ns == stamp
+    second = report("a")
+    assert [entry["frame"] for entry in second["frames"]] == [1, 2, 3, 4]
+    assert [entry.get("kept", False) for entry in second["frames"]] == [True, False, True, False]
+    assert second["frames"][0] == {**first["frames"][0], "kept": True}
+    assert second["frames"][1]["pixels_sha256"] == first["frames"][1]["pixels_sha256"]
+    other = run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume", "--seed", "9")
+    assert other.code == 2
+    assert "was made from another scene" in other.error()
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite", "--seed", "9").code == 0
+    assert hashes("a")[1] != first["frames"][0]["pixels_sha256"]
+
+
+@pytest.mark.parametrize(("command", "name"), [("render", "report.json"), ("simulate", "manifest.json")])
+@pytest.mark.parametrize("text", ["{}", '{"frames": []}', "no json", "[]"])
+def test_what_somebody_else_wrote_is_not_replaced_unasked(run: Runner, command: str, name: str, text: str) -> None:
+    Path("a").mkdir()
+    Path("a", name).write_text(text)
+    for more in ([], ["--resume"]):
+        refused = run(command, "tiny.yaml", "-f", "1", "-o", "a", *more)
+        assert refused.code == 2
+        assert f"a/{name}: was not written by strandcli; add --overwrite" in refused.error()
+        assert Path("a", name).read_text() == text
+    assert names("a") == [name]
+    assert run(command, "tiny.yaml", "-f", "1", "-o", "a", "--overwrite").code == 0
+    assert run(command, "tiny.yaml", "-f", "2", "-o", "a").code == 0
+
+
+def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> None:
+    run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
+    first = report("a")["frames"]
+    Path("a/frame_0003.png").unlink()
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "5", "--json")
+    assert "kept" not in result.err  # of what was asked for
+    assert json.loads(result.out) == report("a")
+    entries = report("a")["frames"]
+    assert [entry["frame"] for entry in entries] == [1, 2, 5]
+    assert entries[:2] == [{**entry, "kept": True} for entry in first[:2]]
+    assert "kept" not in entries[2]
+    run("render", "tiny.yaml", "-o", "a", "-f", "2", "--overwrite")
+    assert [entry.get("kept", False) for entry in report("a")["frames"]] == [True, False, True]
+    run("render", "tiny.yaml", "-o", "a", "-f", "2,6", "--overwrite", "--seed", "9")
+    assert [entry["frame"] for entry in report("a")["frames"]] == [2, 6]
+    run("render", "tiny.yaml", "-o", "b", "-f", "2", "--seed", "9")
+    Path("a/frame_0006.png").write_bytes(Path("a/frame_0001.png").read_bytes())  # another scene's
+    run("render", "tiny.yaml", "-o", "a", "-f", "7", "--seed", "9")
+    assert [entry["frame"] for entry in report("a")["frames"]] == [2, 7]
+
+
+def test_frames_of_two_scenes_in_one_folder_are_told(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-2").code == 0
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "3").err
+    other = run("render", "tiny.yaml", "--seed", "7", "-o", "a", "-f", "3-4", "--overwrite")
+    assert other.code == 0
+    (warning,) = (line for line in other.err.splitlines() if "warning" in line)
+    assert "a: 2 frames there of another scene or other settings, such as frame_0001.png" in warning
+    assert report("a")["warnings"] == [warning.partition("warning: ")[2]]
+    assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite").err
+
+
+C_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+
+
+@pytest.mark.parametrize("locale", [{}, C_LOCALE], ids=["utf8", "ascii"])
+@pytest.mark.parametrize(("name", "shown"), [(b"p\xff", "p\ufffd"), (b"p\xc3\xbc", "p\u00fc")], ids=["bytes", "umlaut"])
+def test_names_that_are_no_text_end_in_a_report(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, locale: dict[str, str], name: bytes, shown: str
+) -> None:
+    Path(os.fsdecode(name + b".yaml")).write_text(TINY)
+    for variable, value in locale.items():
+        monkeypatch.setenv(variable, value)
+    preset, folder = os.fsdecode(name + b".yaml"), os.fsdecode(name)
+    process = child(run.folder, "render", preset, "-f", "1", "-o", folder, "--json", "--no-progress", encoding="utf-8")
+    out, err = process.communicate(timeout=240)
+    assert process.returncode == 0, err
+    assert json.loads(out)["preset"]["name"] == shown
+    assert report(folder)["preset"]["name"] == shown
+    assert len(err.splitlines()) == 1
+
+
+def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
+    several = [child(run.folder, "render", "tiny.yaml", "-o", "a", "-f", f"{n}-12x3", "-q") for n in (1, 2, 3)]
+    for process in several:
+        out, err = process.communicate(timeout=240)
+        assert (process.returncode, out, err) == (0, "", "")
+    assert [entry["frame"] for entry in report("a")["frames"]] == list(range(1, 13))
+    assert names("a") == [*(frames.frame_file(n) for n in range(1, 13)), "report.json"]
+
+
+def test_nothing_is_computed_when_all_is_there(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    run("render", "tiny.yaml", "-o", "a", "-f", "1-2")
+    monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-2", "--resume", "--json")
+    assert result.code == 0
+    assert json.loads(result.out)["totals"]["frames_per_second"] is None
+
+
+def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> None:
+    assert run("simulate", "tiny.yaml", "-o", "p", "-f", "1-4").code == 0
+    assert names("p") == ["manifest.json", *(f"positions_000{frame}.npz" for frame in (1, 2, 3, 4))]
+    with np.load("p/positions_0003.npz") as data:
+        found = data["positions"]
+    (frame,) = pipeline.render(strandcli.load("tiny.yaml"), [3], draw=False, keep_positions=True)
+    assert found.shape == (150, 5, 3)
+    np.testing.assert_array_equal(found, frame.positions)
+    run("render", "tiny.yaml", "-o", "a", "-f", "2-4")
+    assert run("render", "tiny.yaml", "-o", "b", "-f", "2-4", "--from-cache", "p").code == 0
+    assert hashes("a") == hashes("b")
+    assert report("b")["frames"][0]["seconds"]["simulate"] is None
+    assert run("render", "tiny.yaml", "-o", "all", "--from-cache", "p").code == 0  # what there is, without -f
+    assert [frame["frame"] for frame in report("all")["frames"]] == [1, 2, 3, 4]
+    assert run("render", "tiny.yaml", "-o", "m", "--from-cache", "p", "--set", "time.frames=3").code == 0
+    assert [frame["frame"] for frame in report("m")["frames"]] == [1, 2, 3]
+    lost = run("render", "tiny.yaml", "-o", "c", "-f", "3-6", "--from-cache", "p")
+    assert lost.code == 2
+    assert "no positions for frames 5, 6" in lost.error()
+    assert not Path("c").exists()
+    other = run("render", "tiny.yaml", "-o", "c", "-f", "3", "--from-cache", "p", "--strands", "99")
+    assert "shape (150, 5, 3), but the scene has 99 strands of 5 particles; give the preset" in other.error()
+    assert run("simulate", "tiny.yaml", "-o", "p", "-f", "1-4").code == 2
+    result = run("simulate", "tiny.yaml", "-o", "p", "-f", "1-5", "--resume", "--json")
+    assert [entry["frame"] for entry in json.loads(result.out)["frames"]] == [1, 2, 3, 4, 5]
+
+
+def test_animations_are_made_from_the_frames(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-f", "1-3", "--animate", "gif,webp").code == 0
+    for suffix in ("gif", "webp"):
+        with Image.open(f"out/tiny/animation.{suffix}") as film:
+            assert (film.size, getattr(film, "n_frames", 1)) == ((64, 48), 3)
+    again = run("render", "tiny.yaml", "-o", "b", "-f", "1-3", "--animate", "gif", "--set", "time.fps=100", "--verbose")
+    assert "plays 50 frames a second, all that gif can; 100 were asked" in again.err
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_while_an_animation_is_written_is_told(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, number: int, code: int
+) -> None:
+    read = png.read
+
+    def late(path: Path, mode: str = "RGB") -> png.Pixels:
+        if Path("a", ".here").exists() and any(name.endswith(".tmp") for name in names("a")):
+            os.kill(os.getpid(), number)
+        return read(path, mode)
+
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5").code == 0
+    Path("a/.here").touch()
+    monkeypatch.setattr(png, "read", late)
+    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif,webp")
+    assert result.code == code
+    words = "animation.gif is not written; 5 finished frames stay, --resume goes on"
+    assert result.err.strip() == f"a: interrupted; {words}"
+    assert names("a") == [".here", *(frames.frame_file(n) for n in range(1, 6)), "report.json"]
+    Path("a/.here").unlink()
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif").code == 0
+    with Image.open("a/animation.gif") as film:
+        assert getattr(film, "n_frames", 1) == 5
+
+
+def test_panels_are_drawn_resumed_and_not_simulated(run: Runner) -> None:
+    Path("panels.yaml").write_text(PANELS)
+    assert run("render", "panels.yaml", "-f", "1-2").code == 0
+    assert png.read(Path("out/panels/frame_0001.png")).shape[1] > 64 + 32
+    assert "2 kept" in run("render", "panels.yaml", "-f", "1-2", "--resume").err
+    assert "several panels" in run("simulate", "panels.yaml", "-o", "p").error()
+    assert "several panels" in run("render", "panels.yaml", "-f", "1", "-o", "b", "--from-cache", "p").error()
+
+
+def test_an_output_that_is_a_file_is_refused_before_anything_runs(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
+    Path("a").write_text("mine")
+    for command in ("render", "simulate"):
+        result = run(command, "tiny.yaml", "-o", "a")
+        assert result.code == 4
+        assert "a: is a file, not a folder" in result.error()
+        assert run(command, "tiny.yaml", "-o", "a/b").code == 4
+    assert Path("a").read_text() == "mine"
+
+
+def test_what_is_too_big_for_memory_is_refused_before_anything_runs(
+    run: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
+    result = run("render", "tiny.yaml", "--strands", "100000000", "--particles", "1000", "-f", "1", "-o", "a")
+    assert result.code == 4
+    assert "GB" in result.error()
+    assert not Path("a").exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "status"),
+    [
+        (SimulationError("frame 3: strand 7 is not finite"), 1, "failed"),
+        (RefusedError("no memory"), 4, "failed"),
+        (MemoryError(), 4, "failed"),
+        (ZeroDivisionError("bug"), 1, "failed"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_whatever_ends_a_run_there_is_a_report_of_what_is_finished(
+    run: Runner, monkeypatch: pytest.MonkeyPatch, error: BaseException, code: int, status: str
+) -> None:
+    render = pipeline.render
+
+    def until_three(*arguments: Any, **options: Any) -> Any:
+        for frame in render(*arguments, **options):
+            if frame.number == 3:
+                raise error
+            yield frame
+
+    monkeypatch.setattr(pipeline, "render", until_three)
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5").code == code
+    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.json"]
+    data = report("a")
+    assert data["status"] == status
+    assert [entry["frame"] for entry in data["frames"]] == [1, 2]
+    assert data["machine"]["threads"] >= 1
+
+
+def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_pieces = frames.write_pieces
+
+    def full(path: Path, pieces: list[bytes]) -> None:
+        if path.name == "frame_0003.png":
+            raise RefusedError(f"{path}: cannot be written: the disk is full")
+        write_pieces(path, pieces)
+
+    monkeypatch.setattr(frames, "write_pieces", full)
+    result = run("render", "tiny.yaml", "-o", "a")
+    assert result.code == 4
+    assert "the disk is full; 2 finished frames are whole" in result.error()
+    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.json"]
+    assert report("a")["status"] == "failed"
+
+
+def test_a_report_that_cannot_be_written_does_not_hide_what_ended_the_run(
+    run: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(directory: Path, data: object) -> None:
+        raise RefusedError("report.json: no")
+
+    monkeypatch.setattr("strandcli.output.report.write_report", refuse)
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1").error().endswith("report.json: no")
+
+    def interrupted(*arguments: Any, **options: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pipeline, "render", interrupted)
+    assert run("render", "tiny.yaml", "-o", "b", "-f", "1").code == 130
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, number: int, code: int) -> None:
+    process = child(run.folder, "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000")
+    deadline = time.monotonic() + 120
+    while not Path("a/frame_0004.png").exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert out == ""
+    assert "Traceback" not in err
+    assert "Exception" not in err
+    data = report("a")
+    assert data["status"] == "interrupted"
+    done = [entry["file"] for entry in data["frames"]]
+    assert len(done) >= 4
+    assert names("a") == [*done, "report.json"]
+    for entry in data["frames"]:
+        assert png.pixels_sha256(png.read(Path("a", entry["file"]))) == entry["pixels_sha256"]
+
+
+def test_a_terminal_that_is_closed_keeps_finished_frames_and_writes_the_report(run: Runner) -> None:
+    """Nobody reads what is printed then, and to print it fails."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "strandcli", "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000"]
+    process = subprocess.Popen(
+        command, cwd=run.folder, env=environment(), stdout=theirs, stderr=theirs, start_new_session=True,
+        preexec_fn=lambda: (listen(), fcntl.ioctl(1, termios.TIOCSCTTY, 0)),
+    )  # fmt: skip
+    os.close(theirs)
+    reader = threading.Thread(target=drained, args=(ours, lambda: Path("a/frame_0004.png").exists()))
+    reader.start()
+    reader.join(120)
+    os.close(ours)  # which sends SIGHUP
+    assert process.wait(60) == 129
+    assert report("a")["status"] == "interrupted"
+    assert names("a") == [*(entry["file"] for entry in report("a")["frames"]), "report.json"]
+
+
+def drained(terminal: int, enough: Callable[[], bool]) -> None:
+    """Read what is printed, for the program not to wait."""
+    while not enough():
+        if select.select([terminal], [], [], 0.05)[0]:
+            try:
+                os.read(terminal, 65536)
+            except OSError:  # it has ended
+                return

@@ -1,0 +1,313 @@
+"""The commands beside render: compare, sheet, golden, presets, schema, bench, claims, warmup."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cli_runs import TINY, Runner
+from strandcli import pipeline, runtime, study
+from strandcli.output import png
+from strandcli.output.compare import write_image
+from strandcli.scene import Scene, list_presets
+from strandcli.study import bench
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def picture(path: str, change: int = 0) -> None:
+    image = np.random.default_rng(1).integers(0, 200, (20, 30, 3), dtype=np.uint8)
+    image[4, 5, 1] += change
+    write_image(Path(path), image)
+
+
+def test_compare_tells_equal_from_different_by_its_exit_code(run: Runner) -> None:
+    picture("a.png")
+    picture("b.png", 9)
+    Image.open("a.png").save("c.png")
+    same = run("compare", "a.png", "c.png")
+    assert (same.code, same.out, same.err) == (0, "the same pixels\n", "")
+    other = run("compare", "a.png", "b.png", "-o", "d.png")
+    assert other.code == 3
+    assert "1 of 600 pixels (0.167 %) differ, the most by 9/255" in other.error()
+    assert png.read(Path("d.png")).shape == (20, 30, 3)
+    data = json.loads(run("compare", "a.png", "b.png", "--json").out)
+    assert (data["over"], data["max_difference"], data["equal"]) == (1, 9, False)
+    assert data["rmse"] == pytest.approx((81 / 1800) ** 0.5)
+    assert run("compare", "a.png", "b.png", "--threshold", "9").code == 0
+    assert run("compare", "a.png", "b.png", "--threshold", "8").code == 3
+    assert run("compare", "a.png", "b.png", "--allow", "0.2").code == 0
+    assert run("compare", "a.png", "b.png", "--allow", "0.1").code == 3
+    assert run("compare", "a.png", "b.png", "--threshold", "9", "--rmse", "0.2").code == 3
+
+
+def test_pictures_are_written_under_names_that_say_what_they_are(run: Runner) -> None:
+    picture("a.png")
+    assert "is written as PNG" in run("compare", "a.png", "a.png", "-o", "d.jpg").error()
+    assert "is written as PNG" in run("sheet", "a.png", "-o", "d.gif").error()
+    assert sorted(os.listdir()) == ["a.png", "tiny.yaml"]
+
+
+def test_compare_of_what_cannot_be_compared(run: Runner) -> None:
+    picture("a.png")
+    Image.new("RGB", (3, 3)).save("small.png")
+    assert run("compare", "a.png", "small.png").code == 3
+    assert "30x20 against 3x3" in run("compare", "a.png", "small.png").error()
+    assert run("compare", "a.png", "none.png").code == 2
+    assert run("compare", "a.png", "tiny.yaml").code == 2
+    assert run("compare", "a.png", "a.png", "-o", "no/such/d.png").code == 4
+
+
+def test_sheet_gathers_folders_and_does_not_overwrite_unasked(run: Runner) -> None:
+    for folder in ("figs/fig02", "figs/fig03"):
+        os.makedirs(folder)
+        picture(f"{folder}/frame_0001.png")
+    result = run("sheet", "figs", "-o", "sheet.png", "--columns", "2")
+    assert result.code == 0
+    assert "2 images" in result.err
+    assert png.read(Path("sheet.png")).shape[1] == 8 + 2 * 38
+    assert run("sheet", "figs", "-o", "sheet.png").code == 2
+    assert run("sheet", "figs", "-o", "sheet.png", "--overwrite", "-q").err == ""
+    assert run("sheet", "none", "-o", "b.png").code == 2
+    assert run("sheet", "figs", "-o", "b.png", "--columns", "0").code == 2
+
+
+def test_golden_images_catch_a_pixel_and_a_parameter(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    os.makedirs("g")
+    Path("g/tiny.yaml").write_text(TINY)
+    Path("g/golden.yaml").write_text("- {preset: tiny.yaml, frame: 3, size: 40x30}\n- {preset: tiny.yaml, name: b}\n")
+    missing = run("golden", "check", "g", "-o", "d")
+    assert missing.code == 3
+    assert "MISMATCH tiny: tiny.png is missing" in missing.err
+    update = run("golden", "update", "g")
+    assert update.code == 0
+    assert update.err.splitlines() == ["tiny: new", "b: new", "g: 2 of 2 golden images changed"]
+    assert png.read(Path("g/tiny.png")).shape == (30, 40, 3)
+    check = run("golden", "check", "g", "-o", "d")
+    assert check.code == 0
+    assert check.err.splitlines() == ["ok       tiny: exact", "ok       b: exact"]
+    assert not Path("d").exists()
+
+    image = png.read(Path("g/b.png")).copy()
+    image[3, 4, 0] ^= 1
+    whole = Path("g/b.png").read_bytes()
+    write_image(Path("g/b.png"), image)
+    planted = run("golden", "check", "g", "-o", "d", "--json")
+    assert planted.code == 3
+    assert planted.err.endswith("1 of 2 golden images do not match: b\n")
+    data = json.loads(planted.out)
+    assert [one["matches"] for one in data["images"]] == [True, False]
+    assert data["images"][1]["comparison"]["over"] == 1
+    assert os.listdir("d") == ["b.diff.png"]
+    Path("g/b.png").write_bytes(whole)
+
+    Path("g/tiny.yaml").write_text(TINY.replace("length: 0.6", "length: 0.61"))
+    for other_class in (False, True):
+        if other_class:
+            monkeypatch.setattr("strandcli.study.golden.machine_class", lambda: "another machine")
+        changed = run("golden", "check", "g", "tiny", "-o", "d")
+        assert changed.code == 3
+        assert "MISMATCH tiny: " in changed.err
+        assert Path("d/tiny.diff.png").exists()
+    monkeypatch.undo()
+
+
+def test_golden_names_and_faults(run: Runner) -> None:
+    os.makedirs("g")
+    assert run("golden", "check", "g").code == 2
+    Path("g/golden.yaml").write_text("- {preset: ../tiny.yaml, name: a, frame: 99}\n")
+    assert "no golden image is named 'zzz'" in run("golden", "check", "g", "zzz").error()
+    assert "a: frame 99 is beyond the last, 12" in run("golden", "update", "g").error()
+    Path("g/golden.yaml").write_text("- {preset: nonesuch}\n")
+    assert run("golden", "update", "g").code == 2
+    assert os.listdir("g") == ["golden.yaml"]
+
+
+def test_presets_are_listed_shown_and_copied(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    home = run.folder / "home"
+    (home / "figures").mkdir(parents=True)
+    (home / "hair.yaml").write_text(TINY)
+    (home / "figures" / "fig02.yaml").write_text("title: figure 2\n")
+    monkeypatch.setattr("strandcli.scene.library.folder", lambda: home)
+    listed = run("presets", "list").out
+    assert [line.split()[0] for line in listed.splitlines()] == ["hair", "figures/fig02"]
+    assert run("presets").out == listed
+    assert json.loads(run("presets", "list", "--json").out)[1] == {"name": "figures/fig02", "title": "figure 2"}
+    assert run("presets", "show", "hair").out == TINY
+    assert run("presets", "copy", "figures/fig02").code == 0
+    assert Path("fig02.yaml").read_text() == "title: figure 2\n"
+    assert run("presets", "copy", "figures/fig02").code == 2
+    assert run("presets", "copy", "hair", "fig02.yaml", "--overwrite").code == 0
+    assert Path("fig02.yaml").read_text() == TINY
+    assert run("presets", "copy", "hair", "no/such/a.yaml").code == 2
+    assert "did you mean 'hair'" in run("presets", "show", "hai").error()
+
+
+def test_the_schema_is_json_and_written_where_asked(run: Runner) -> None:
+    printed = json.loads(run("schema").out)
+    assert printed["$schema"].startswith("https://json-schema.org/")
+    assert run("schema", "-o", "s.json").code == 0
+    assert json.loads(Path("s.json").read_text()) == printed
+    assert run("schema", "-o", "s.json").code == 2
+
+
+def test_the_plan_is_printed_and_given_as_data(run: Runner) -> None:
+    words = run("plan", "tiny.yaml").out
+    assert "Runs:\n" in words
+    assert "Left out:\n" in words
+    assert "rule collision" in words.split("Left out:")[1]
+    data = json.loads(run("plan", "tiny.yaml", "-f", "1-3", "--strands", "99", "--json").out)
+    assert (data["strands"], data["frames"]) == (99, 3)
+    assert {one["stage"] for one in data["used"]} >= {"rule wind", "rule gravity"}
+    assert data["memory_bytes"] > 0
+    assert not Path("out").exists()
+
+
+def test_a_plan_refuses_an_environment_that_cannot_be_drawn(run: Runner) -> None:
+    """As rendering does, in the same words; of panels, that of each."""
+    Path("notes.png").write_text("no picture")
+    told = run("render", "tiny.yaml", "--set", "environment.image=notes.png").error()
+    planned = run("plan", "tiny.yaml", "--set", "environment.image=notes.png")
+    assert planned.error() == told
+    assert (planned.code, planned.out) == (2, "")
+    Path("panels.yaml").write_text(TINY + "panels: [{label: a}, {label: b, set: {environment.image: notes.png}}]\n")
+    assert run("plan", "panels.yaml").error() == told
+    picture("sky.png")
+    assert run("plan", "tiny.yaml", "--set", "environment.image=sky.png").code == 0
+    assert "there is no file gone.png" in run("plan", "tiny.yaml", "--set", "environment.image=gone.png").error()
+
+
+BENCH = {
+    "strands": 10_000,
+    "particles": 10,
+    "size": [800, 600],
+    "frames": 20,
+    "threads": 2,
+    "compile_seconds": 1.25,
+    "stages": {
+        "simulate": {"median_ms": 1.5, "min_ms": 1.25, "max_ms": 2},
+        "write": {"median_ms": None, "min_ms": None, "max_ms": None},
+    },
+    "frame": {"median_ms": 20.0, "fps": 50.0},
+    "counts": {"segments": 360_000},
+    "particle_step_ns": 1.25,
+    "segment_ns": None,
+    "steps": {"ms": 1.5, "particle_step_ns": 15.0},
+    "error": {"stretch_max": 0.001, "penetration_max": None},
+}
+
+
+def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, object] = {}
+
+    def fake(**options: object) -> dict[str, object]:
+        asked.update(options)
+        return BENCH
+
+    module = SimpleNamespace(run=fake)
+    monkeypatch.setitem(sys.modules, "strandcli.study.bench", module)
+    monkeypatch.setattr(study, "bench", module, raising=False)
+    result = run("bench", "--strands", "500", "--size", "80x60", "--frames", "3", "--threads", "1", "--json")
+    assert json.loads(result.out) == BENCH
+    assert (asked["strands"], asked["particles"], asked["size"], asked["frames"]) == (500, 10, (80, 60), 3)
+    assert (asked["threads"], asked["solver"], asked["quality"]) == (1, "thesis", "preset")
+    assert asked["overrides"] == ()
+    run("bench", "--set", "image.resolver=sorted", "--set", "material.width=0.0014")
+    assert asked["overrides"] == ("image.resolver=sorted", "material.width=0.0014")
+    table = run("bench").out
+    assert "simulate            1.50        1.25        2.00" in table
+    assert "50.0 frames/s" in table
+    assert "steps alone                1.50 ms   15.00 ns a particle and step" in table
+    assert "penetration_max" not in table
+    assert asked["overrides"] == ()
+    run("bench", "--set", "wind.strength=2", "--set", "material.width=0.001")
+    assert asked["overrides"] == ("wind.strength=2", "material.width=0.001")
+    refused = run("bench", "--set", "emitter.strands=5")
+    assert (refused.code, "write --strands" in refused.error()) == (2, True)
+    assert run("bench", "--strands", "0").code == 2
+    assert run("bench", "--frames", "0").code == 2
+
+
+def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = {"strands": ((20, 4), (40, 4)), "particles": ((20, 4), (10, 16), (10, 32))}
+    monkeypatch.setattr(bench, "GROWTH", sizes)
+    data = json.loads(run("bench", "--growth", "--json").out)
+    rows = data["growth"]
+    assert [(row["strands"], row["particles"]) for row in rows] == [*sizes["strands"], *sizes["particles"]]
+    for row in rows:
+        assert row["particle_step_ns"] == pytest.approx(row["ms"] * 1e6 / (row["strands"] * row["particles"]))
+    grown = [rows[1]["ms"] / rows[0]["ms"], rows[4]["ms"] / rows[3]["ms"]]  # in both, by twice
+    assert list(data["exponents"].values()) == pytest.approx([math.log2(times) for times in grown])
+    assert run("bench", "--growth", "--set", "wind.strenght=1").code == 2
+    table = run("bench", "--growth").out.splitlines()
+    assert table[0].startswith("thesis, ")
+    assert table[3].split()[:2] == ["20", "4"]
+    assert re.fullmatch(r"cost grows as strands \*\* \S+ and as particles \*\* \S+; \*\* 1 is linear", table[-1])
+
+
+def test_the_exponent_of_a_cost_is_that_of_the_power_law_beside_it() -> None:
+    sizes = [10.0, 20.0, 50.0, 1000.0]
+    assert bench.exponent(sizes, [3 * size for size in sizes]) == pytest.approx(1)
+    assert bench.exponent(sizes, [0.2 * size**1.5 for size in sizes]) == pytest.approx(1.5)
+    # of a law that bends, the straight line through logarithms: by 10, 100 and 1,000 the slope of the outer two
+    assert bench.exponent([10, 100, 1000], [10, 500, 1000]) == pytest.approx(1)
+    assert bench.exponent([10, 100, 1000], [10, 100, 10_000]) == pytest.approx(1.5)
+    assert bench.exponent([10], [1]) is None
+    assert bench.exponent([10, 10], [1, 2]) is None
+
+
+def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = [{"claim": "smoothing costs 30-50 % of a frame " * 3, "source": "30-50 %", "ours": "12 %"}]
+    module = SimpleNamespace(run=lambda **options: {"claims": rows})
+    monkeypatch.setitem(sys.modules, "strandcli.study.claims", module)
+    monkeypatch.setattr(study, "claims", module, raising=False)
+    assert json.loads(run("claims", "--json").out) == {"claims": rows}
+    lines = run("claims").out.splitlines()
+    assert lines[1].split("  ")[0].startswith("smoothing costs")
+    assert "30-50 %" in lines[1]
+    assert "12 %" in lines[1]
+    assert len(lines) > 2
+
+
+def test_after_warmup_a_run_compiles_nothing(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[tuple[str, tuple[int, ...], tuple[int, int]]] = []
+    render = pipeline.render
+
+    def spy(scene: Scene, frames: range, **options: Any) -> Iterator[pipeline.Frame]:
+        drawn.append((Path(scene.source).name, tuple(frames), scene.image.size))
+        return render(scene, frames, **options)
+
+    monkeypatch.setattr(pipeline, "render", spy)
+    result = run("warmup", "tiny.yaml", "--json")
+    assert result.code == 0
+    data = json.loads(result.out)
+    assert data["presets"] == ["tiny.yaml"]
+    assert Path(data["cache"]).is_dir()
+    assert drawn == [("tiny.yaml", (1, 2), (64, 48))]
+    before = runtime.compile_seconds()
+    assert run("render", "tiny.yaml", "-f", "5").code == 0
+    assert runtime.compile_seconds() == before
+    assert run("warmup", "nonesuch").code == 2
+
+
+def test_warmup_takes_all_shipped_presets_when_none_is_named(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[str] = []
+    monkeypatch.setattr(pipeline, "render", lambda scene, frames, **options: drawn.append(scene.source) or [])
+    assert run("warmup", "-q").err == ""
+    assert drawn == [str(path) for _, path in list_presets()]

@@ -1,0 +1,155 @@
+"""Kernels compute in single precision throughout: one stray integer or literal would turn whole loops to double."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import typeof
+
+from strand_kit import scene_of, solver_of
+from strandcli.constants import W
+from strandcli.draw.common.kernels import surface_batch
+from strandcli.draw.coverage.kernels import column_light, masks
+from strandcli.draw.fibre.kernels import chiang, dual, marschner
+from strandcli.draw.film.kernels import film
+from strandcli.draw.geometry.kernels import curves, joints, silhouette
+from strandcli.draw.lighting.kernels import light, shade_strands
+from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
+from strandcli.draw.solids.kernels import solids, sphere_tracing
+from strandcli.draw.view.kernels import project
+from strandcli.draw.view.kernels.project import into
+from strandcli.draw.zbuffer.kernels import raster
+from strandcli.jit import function
+from strandcli.simulate.rules import Moment
+from tests.run.test_pipeline_extremes import EVERYTHING
+
+ONE = np.float32(1)
+ROW = np.ones(24, np.float32)
+TABLE = np.ones((4, 24), np.float32)
+KEYS = np.zeros(64, np.uint64)
+WORK = np.ones(project.ROWS * project.ROW, np.float32)
+LIT = np.ones(surface_batch.ROWS * W, np.float32)
+BLOCK = np.ones((5, 3 * W), np.float32)
+PLACES = np.zeros(4, np.int64)
+SOLIDS = (TABLE, TABLE, TABLE, TABLE)
+
+CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "difference": (curves.difference, (BLOCK, 0, 1, 4)),
+    "printed": (curves.printed, (BLOCK, 0, 1, 4)),
+    "reach": (curves.reach, (*[ONE] * 7, ROW)),
+    "into": (into, (ONE, ONE, ONE, ROW)),
+    "cubic": (curves.cubic, (ONE, ONE, ONE)),
+    "slack": (curves.slack, (ONE, ONE, ONE)),
+    "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
+    "throw": (project.throw, (WORK, 8, ROW)),
+    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
+    "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
+    "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
+    "ribbon": (raster.ribbon, (TABLE, 1, 0, 4, ONE, ONE, 4 * (ONE,), 0, 8, 8, np.uint64(1), KEYS)),
+    "front": (raster.front, (*7 * (ONE,), 4 * (ONE,))),
+    "covered": (masks.covered, (KEYS, TABLE, ROW, 1, ONE, ONE)),
+    "lit": (
+        column_light.lit,
+        (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,
+         *[ONE] * 4, ROW),
+    ),
+    "area": (column_light.area, (ONE, ONE, ONE)),
+    "rim": (silhouette.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
+    "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
+    "shadow line": (minmax.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
+    "through": (minmax.through, (ONE, ONE, ONE)),
+    "transmittance": (
+        minmax.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
+    ),
+    "optical depth": (
+        opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
+    ),
+    "hold": (percentage_closer.hold, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
+    "search": (percentage_closer.search, (LIT, 1, ONE, np.uint64(0), ONE, 5, np.ones(1024, np.float32))),
+    "about": (percentage_closer.about, (LIT, 1, ONE, ONE)),
+    "weigh": (percentage_closer.weigh, (LIT, 1, ONE, ONE, ONE)),
+    "sink": (percentage_closer.sink, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
+    "dim": (percentage_closer.dim, (LIT, 1, TABLE)),
+    "piece": (
+        opacity_maps.piece, (*[ONE] * 8, 0, 8, 8, np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32)),
+    ),
+    "widen extents": (opacity_maps.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
+    "dual angles": (dual.angles, (*[ONE] * 9, 64)),
+    "dual lobes": (dual.lobes, (ONE,) * 8),
+    "dual scattered": (dual.scattered, (ONE,) * 14),
+    "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
+    "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
+    "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
+    "sphere": (solids.sphere, (TABLE, 1, *[ONE] * 6)),
+    "capsule": (solids.capsule, (TABLE, 1, *[ONE] * 6)),
+    "plane": (solids.plane, (TABLE, 1, *[ONE] * 6)),
+    "box": (solids.box, (TABLE, 1, *[ONE] * 6)),
+    "normal": (solids.normal, (*SOLIDS, 1, ONE, ONE, ONE)),
+    "penumbra": (penumbra.lit, (*SOLIDS, *[ONE] * 10)),
+    "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, *[ONE] * 9)),
+    "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
+    "lit solids": (solids.lit, (*SOLIDS, *[ONE] * 8)),
+    "soften": (soft_shadows.soften, (LIT, 1, TABLE, 1, *SOLIDS, ONE)),
+    "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
+    "ray": (solids.ray, (ROW, ONE, ONE)),
+    "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
+    "marschner": (
+        marschner.marschner,
+        (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),
+    ),
+    "chiang": (
+        chiang.chiang,
+        (*[ONE] * 9, np.ones(20, np.float32), *[np.ones((3, 3, k), np.float32) for k in (12, 4)], ONE, ONE, ONE),
+    ),
+    "kajiya_diffuse": (marschner.kajiya_diffuse, (ONE,) * 6),
+}  # fmt: skip
+
+
+def doubles(kernel: Any) -> list[str]:
+    """Lines of Numba's typed listings in which arithmetic gives a double."""
+    lines = [line for one in kernel.overloads.values() for line in str(one.type_annotation).splitlines()]
+    assert lines
+    return [line.strip() for line in lines if "$binop" in line and line.rstrip().endswith(":: float64")]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_no_kernel_of_drawing_slips_into_double_precision(name: str) -> None:
+    kernel, arguments = CALLS[name]
+    kernel.compile(tuple(typeof(one) for one in arguments))  # some of them cannot be called from Python
+    assert doubles(kernel) == []
+
+
+def test_no_rule_slips_into_double_precision() -> None:
+    scene = scene_of(EVERYTHING)
+    solver = solver_of(scene)
+    rows = solver.positions[0]
+    moment = Moment(0.1, 0.1, scene)
+    step: Any = solver._step  # type: ignore[attr-defined]
+    scope = step.py_func.__globals__
+    for number, one in enumerate(solver.passes):  # type: ignore[attr-defined]
+        kernel: Callable[..., Any] = scope[f"pass_{number}"]
+        p = one.prepare(moment)
+        if one.stage == "root":
+            kernel(rows[0], rows[1], rows[0].copy(), rows[1].copy(), p)
+        elif one.stage == "lane":
+            place = (ONE, ONE, ONE)
+            kernel(place, place, place, ONE, tuple(p[1] if one.per_particle else p))
+        else:
+            kernel(rows[2], rows[1], rows[0], rows[1], solver.lengths[0], p, 1, 5)
+        assert doubles(kernel) == [], one.function
+    assert number > 8
+
+
+def test_a_slip_would_be_seen() -> None:
+    kernel = function(twice)
+    kernel(ONE)
+    assert doubles(kernel)
+
+
+def twice(x: Any) -> Any:
+    """An integer too many."""
+    two = 2
+    return x * two

@@ -1,0 +1,426 @@
+"""Coverage and sorted strands against points, closed forms, a pixel-by-pixel twin, and by their properties."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reference.bands import covered
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage.coverage import Coverage
+from strandcli.draw.coverage.kernels import tile_binning, tiles
+from strandcli.draw.coverage.kernels.tiles import PLACES
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.solids.edges import none
+from strandcli.errors import RefusedError
+
+WIDTHS = [0.003, 0.01, 0.05, 0.2, 0.5, 0.69, 0.71, 1.0, 2.0, 4.0]
+
+
+def drawn(
+    strands: list[np.ndarray],
+    widths: list[np.ndarray] | None,
+    size: tuple[int, int],
+    *,
+    colours: np.ndarray | None = None,
+    behind: float = 0.0,
+    opacity: float = 1.0,
+    nearest: int | None = None,
+    hides: np.ndarray | None = None,
+    workers: int = 1,
+    room: int = 400_000,
+) -> np.ndarray:
+    """(height, width, 3) of polylines, each (vertices, 3) of x, y and depth number; by default white ones on black."""
+    first = np.cumsum([0, *map(len, strands)])
+    screen = np.ascontiguousarray(np.concatenate(strands), np.float32).reshape(-1, 3)
+    wide = None if widths is None else np.concatenate(widths).astype(np.float32)
+    vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
+    image = np.full((size[1], size[0], 3), behind, np.float32)
+    coverage = Coverage(size, opacity, nearest, room)
+    edges = None if hides is None else none(hides)
+    for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
+        layer.compose(vertex, image)
+    return image
+
+
+def white(
+    strands: list[np.ndarray], widths: list[np.ndarray] | None, size: tuple[int, int], **options: Any
+) -> np.ndarray:
+    """The opacity of every pixel, as float64."""
+    return drawn(strands, widths, size, **options)[..., 0].astype(np.float64)
+
+
+def bent(rng: np.random.Generator, size: float, pieces: int, turn: float) -> np.ndarray:
+    """A polyline in the middle of a picture whose direction turns a little at each joint."""
+    angle = rng.uniform(0, 2 * np.pi) + np.cumsum(rng.normal(0, turn, pieces))
+    steps = rng.uniform(0.3, 1, (pieces, 1)) * np.stack([np.cos(angle), np.sin(angle)], 1)
+    walk = np.concatenate([[[0, 0]], steps.cumsum(0)])
+    walk *= size / 2 / max(np.ptp(walk, 0).max(), 1e-9)
+    return np.column_stack([walk - walk.mean(0) + size / 2 + rng.uniform(-0.5, 0.5, 2), np.full(len(walk), 0.5)])
+
+
+@pytest.mark.parametrize("wide", WIDTHS)
+def test_the_area_of_a_strand_is_its_length_times_its_width(wide: float) -> None:
+    """Within 3 % each, from 0.003 to 4 pixels; with no bias above 0.5 % over many."""
+    rng = np.random.default_rng(1)
+    ratios = []
+    for _ in range(60):
+        line = bent(rng, 64, int(rng.integers(1, 30)), 0.1)
+        widths = wide * rng.uniform(0.5, 1, len(line))
+        length = np.linalg.norm(np.diff(line[:, :2], axis=0), axis=1)
+        area = (length * (widths[1:] + widths[:-1]) / 2).sum()
+        ratios.append(white([line], [widths], (64, 64)).sum() / area)
+    assert np.abs(np.array(ratios) - 1).max() < 0.03
+    assert abs(np.mean(ratios) - 1) < 0.005
+
+
+@pytest.mark.parametrize("wide", [0.2, 0.6, 0.8, 1.5, 4.0])
+def test_pixels_are_covered_as_points_say(wide: float) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(12):
+        line = bent(rng, 24, int(rng.integers(1, 7)), 0.2)
+        widths = wide * rng.uniform(0.6, 1, len(line))
+        points = covered(line[:, :2], widths, 24, 24, 24)
+        got = white([line], [widths], (24, 24))
+        assert got.sum() == pytest.approx(points.sum(), rel=0.03)
+        # short strands, so that ends weigh: a thin one is cut along an axis there, a wide one by the pixels' middles
+        assert np.sqrt(np.mean((got - points)[points > 0] ** 2)) < 0.07
+        assert np.abs(got - points).max() < 0.2
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.03, 0.3, 0.7, 1.0, -0.5])
+@pytest.mark.parametrize("wide", [0.01, 0.3, 0.65, 0.9, 3.3])
+def test_a_straight_band_is_exact_in_every_pixel(slope: float, wide: float) -> None:
+    """Away from its ends: the integral of how much of the pixel's column the band covers, by ten thousand columns."""
+    line = np.array([[-20.0, 10.3 - 30 * slope, 0.5], [40.0, 10.3 + 30 * slope, 0.5]])
+    got = white([line], [np.full(2, wide)], (20, 20))
+    x = (np.arange(20 * 10_000) + 0.5) / 10_000
+    middle = 10.3 + slope * (x - 10)
+    half = wide / 2 * np.hypot(1, slope)
+    rows = np.arange(20)[:, None]
+    columns = np.clip(middle + half - rows, 0, 1) - np.clip(middle - half - rows, 0, 1)
+    exact = columns.reshape(20, 20, -1).mean(2)
+    blur = 0.07 if wide < 0.125 or abs(slope) < 1 / 16 else 3e-4  # what is widened for single precision's sake
+    assert np.abs(got - exact).max() < blur * min(1, 8 * wide)
+    turned = white([line[:, [1, 0, 2]]], [np.full(2, wide)], (20, 20))
+    np.testing.assert_allclose(turned.T, got, atol=2e-6)
+
+
+def test_joints_of_a_straight_strand_leave_no_trace() -> None:
+    rng = np.random.default_rng(3)
+    for wide in (0.02, 0.6, 2.5):
+        for slope in (0.2, -0.9, 1.7, 30.0):
+            share = np.sort(np.concatenate([[0, 1], rng.uniform(0, 1, 40)]))[:, None]
+            line = np.array([10.0, 10, 0.5]) + share * np.array([40, 40 * slope, 0]) / np.hypot(1, slope)
+            cut = white([line], [np.full(42, wide)], (60, 60))
+            whole = white([line[[0, -1]]], [np.full(2, wide)], (60, 60))
+            np.testing.assert_allclose(cut, whole, atol=6e-3 * min(wide, 1))
+
+
+def layered(nearest: int | None = None, seed: int = 4, **options: Any) -> np.ndarray:
+    strands, widths, colours = crowd(seed)
+    return drawn(strands, widths, (40, 30), colours=colours, behind=0.3, nearest=nearest, **options)
+
+
+def crowd(seed: int, count: int = 120) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
+    rng = np.random.default_rng(seed)
+    ends = rng.uniform([-10, -10, 0.1], [50, 40, 1], (count, 2, 3))
+    widths = [np.full(2, wide) for wide in 10 ** rng.uniform(-2, 0.5, count)]
+    return list(ends), widths, np.repeat(rng.uniform(0, 1, (count, 3)), 2, axis=0)
+
+
+def test_layers_are_laid_over_each_other_by_depth() -> None:
+    """Against one strand drawn after the other, far to near, over the picture so far."""
+    strands, widths, colours = crowd(4)
+    depth = np.random.default_rng(5).permutation(len(strands)) / 200 + 0.2
+    strands = [np.column_stack([line[:, :2], np.full(2, d)]) for line, d in zip(strands, depth, strict=True)]
+    image = np.full((30, 40, 3), 0.3)
+    for i in np.argsort(depth):
+        alpha = white([strands[i]], [widths[i]], (40, 30))[..., None]
+        image += alpha * (colours[2 * i] - image)
+    got = drawn(strands, widths, (40, 30), colours=colours, behind=0.3)
+    assert np.abs(got - image).max() < 1 / 512
+    faint = drawn(strands, widths, (40, 30), colours=colours, behind=0.3, opacity=0.01)
+    assert np.abs(faint - 0.3).max() < 0.2 * np.abs(got - 0.3).max()
+
+
+def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
+    strands, widths, colours = crowd(6)
+    one = layered(seed=6)
+    assert (one != np.float32(0.3)).mean() > 0.5
+    for workers in (1, 2, 3, 7):
+        for room in (400_000, 3_000):
+            np.testing.assert_array_equal(layered(seed=6, workers=workers, room=room), one)
+            bounded = layered(seed=6, workers=workers, room=40_000, nearest=5)
+            np.testing.assert_array_equal(bounded, layered(seed=6, nearest=5))
+    order = np.random.default_rng(7).permutation(len(strands))
+    mixed = drawn(
+        [strands[i] for i in order], [widths[i] for i in order], (40, 30),
+        colours=colours.reshape(-1, 2, 3)[order].reshape(-1, 3), behind=0.3,
+    )  # fmt: skip
+    np.testing.assert_array_equal(mixed, one)
+
+
+def test_strands_that_crowd_in_one_place_are_one_layer_where_there_is_room_for_all() -> None:
+    """The tasks of two workers and more share the room alike, and one of them has every strand here."""
+    rng = np.random.default_rng(8)
+    lines = [np.array([[1.0, y, 0.5], [6.0, y, 0.5]]) for y in rng.uniform(1, 6, 300)]
+    first, screen = np.arange(0, 601, 2), np.concatenate(lines).astype(np.float32)
+    wide = np.full(600, 0.3, np.float32)
+    for workers in (1, 4):
+        coverage = Coverage((40, 30), 0.01, None, 8_000)
+        for _ in range(2):  # and the next frame knows
+            found = coverage.layers(Polylines(first, screen), screen, wide, None, workers, Scratch())
+            assert len(list(found)) == 1
+    assert coverage.fragments > 2 * 8_000 / 64
+
+
+def test_equal_depths_go_to_the_lower_index() -> None:
+    line = np.array([[0.0, 5.5, 0.5], [20.0, 5.5, 0.5]])
+    colours = np.repeat(np.eye(3), 2, axis=0)
+    wide = [np.full(2, 1.0)] * 3
+    for nearest in (None, 2):
+        image = drawn([line] * 3, wide, (20, 10), colours=colours, nearest=nearest)
+        assert image[5, 10, 0] > 0.93
+        image = drawn([line] * 3, wide, (20, 10), colours=colours, nearest=nearest, opacity=0.5)
+        assert image[5, 10, 0] > image[5, 10, 1] + 0.1
+
+
+@pytest.mark.parametrize("nearest", [None, 1, 4])
+@pytest.mark.parametrize("opacity", [1.0, 0.3])
+def test_white_on_white_is_white(nearest: int | None, opacity: float) -> None:
+    strands, widths, _ = crowd(8, 400)
+    image = drawn(strands, widths, (40, 30), behind=1.0, nearest=nearest, opacity=opacity)
+    assert np.abs(image - 1).max() < 1e-5
+
+
+def test_a_bounded_list_keeps_the_opacity_and_loses_only_colours() -> None:
+    strands, widths, _ = crowd(9, 300)
+    exact = white(strands, widths, (40, 30))
+    for nearest in (1, 3, 8):
+        np.testing.assert_allclose(white(strands, widths, (40, 30), nearest=nearest), exact, atol=1 / 400)
+    wrong = [np.abs(layered(k, seed=10) - layered(seed=10)).mean() for k in (1, 2, 4, 8, 16)]
+    assert sorted(wrong, reverse=True) == wrong
+    assert wrong[3] < wrong[0] / 4
+    np.testing.assert_allclose(layered(64, seed=10), layered(seed=10), atol=1e-6)
+
+
+def test_a_bounded_list_is_lit_at_fewer_places() -> None:
+    strands, widths, _ = crowd(9, 300)
+    screen = np.concatenate(strands).astype(np.float32)
+    lines = Polylines(np.arange(0, 601, 2), screen)
+    wide = np.concatenate(widths).astype(np.float32)
+    lit = []
+    for nearest in (1, 3, None):
+        (layer,) = Coverage((40, 30), 0.5, nearest).layers(lines, screen, wide, None, 1, Scratch())
+        assert nearest is None or layer.kept.max() == nearest
+        lit.append(int(layer.marks.sum()))
+    assert lit[0] < lit[1] < lit[2]
+
+
+def test_tiles_leave_no_trace() -> None:
+    """A crowd over many tiles is the same crowd within a few, where each pixel's list is as long."""
+    strands, widths, colours = crowd(12, 200)
+    small = drawn(strands, widths, (40, 30), colours=colours)
+    for dx, dy in ((128, 48), (45, 9), (250, 100)):
+        moved = [line + np.array([dx, dy, 0]) for line in strands]
+        large = drawn(moved, widths, (300, 140), colours=colours)
+        part = large[dy : dy + 30, dx : dx + 40]
+        assert np.abs(part - small).max() < 0.02  # places are coarser there
+        assert np.abs(part - small).mean() < 1e-4
+
+
+def test_the_place_of_a_fragment_belongs_to_its_own_piece() -> None:
+    for stride in (1, 2, 16):
+        bits = PLACES - (stride.bit_length() - 1)
+        for past in range(stride):
+            for t in (0.0, 0.3, 1.0):
+                kept = tiles.fixed(np.float32(t), past, bits)
+                assert kept >> bits == past
+                assert kept / 2**PLACES == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
+
+
+def test_solids_hide_what_is_behind_them() -> None:
+    near = np.array([[0.0, 3.5, 0.9], [20.0, 3.5, 0.9]])
+    far = np.array([[0.0, 6.5, 0.2], [20.0, 6.5, 0.2]])
+    hides = np.zeros((10, 20), np.float32)
+    hides[:, 10:] = 0.5
+    for nearest in (None, 2):
+        image = white([near, far], [np.full(2, 0.5)] * 2, (20, 10), hides=hides.ravel(), nearest=nearest)
+        np.testing.assert_allclose(image[3], 0.5, atol=1e-5)
+        np.testing.assert_allclose(image[6, :10], 0.5, atol=1e-5)
+        assert not image[6, 10:].any()
+
+
+def test_what_is_left_out_behind_a_whole_tile_is_what_its_pixels_hide() -> None:
+    """Where a solid fills a tile, pieces behind all of it are left out as they are; a hole in it has them looked at."""
+    strands, widths, colours = crowd(14, 300)
+    strands = [np.column_stack([line[:, :2] * 2, line[:, 2]]) for line in strands]
+    y, x = np.mgrid[:64, :96]
+    hides = (0.35 + 0.3 * x / 96 + 0.1 * y / 64).astype(np.float32)
+    holes = hides.copy()
+    holes[::32, ::32] = 0
+    whole, pierced = (
+        drawn(strands, widths, (96, 64), colours=colours, behind=0.3, hides=one.ravel()) for one in (hides, holes)
+    )
+    kept = holes > 0
+    np.testing.assert_array_equal(whole[kept], pierced[kept])
+    assert (whole != pierced)[~kept].mean() > 0.3
+    assert (whole[..., 0] != np.float32(0.3)).mean() > 0.5
+
+
+@pytest.mark.parametrize("wide", [0.02, 0.3])
+def test_points_on_a_strand_change_nothing(wide: float) -> None:
+    """However many, and wherever among the pieces that are looked at together: but that pieces with points in between
+    no longer follow each other, and where both are in a pixel cover it independently."""
+    rng = np.random.default_rng(15)
+    for pieces in (7, 63, 64, 65, 128, 300):
+        line = bent(rng, 40, pieces, 0.2).astype(np.float32)
+        again = np.where(rng.uniform(size=len(line)) < 0.3, rng.integers(1, 90, len(line)), 1)
+        one = white([line], [np.full(len(line), wide)], (40, 40))
+        other = white([np.repeat(line, again, 0)], [np.full(again.sum(), wide)], (40, 40))
+        np.testing.assert_allclose(one, other, atol=wide**2)
+        assert one.max() > 0.3 * min(wide, 1)
+
+
+@pytest.mark.parametrize("count", [1, 5, 8, 9, 16, 17, 100, 128, 129, 700])
+def test_a_pixel_of_any_number_of_fragments_is_in_order(count: int) -> None:
+    """Against the same laid one over the other; some as far as others, which go by their index."""
+    rng = np.random.default_rng(16)
+    depth = np.float32(0.1) + rng.integers(1, 2 * count, count).astype(np.float32) / (2 * count)
+    strands = [np.array([[2.0, 1.5, d], [3.0, 1.5, d]]) for d in depth]
+    colours = np.repeat(rng.uniform(0, 1, (count, 3)), 2, 0)
+    wide = [np.full(2, 0.5)] * count
+    opacity = min(4 / count, 1.0)
+    image = drawn(strands, wide, (5, 3), colours=colours, opacity=opacity)
+    expected = np.zeros(3)
+    for i in np.lexsort((-np.arange(count), depth)):
+        expected += 0.5 * opacity * (colours[2 * i] - expected)
+    through = (1 - 0.5 * opacity) ** count
+    np.testing.assert_allclose(image[1, 2], expected, atol=2e-5 if through > 1 / 512 else 1 / 256)
+
+
+def test_light_is_asked_for_only_where_it_is_seen() -> None:
+    front = [np.array([[0.0, y, 0.9], [20.0, y, 0.9]]) for y in np.arange(0.5, 10)]
+    behind = [line - np.array([0, 0, 0.5]) for line in front]
+    strands = front + behind
+    screen = np.concatenate(strands).astype(np.float32)
+    lines = Polylines(np.arange(0, 41, 2), screen)
+    (layer,) = Coverage((20, 10), 1.0, None).layers(lines, screen, np.full(40, 1.5, np.float32), None, 1, Scratch())
+    assert layer.marks[:20].all()
+    assert not layer.marks[20:].any()
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
+    """Of so many strands in any order, each over the whole picture, a pixel keeps those that are in front of all before
+    them: about the logarithm of their number."""
+    count = 4000
+    depth = np.random.default_rng(5).permutation(count) / count + 0.1
+    screen = np.array([[[-40.0, 12.0, d], [80.0, 12.0, d]] for d in depth], np.float32).reshape(-1, 3)
+    lines, widths = Polylines(np.arange(0, 2 * count + 1, 2), screen), np.full(2 * count, 90.0, np.float32)
+    colours = np.repeat(np.random.default_rng(6).uniform(0, 1, (count, 3)).astype(np.float32), 2, axis=0)
+    edges = None
+    if hidden:  # by a solid in the left half
+        hides = np.zeros((24, 40), np.float32)
+        hides[:, :20] = 2
+        edges = none(hides.ravel())
+    for faint in (0.0, 0.01):
+        coverage = Coverage((40, 24), 1.0 - faint, None)
+        image = np.zeros((24, 40, 3), np.float32)
+        for layer in coverage.layers(lines, screen, widths, edges, 1, Scratch()):
+            layer.compose(colours, image)
+        seen = image[:, 20:] if hidden else image
+        front = colours[2 * int(depth.argmax())]
+        if faint:  # a hundredth gets through, to what must be there
+            assert coverage.fragments == count * seen[..., 0].size
+        else:
+            assert coverage.fragments < 30 * seen[..., 0].size
+        np.testing.assert_allclose(seen, np.broadcast_to(front, seen.shape), atol=1e-6 + faint)
+        assert not hidden or not image[:, :20].any()
+
+
+def test_too_many_in_one_row_are_refused_by_name() -> None:
+    line = np.array([[0.0, 0.5, 0.5], [40.0, 0.6, 0.5]])
+    for nearest in (None, 30):
+        with pytest.raises(RefusedError, match=r"row 0 of the picture holds .* fragments of strands"):
+            white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=1000, nearest=nearest)
+    assert white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=9000).max() > 0.99
+
+
+def test_strands_so_wide_that_they_would_take_minutes_are_refused_by_name() -> None:
+    """A million short pieces, each of which covers the picture."""
+    x = np.arange(1_000_001) % 2 * 3.0 + 30
+    line = np.column_stack([x, x, np.full(len(x), 0.5)])
+    with pytest.raises(RefusedError, match=r"material.width: strands are up to 1,000,000,000 samples wide"):
+        white([line], [np.full(len(x), 1e9)], (64, 64))
+
+
+@pytest.mark.parametrize(
+    ("line", "wide", "places"),
+    [
+        ([[10, 20], [30, 20]], 8.0, 20 * 8),  # along x
+        ([[10, 20], [10, 30]], 8.0, 10 * 8),  # along y
+        ([[10, 20], [30, 20]], 1e9, 20 * 48),  # to the picture's borders
+        ([[-50, 20], [30, 20]], 8.0, 30 * 8),
+        ([[10, 10], [20, 20]], 1e9, 64 * 48),  # aslant: all of the picture
+        ([[10, 20], [30, 20]], 0.5, 0),  # thin
+        ([[-50, 20], [-30, 20]], 8.0, 0),  # beside the picture
+    ],
+)
+def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: float, places: float) -> None:
+    screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
+    toil = np.zeros(1, np.float32)
+    tile_binning.toil(np.array([0, 2]), screen, np.full(2, wide, np.float32), 64, 48, toil)
+    assert toil[0] == pytest.approx(places, rel=1e-3)
+
+
+def test_all_strands_in_one_pixel() -> None:
+    rng = np.random.default_rng(11)
+    strands = [np.column_stack([rng.uniform(5.2, 5.8, (4, 2)), np.full(4, rng.uniform(0.1, 1))]) for _ in range(3000)]
+    image = white(strands, [np.full(4, 0.01)] * 3000, (9, 9))
+    assert image[5, 5] > 0.99
+    assert image.sum() == pytest.approx(image[5, 5], abs=0.05)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(
+        st.tuples(*[st.floats(-1e8, 1e8, width=32) | st.floats(-5, 20, width=32)] * 2, st.floats(0, 1000, width=32)),
+        min_size=1,
+        max_size=6,
+    ),
+    st.sampled_from([None, 0.0, 1e-9, 0.003, 0.5, 7.0, 1e4]),
+    st.sampled_from([None, 3]),
+)
+def test_whatever_the_coordinates_pixels_are_numbers_between_black_and_white(
+    points: list[tuple[float, float, float]], wide: float | None, nearest: int | None
+) -> None:
+    line = np.array(points)
+    image = white([line], None if wide is None else [np.full(len(line), wide)], (15, 12), nearest=nearest)
+    assert np.isfinite(image).all()
+    assert image.min() >= 0
+    assert image.max() <= 1 + 1e-5
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(st.tuples(*[st.floats(-1e-5, 1e-5)] * 2), min_size=1, max_size=12),
+    # not cut by the picture's border: a mitre takes from one side of the middle what it adds on the other
+    st.floats(2, 10),
+    st.floats(2, 10),
+    st.sampled_from([0.01, 0.5, 3.0]),
+)
+def test_slivers_and_points_cover_no_more_than_their_length(
+    steps: list[tuple[float, float]], x: float, y: float, wide: float
+) -> None:
+    walk = np.concatenate([[[x, y]], np.array([x, y]) + np.cumsum(steps, 0)])
+    line = np.column_stack([walk, np.full(len(walk), 0.5)]).astype(np.float32)
+    length = np.linalg.norm(np.diff(line[:, :2].astype(np.float64), axis=0), axis=1).sum()
+    image = white([line], [np.full(len(line), wide)], (12, 12))
+    assert np.isfinite(image).all()
+    assert image.sum() <= 1.1 * length * wide + 2e-5

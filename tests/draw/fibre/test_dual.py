@@ -1,0 +1,198 @@
+"""Dual scattering: energy of its tables, limits of its kernel, and that pale hair glows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strand_kit import frames_of, scene_of
+from strandcli.draw.fibre import chiang, dual
+from strandcli.draw.fibre.kernels import dual as kernel
+from strandcli.draw.fibre.pigment import absorption_of
+from strandcli.draw.lighting.shading import Palette
+from strandcli.jit import function
+from strandcli.scene.model import Material
+from tests.draw.shadows.test_opacity import PICTURE
+
+ONE, ZERO = np.float32(1), np.float32(0)
+SIDE = np.float32(np.sqrt(0.5))
+"""cos φ at which the second harmonic is 0."""
+
+
+@function
+def angles(*numbers):
+    return kernel.angles(*numbers)
+
+
+@function
+def lobes(*numbers):
+    return kernel.lobes(*numbers)
+
+
+@function
+def scattered(*numbers):
+    return kernel.scattered(*numbers)
+
+
+def single(numbers: Iterable[float]) -> list[np.float32]:
+    """What a kernel returns comes as Python's floats."""
+    return [np.float32(number) for number in numbers]
+
+
+def rows(**settings: object) -> np.ndarray:
+    return dual.build_tables(Material(model="chiang", **settings), 0.3).rows  # type: ignore[arg-type]
+
+
+@cache
+def rows_of(settings: tuple[tuple[str, object], ...]) -> np.ndarray:
+    """The same, kept."""
+    return rows(**dict(settings))
+
+
+def streams(row: np.ndarray) -> tuple[np.ndarray, ...]:
+    """k, c, k₀, s_f and s_b in rgb, that a row of the tables is the solution for."""
+    decay, mirror, beam, on, behind = row[:15].astype(np.float64).reshape(5, 3)
+    k = decay * (1 + mirror**2) / (1 - mirror**2)
+    c = 2 * decay * mirror / (1 - mirror**2)
+    return k, c, beam, (k - beam) * on - c * behind, (k + beam) * behind - c * on
+
+
+@pytest.mark.parametrize("place", [0, 20, 40])
+@pytest.mark.parametrize("pigment", ["white", "blond", "brown"])
+def test_the_streams_take_and_give_what_a_strand_scatters(pigment: str, place: int) -> None:
+    """Against sums over the azimuthal lobes themselves, far finer: nothing is lost but what a strand absorbs."""
+    material = Material(model="chiang", pigment=pigment)
+    theta = np.linspace(0, 0.5 * np.pi, len(rows()))[place : place + 1]
+    sigma = absorption_of(material, 0.3)
+    n = chiang.azimuthal(theta, 2049, material.eta, sigma, chiang.logistic_scale(material.beta_n))[0][0]
+    phi = np.linspace(0, np.pi, 2049)
+    n = n[:, :1] + n[:, 1:4] + n[:, 4:7] + n[:, 7:10]
+
+    def whole(weight: np.ndarray) -> np.ndarray:
+        return 2 * np.trapezoid(n * weight[:, None], phi, axis=0)
+
+    back, every = whole((phi < np.pi / 2).astype(float)), np.minimum(whole(np.ones_like(phi)), 0.999)
+    k, c, beam, on, behind = streams(rows(pigment=pigment)[place])
+    turned = np.sqrt(0.5) * whole(1 + np.cos(phi))
+    np.testing.assert_allclose(c, turned, rtol=0.01)
+    np.testing.assert_allclose(k - c, np.sqrt(2) * (1 - every), rtol=0.02, atol=2e-3)
+    np.testing.assert_allclose(behind, back, rtol=0.02, atol=1e-3)
+    np.testing.assert_allclose(on + behind + 1 - beam, every, rtol=0.02)
+    assert (np.abs(1 - whole(np.cos(2 * phi)) - beam) < 0.03).all()
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_the_streams_are_those_of_light_in_layers(row: int) -> None:
+    """Against strands met one thin layer after the other, there and back until nothing changes."""
+    table = rows(pigment=("blond", "brown")[row])[12]
+    numbers = table[0:15:3]
+    k, c, beam, on, behind = (float(number[0]) for number in streams(table))
+    layers, depth = 1000, 3.0
+    step = depth / layers
+    straight = np.exp(-beam * step * np.arange(layers + 1))
+    down, up = np.zeros(layers + 1), np.zeros(layers + 1)
+    for _ in range(20):
+        for i in range(layers):
+            down[i + 1] = down[i] + step * (c * up[i + 1] - k * down[i] + on * straight[i])
+        for i in range(layers, 0, -1):
+            up[i - 1] = up[i] + step * (c * down[i - 1] - k * up[i] + behind * straight[i])
+    for tau in (0.0, 0.75, 2.4, 3.0):
+        at = round(tau / step)
+        t, left, none = np.float32(tau), np.float32(depth - tau), np.float32(np.exp(-tau))
+        ahead = scattered(t, left, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
+        back = scattered(t, left, none, SIDE, ONE, ZERO, *numbers, ONE, ZERO, ONE)
+        assert float(ahead) == pytest.approx(np.sqrt(2) * down[at] + straight[at] - np.exp(-tau), abs=4e-3)
+        assert float(back) == pytest.approx(np.sqrt(2) * up[at], abs=4e-3)
+
+
+def test_white_strands_scatter_all_and_deep_hair_of_them_sends_back_nearly_all() -> None:
+    white = rows(colour=(1.0, 1.0, 1.0))
+    np.testing.assert_allclose(2 * np.pi * white[:, kernel.ROUND], 1.0, atol=2e-3)
+    assert (white[:-1, kernel.MIRROR] > 0.8).all()
+
+
+def test_darker_strands_stop_more_and_return_less() -> None:
+    tables = [rows(pigment=name) for name in ("white", "platinum", "blond", "brown", "black")]
+    stopped = [one[:-4, kernel.DECAY].mean() for one in tables]
+    back = [one[:-4, kernel.MIRROR].mean() for one in tables]
+    assert (np.diff(stopped) > 0).all()
+    assert (np.diff(back) < 0).all()
+    red = rows(pigment="red")[0]
+    assert red[kernel.DECAY] < red[kernel.DECAY + 1] < red[kernel.DECAY + 2]
+
+
+def test_a_strand_alone_gets_no_light_from_others_and_one_behind_very_many_none_at_all() -> None:
+    numbers = rows(pigment="blond")[10, 0:15:3]
+    alone = scattered(ZERO, ZERO, ONE, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
+    assert float(alone) == pytest.approx(0, abs=1e-6)
+    deep = scattered(np.float32(200), ZERO, ZERO, ZERO, ONE, ONE, *numbers, ONE, ONE, ONE)
+    assert float(deep) < 1e-6
+
+
+@given(
+    st.lists(st.floats(-1, 1, width=32), min_size=9, max_size=9),
+    st.floats(0, 1e4, width=32),
+    st.floats(0, 1e4, width=32),
+    st.sampled_from([{"pigment": "white"}, {"pigment": "black", "grey": 0.5}, {"beta_m": 0.001, "beta_n": 0.001}]),
+)
+def test_whatever_is_asked_light_is_a_number(
+    ways: list[float], passed: float, left: float, settings: dict[str, object]
+) -> None:
+    table = rows_of(tuple(settings.items()))
+    assert np.isfinite(table).all()
+    *sines, cos_phi, place = single(angles(*np.array(ways, np.float32), len(table)))
+    row = table[int(place)]
+    tau = np.float32(passed)
+    back, through = single(lobes(*sines, tau, *row[21:]))
+    light = scattered(
+        tau, np.float32(left), np.float32(np.exp(-passed)), cos_phi, back, through, *row[0:21:3], ONE
+    )
+    assert np.isfinite(light)
+    assert light >= 0
+
+
+def test_it_is_left_out_where_nothing_counts_strands() -> None:
+    material = Material(model="chiang", scatter="dual")
+    assert Palette(material).dual is None
+    assert Palette(material, True).dual is not None
+    assert Palette(Material(model="chiang"), True).dual is None
+
+
+def test_pale_hair_glows_and_black_hair_does_not() -> None:
+    def brightness(pigment: str, scatter: str) -> float:
+        text = (PICTURE % (scatter, "opacity", "opacity")).replace("blond", pigment)
+        text = text.replace("scatter:", "diffuse: 0, scatter:").replace("strands: 400", "strands: 2000")
+        image = frames_of(scene_of(text), 1)[0].image
+        assert image is not None
+        return float(image[20:40, 25:55].mean())
+
+    pale = brightness("platinum", "dual") - brightness("platinum", "diffuse")
+    dark = brightness("black", "dual") - brightness("black", "diffuse")
+    assert pale > 4
+    assert abs(dark) < 0.2 * pale
+
+
+@pytest.mark.parametrize("pigment", ["white", "blond", "brown"])
+def test_what_is_behind_strands_gets_all_that_the_streams_bring(pigment: str) -> None:
+    """Against the streams where the layer ends, τ' = 0, and against light that is lost by absorption alone."""
+    material = Material(model="chiang", pigment=pigment)
+    veil = dual.streams_of(dual.build_tables(material, material.beta_n))
+    for c in range(3):
+        numbers = [np.float32(number) for number in veil[:, c]]
+        assert float(kernel.through(ZERO, veil, c)) == pytest.approx(1.0, abs=1e-5)
+        last = 1.0
+        for tau in (0.3, 1.0, 3.0, 8.0):
+            t, none = np.float32(tau), np.float32(np.exp(-tau))
+            down = scattered(t, ZERO, none, SIDE, ZERO, ONE, *numbers, ONE, ZERO, ONE)
+            beam = float(np.exp(-numbers[2] * t))
+            arrives = float(kernel.through(t, veil, c))
+            assert arrives == pytest.approx(beam + (float(down) - (beam - float(none))) / np.sqrt(2), abs=2e-3)
+            assert float(none) < arrives < last
+            last = arrives
+    reds, blues = kernel.through(ONE, veil, 0), kernel.through(ONE, veil, 2)
+    assert (reds > blues + 0.01) == (pigment != "white")

@@ -1,0 +1,242 @@
+"""Smooth polylines against Bézier curves in float64: where they pass, how far they are off, what is left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from reference import curves as exact
+from strandcli.blocks import lanes, pack
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines, flatten, greatest_pieces
+from strandcli.draw.view.camera import View, camera_view
+from strandcli.scene.model import Camera, Curves
+from tests.draw.view.test_camera import exact as project
+
+BOX = np.array([[-2.0, -2, -2], [2, 2, 2]])
+CAMERA = Camera(position=(0.0, 0.0, 4.0), fov=40.0)
+
+
+class Strands:
+    """Random walks of equal segments, bent by about ``bend`` a joint."""
+
+    def __init__(self, count: int, n: int, seed: int = 0, bend: float = 0.6, scale: float = 1.0) -> None:
+        rng = np.random.default_rng(seed)
+        d = rng.normal(size=(count, 3))
+        self.direction = d = d / np.linalg.norm(d, axis=1, keepdims=True)
+        self.length = np.full(count, np.float32(scale / (n - 1)), np.float64)
+        rows = [rng.uniform(-1, 1, (count, 3)) * scale]
+        for _ in range(n - 1):
+            rows.append(rows[-1] + d * self.length[:, None])
+            d = d + rng.normal(size=(count, 3)) * bend
+            d = d / np.linalg.norm(d, axis=1, keepdims=True)
+        self.p = np.stack(rows, 1).astype(np.float32).astype(np.float64)
+        self.count, self.n = count, n
+
+    def flat(self, curves: Curves, view: View | None = None, keep_unseen: bool = True) -> Polylines:
+        before = self.p[:, :1] - self.direction[:, None] * self.length[:, None, None]
+        packed = pack(np.concatenate([before, self.p], 1))
+        view = view or camera_view(CAMERA, 0.0, 400, 300, BOX)
+        return flatten(packed, lanes(self.length[:, None]), self.count, curves, view, keep_unseen, Scratch())
+
+    def points(self, pieces: int, printed: bool = False) -> np.ndarray:
+        return exact.points(self.p, self.direction, self.length, pieces, printed)
+
+
+def each(lines: Polylines) -> list[np.ndarray]:
+    return [lines.world[a:b].astype(np.float64) for a, b in zip(lines.first[:-1], lines.first[1:], strict=True)]
+
+
+@pytest.mark.parametrize("tangents", ["difference", "printed"])
+@pytest.mark.parametrize("level", [0, 1, 3, 5])
+@pytest.mark.parametrize("n", [2, 3, 7])
+def test_fixed_levels_are_the_curves_points(level: int, tangents: str, n: int) -> None:
+    strands = Strands(70, n, bend=0.6, scale=0.5 * n)  # printed tangents want segments that are not short
+    lines = strands.flat(Curves(mode="fixed", level=level, tangents=tangents))
+    dense = strands.points(2**level, tangents == "printed")
+    whole = np.concatenate([dense[:, :, :-1].reshape(70, -1, 3), dense[:, -1, -1:]], 1)
+    np.testing.assert_allclose(lines.world.reshape(whole.shape), whole, atol=2e-6)
+    assert lines.segments == 70 * (n - 1) * 2**level
+    # every particle is a vertex, to the bit
+    np.testing.assert_array_equal(lines.world.reshape(whole.shape)[:, :: 2**level], strands.p)
+
+
+def test_without_smoothing_segments_are_straight() -> None:
+    strands = Strands(70, 5)
+    assert greatest_pieces(Curves(mode="off")) == 1
+    lines = strands.flat(Curves(mode="off"))
+    np.testing.assert_array_equal(lines.world.reshape(70, 5, 3), strands.p)
+
+
+def test_curves_go_on_in_the_same_direction_at_every_particle() -> None:
+    strands = Strands(50, 6)
+    lines = strands.flat(Curves(mode="fixed", level=8)).world.reshape(50, -1, 3).astype(np.float64)
+    tangent = exact.tangents(strands.p, strands.direction)
+    for i in range(1, 5):
+        joint = 256 * i
+        before, after = lines[:, joint] - lines[:, joint - 4], lines[:, joint + 4] - lines[:, joint]
+        for way in (before, after):
+            cosine = (way * tangent[:, i]).sum(1) / np.linalg.norm(way, axis=1)
+            assert cosine.min() > 0.9985  # a chord of four pieces turns a little
+    start = lines[:, 4] - lines[:, 0]
+    assert ((start * strands.direction).sum(1) / np.linalg.norm(start, axis=1)).min() > 0.998
+
+
+@pytest.mark.parametrize("tangents", ["difference", "printed"])
+def test_refining_halves_the_step_and_quarters_the_error(tangents: str) -> None:
+    strands = Strands(20, 4, scale=3.0)
+    dense = strands.points(256, tangents == "printed").reshape(20, -1, 3)
+    errors = []
+    for level in (2, 3, 4, 5):
+        lines = each(strands.flat(Curves(mode="fixed", level=level, tangents=tangents)))
+        errors.append(max(exact.off_the_line(d, line).max() for d, line in zip(dense, lines, strict=True)))
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert errors[0] > 1e-3
+    assert (np.abs(ratios - 4) < [0.8, 0.4, 0.2]).all()
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.25, 0.05])
+@pytest.mark.parametrize("tangents", ["difference", "printed"])
+@pytest.mark.parametrize(
+    "camera",
+    [
+        CAMERA,
+        Camera(position=(0.0, 0.0, 3.0), fov=110.0),
+        Camera(kind="orthographic", position=(0.0, 0.0, 5.0), height=2.0),
+    ],
+    ids=["usual", "wide and near", "orthographic"],
+)
+def test_adaptive_curves_are_within_their_bound_on_the_screen(camera: Camera, tangents: str, tolerance: float) -> None:
+    strands = Strands(60, 5, seed=3, scale=1.0 if tangents == "difference" else 1.6)
+    view = camera_view(camera, 0.0, 400, 300, BOX)
+    lines = strands.flat(Curves(mode="adaptive", level=8, tolerance=tolerance, tangents=tangents), view)
+    dense = strands.points(256, tangents == "printed")
+    worst = 0.0
+    for s, line in enumerate(each(lines)):
+        at = [0]
+        for i in range(1, strands.n):  # the vertices that are particles
+            at.append(at[-1] + 1 + int(np.abs(line[at[-1] + 1 :] - strands.p[s, i]).sum(1).argmin()))
+        for i in range(strands.n - 1):
+            shown, z = project(view, dense[s, i])
+            piece, depth = project(view, line[at[i] : at[i + 1] + 1])
+            inside = (shown > 0).all(1) & (shown < [400, 300]).all(1)
+            if min(z.min(), depth.min()) > view.near and inside.any():
+                worst = max(worst, exact.off_the_line(shown[inside], piece).max())
+    assert lines.error is not None
+    assert worst <= lines.error <= tolerance * (1 + 1e-6)
+    assert worst > 0.4 * tolerance  # and no more pieces than are of use
+    capped = strands.flat(Curves(mode="adaptive", level=1, tolerance=tolerance / 10, tangents=tangents), view)
+    assert capped.error is not None
+    assert capped.error > tolerance / 10  # what the level does not allow is told
+
+
+def test_pieces_fall_with_distance_and_straight_strands_take_one() -> None:
+    counts = []
+    for far in (2.0, 8.0, 32.0, 1e4):
+        view = camera_view(Camera(position=(0.0, 0.0, far)), 0.0, 400, 300, BOX)
+        counts.append(Strands(60, 5).flat(Curves(mode="adaptive", level=6), view).segments)
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] > 3 * counts[-1]
+    assert counts[-1] == 60 * 4
+    straight = Strands(60, 5, bend=0.0)
+    # but for the last segment, whose tangent ends in zero: the points of a straight line, not evenly spaced
+    assert straight.flat(Curves(mode="adaptive", level=6)).segments < 60 * (3 + 64)
+    assert greatest_pieces(Curves(mode="adaptive", level=6)) == 64
+
+
+@pytest.mark.parametrize("bend", [0.05, 0.5, 1.5])
+def test_printed_tangents_are_central_differences_for_equal_segments_that_are_not_straight(bend: float) -> None:
+    """u × (v + w) has the direction of p_{i+1} − p_{i−1} wherever it has one; where |u| or |v + w| is under 0.1, at
+    whatever scale, the source takes zero."""
+    strands = Strands(200, 4, bend=bend, scale=9.0)  # segments of 3
+    both = [exact.tangents(strands.p, strands.direction, printed)[:, 1:-1] for printed in (False, True)]
+    there = np.linalg.norm(both[1], axis=2) > 0.5
+    assert there.any()
+    np.testing.assert_allclose(both[1][there], both[0][there], atol=1e-5)
+    lines = strands.flat(Curves(mode="fixed", level=1, tangents="printed")).world.reshape(200, -1, 3)
+    np.testing.assert_allclose(lines[:, 1::2], strands.points(2, printed=True)[:, :, 1], atol=5e-6)
+
+
+def test_printed_tangents_vanish_for_straight_and_for_small_strands() -> None:
+    """The artefact that the source's thresholds make: at a tenth of the scale its curves are straight lines."""
+    straight = Strands(80, 5, bend=0.0, scale=9.0)
+    small = Strands(80, 5, bend=0.5, scale=0.05)
+    for strands in (straight, small):
+        lines = strands.flat(Curves(mode="fixed", level=4, tangents="printed")).world.reshape(80, -1, 3)
+        p = strands.p
+        for i in (1, 2):  # between two particles whose tangents are zero; the first has its direction
+            for vertex in lines[:, 16 * i : 16 * i + 17].transpose(1, 0, 2):
+                away = np.cross(vertex - p[:, i], p[:, i + 1] - p[:, i])
+                assert np.linalg.norm(away, axis=1).max() < 2e-6 * strands.length[0]
+    smooth = small.flat(Curves(mode="fixed", level=1)).world.reshape(80, -1, 3)[:, 3]
+    middle = (small.p[:, 1] + small.p[:, 2]) / 2
+    assert np.linalg.norm(smooth - middle, axis=1).max() > 0.02 * small.length[0]
+
+
+def test_strands_off_the_screen_are_left_out_unless_a_shadow_map_wants_them() -> None:
+    strands = Strands(300, 5, seed=5, scale=0.5)
+    strands.p[100:200] += [30, 0, 0]  # to the right
+    strands.p[200:] += [0, 0, 10]  # behind
+    curves = Curves(mode="adaptive", level=4)
+    seen = np.diff(strands.flat(curves, keep_unseen=False).first)
+    assert (seen[100:] == 0).all()
+    assert (seen[:100] > 0).sum() > 90
+    kept = np.diff(strands.flat(curves, keep_unseen=True).first)
+    assert (kept[100:] == 5).all()  # coarsely: one piece a segment
+    np.testing.assert_array_equal(kept[:100][seen[:100] > 0], seen[:100][seen[:100] > 0])
+    away = camera_view(Camera(position=(0.0, 500.0, 0.0), target=(0.0, 900.0, 1.0)), 0.0, 64, 48, BOX)
+    off_screen = strands.flat(curves, away, keep_unseen=False)
+    assert off_screen.segments == 0
+    assert len(off_screen.world) == 0
+
+
+def test_a_strand_that_is_seen_in_part_is_kept_whole() -> None:
+    """And no strand that shows a single point of its curve is lost."""
+    strands = Strands(2000, 5, seed=6, scale=2.0)
+    for camera in (CAMERA, Camera(position=(0.3, 0.1, 0.2), near=0.05), Camera(kind="orthographic", height=0.4)):
+        view = camera_view(camera, 0.0, 200, 50, BOX)
+        lines = strands.flat(Curves(mode="adaptive", level=3), view, keep_unseen=False)
+        vertices = np.diff(lines.first)
+        dense = strands.points(32).reshape(2000, -1, 3)
+        shown, z = project(view, dense.reshape(-1, 3))
+        inside = ((shown > 0) & (shown < [200, 50])).all(1) & (z > view.near)
+        visible = inside.reshape(2000, -1).any(1)
+        assert 20 < visible.sum() < 1900
+        assert (vertices[visible] >= 5).all()
+        assert (vertices == 0).sum() > 0.3 * (~visible).sum()  # most of the others are left out
+        for s in np.flatnonzero(vertices)[:50]:
+            line = lines.world[lines.first[s] : lines.first[s + 1]]
+            for particle in strands.p[s]:
+                assert np.abs(line - particle).sum(1).min() == 0
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_a_crop_window_aside_keeps_as_few_strands_as_one_in_the_middle(kind: str) -> None:
+    """What it shows, and hardly more: strands on the other side of the axis are left out."""
+    strands = Strands(4000, 3, seed=7, scale=0.1)
+    strands.p[:, :, :2] *= 12  # a wide sheet of short strands
+    strands.p[:, 1:] = strands.p[:, :1] + (strands.p[:, 1:] - strands.p[:, :1]) / 12
+    view = camera_view(Camera(kind=kind, position=(0.0, 0.0, 4.0), fov=40.0, height=2.5), 0.0, 400, 300, BOX)
+    middle = np.array([project(view, points)[0].mean(0) for points in strands.p])
+    for corner in ([0, 0], [300, 0], [0, 230], [300, 230], [150, 115]):
+        window = view.cropped(*corner, 100, 70)
+        kept = np.diff(strands.flat(Curves(mode="adaptive", level=1), window, keep_unseen=False).first) > 0
+        inside = ((middle > corner) & (middle < np.add(corner, [100, 70]))).all(1)
+        near = ((middle > np.subtract(corner, 25)) & (middle < np.add(corner, [125, 95]))).all(1)
+        assert inside.sum() > 50
+        assert kept[inside].all()
+        assert not kept[~near].any()
+
+
+def test_coincident_particles_and_single_segments_give_numbers() -> None:
+    strands = Strands(10, 4)
+    strands.p[:5] = strands.p[:5, :1]
+    for curves in (
+        Curves(mode="fixed", level=3),
+        Curves(mode="fixed", level=3, tangents="printed"),
+        Curves(mode="adaptive", level=8, tolerance=1e-9),
+        Curves(mode="off"),
+    ):
+        lines = strands.flat(curves)
+        assert np.isfinite(lines.world).all()
+        assert lines.segments >= 30

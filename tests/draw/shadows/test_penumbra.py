@@ -1,0 +1,188 @@
+"""Solids' shadows in lights that have a size, against many rays to points of the light."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import frames_of, scene_of
+from strandcli import load
+from strandcli.constants import W
+from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.shadows.kernels import penumbra, soft_shadows
+from strandcli.draw.solids.kernels import solids
+from strandcli.solids import COLUMNS, pack
+
+SKIN = np.float32(1e-6)
+FAR = np.float32(1e30)
+SCENES = {
+    "ball": "{kind: sphere, radius: 0.5, position: [0.1, 0, 0.2]}",
+    "small ball": "{kind: sphere, radius: 0.12, position: [0, 0, 0.2]}",
+    "capsule": "{kind: capsule, radius: 0.3, length: 1.4, rotation: [20, 0, 50]}",
+    "capsule seen from its end": "{kind: capsule, radius: 0.3, length: 1.4}",
+    "box": "{kind: box, size: [0.8, 0.6, 1.1], rotation: [25, 40, 10]}",
+    "plane": "{kind: plane, position: [0, -1.5, 0], rotation: [0, 0, 35]}",
+}
+
+
+def packed_of(solid: str) -> list[NDArray[np.float32]]:
+    scene = scene_of(f"emitter: {{strands: 1}}\nrules: []\nsolids: [{solid}]\n")
+    return [pack(kind, list(scene.solids), scene.emitter, 0.0) for kind in COLUMNS]
+
+
+def disc(count: int) -> NDArray[np.float64]:
+    """(count, 2) points spread evenly over the unit disc (Vogel 1979)."""
+    k = np.arange(count) + 0.5
+    angle = k * math.pi * (3 - math.sqrt(5))
+    return np.stack([np.cos(angle), np.sin(angle)], 1) * np.sqrt(k / count)[:, None]
+
+
+def by_rays(packed: Any, where: Any, middle: Any, radius: float, rays: int = 600) -> float:
+    """Share of a disc of directions about a unit vector, ``radius`` the sine of its angular radius, that are free."""
+    side = np.cross(middle, [0.31, -0.52, 0.79])
+    side /= np.linalg.norm(side)
+    up = np.cross(middle, side)
+    free = 0.0
+    for u, v in disc(rays) * radius:
+        way = (math.sqrt(1 - u * u - v * v) * middle + u * side + v * up).astype(np.float32)
+        free += float(solids.lit(*packed, *where.astype(np.float32), *way, FAR, SKIN))
+    return free / rays
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if name != "plane"])
+def test_a_round_light_is_hidden_as_much_as_rays_find(name: str) -> None:
+    """Over a line of points through the penumbra of a light five degrees wide, ten times the sun. What is left are
+    edges that bend within the light's width: a small ball's, a capsule's end, a box's corner."""
+    packed = packed_of(SCENES[name])
+    middle = np.array([0.1, 1.0, 0.15])
+    middle /= np.linalg.norm(middle)
+    radius = math.sin(math.radians(2.5))
+    found, right = [], []
+    for x in np.linspace(-1.6, 1.6, 65):
+        where = np.array([x, -1.2, 0.05])
+        one = penumbra.lit(
+            *packed, *where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN, np.float32(radius), np.float32(0)
+        )
+        found.append(float(one))
+        right.append(by_rays(packed, where, middle, radius))
+    assert min(right) < 0.5
+    assert max(right) > 0.95
+    off = np.subtract(found, right)
+    print(f"\n{name}: {np.abs(off).max():.3f} at the most, {off.mean():+.4f} on average")
+    assert np.abs(off).max() < 0.07
+    assert abs(off.mean()) < 0.005
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
+    packed = packed_of(SCENES[name])
+    generator = np.random.default_rng(3)
+    differ = 0
+    for _ in range(400):
+        where, middle = generator.normal(size=(2, 3))
+        where *= generator.uniform(1.05, 1.6) / np.linalg.norm(where)
+        middle -= where  # often enough toward the solid
+        middle /= np.linalg.norm(middle)
+        numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
+        tiny = penumbra.lit(*packed, *numbers, np.float32(1e-4), np.float32(0))
+        differ += abs(tiny - solids.lit(*packed, *numbers)) > 0.01
+    assert differ <= 2
+
+
+def test_a_lamp_is_as_wide_as_it_is_near() -> None:
+    """The edge of a plane half way to a ball of light, whose middle is a quarter of its radius above the edge's
+    shadow: the closed form of the disc's part."""
+    packed = packed_of("{kind: plane, position: [0, 0, 0]}")
+    height, radius = 0.05, 0.2
+    lamp = np.array([3.0, height, 0.0])
+    where = np.array([0.0, 0.0, 0.0])
+    reach = np.linalg.norm(lamp - where)
+    way = (lamp - where) / reach
+    found = penumbra.lit(
+        *packed, *where.astype(np.float32), *way.astype(np.float32), np.float32(reach), SKIN, np.float32(radius),
+        np.float32(1),
+    )  # fmt: skip
+    x = height / radius
+    assert found == pytest.approx(1 - (math.acos(x) - x * math.sqrt(1 - x * x)) / math.pi, abs=1e-4)
+
+
+def test_a_picture_has_soft_shadows_of_the_same_light(tmp_path: Path) -> None:
+    """A ball's shadow on the ground: wider lights soften its edge, and in the dark it stays as it was."""
+    text = """\
+emitter: {shape: {kind: disc, radius: 0.01}, strands: 4, particles: 3, length: 0.01}
+rules: []
+camera: {position: [0, 6, 0.01], target: [0, 0, 0], fov: 40}
+image: {size: 96x96, supersample: 1}
+ambient: [0, 0, 0]
+solids: [{kind: sphere, radius: 0.4, position: [-0.2, 0.9, 0]}, {kind: plane, colour: [0.3, 0.3, 0.3]}]
+lights: [{kind: directional, direction: [-1, -1, 0], size: %s}]
+"""
+    pictures = []
+    for size in (0, 8, 16):
+        path = tmp_path / f"{size}.yaml"
+        path.write_text(text % size)
+        image = frames_of(load(str(path)), 1)[0].image
+        assert image is not None
+        pictures.append(image[:, :30].astype(np.float64).mean(2))
+    steps = [np.abs(np.diff(picture[40:56], axis=1)).max() for picture in pictures]
+    assert steps[0] > 2 * steps[1] > 2.5 * steps[2]
+    assert pictures[0][48, 24] == pictures[1][48, 24] == pictures[2][48, 24]
+
+
+@pytest.mark.parametrize("name", ["capsule", "capsule seen from its end", "box"])
+def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
+    """No ray into a light of any size is cut where the whole light is said to be free."""
+    packed = packed_of(SCENES[name])
+    generator = np.random.default_rng(8)
+    told = free = 0
+    for _ in range(300):
+        where = generator.normal(size=3)
+        where *= generator.uniform(1.0, 3.0) / np.linalg.norm(where)
+        middle = generator.normal(size=3) - 0.7 * where
+        middle /= np.linalg.norm(middle)
+        radius = math.sin(math.radians(generator.uniform(0.1, 30)))
+        numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
+        clear = penumbra.lit(*packed, *numbers, np.float32(radius), np.float32(0)) == 1
+        share = by_rays(packed, where, middle, radius, 60)
+        assert share == 1 or not clear
+        told += clear
+        free += share == 1
+    assert told > 0.85 * free > 50
+
+
+@pytest.mark.parametrize("point", [0, 1])
+def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
+    """The same bits, for solids of all kinds, points that no light reaches, and a batch that is not full."""
+    solids_ = list(SCENES.values())[:5]
+    packed = packed_of(", ".join(solids_) + ", {kind: plane, position: [0, -1.2, 0], rotation: [0, 0, 20]}")
+    generator = np.random.default_rng(11)
+    shares = []
+    for count in (W, 53):
+        where = generator.normal(size=(count, 3)).astype(np.float32)
+        ways = generator.normal(size=(count, 3)) - 0.8 * where
+        ways = (ways / np.linalg.norm(ways, axis=1)[:, None]).astype(np.float32)
+        reach = generator.uniform(0.1, 5, count).astype(np.float32) if point else np.full(count, FAR)
+        arrives = generator.integers(0, 3, count).astype(np.float32)
+        work = generator.normal(size=(surface_batch.ROWS, W)).astype(np.float32)
+        for c in range(3):
+            work[batch.X // W + c, :count] = where[:, c]
+            work[batch.LX // W + c, :count] = ways[:, c]
+        work[batch.REACH // W, :count] = reach
+        work[batch.ARRIVES // W, :count] = arrives
+        lights = np.zeros((1, 16), np.float32)
+        lights[0, 0], lights[0, 12] = point, 0.3
+        soft_shadows.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
+        alone = [
+            penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, 12], lights[0, 0])
+            for k in range(count)
+        ]  # fmt: skip
+        shares += alone
+        assert (work[batch.ARRIVES // W, :count] == arrives * np.array(alone, np.float32)).all()
+    assert sum(0 < share < 1 for share in shares) > 20
+    assert min(shares) < 1e-6
+    assert max(shares) == 1

@@ -1,0 +1,226 @@
+"""The min/max shadow map: what is in it, what it lets through, and from where a light may shine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.shadows.kernels.minmax import transmittance
+from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
+from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
+from tests.draw.view.test_camera import exact as project
+
+BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
+SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=Shadow(size=64))
+LAMP = PointLight(position=(2.0, 4.0, 1.0), shadow=Shadow(size=64))
+INSIDE = PointLight(position=(0.1, 0.05, -0.1), shadow=Shadow(size=64))
+ROUND = 3e-6
+"""What the kernel's polynomial for the exponential function may be off."""
+
+
+def walks(count: int, seed: int = 0) -> Polylines:
+    """Polylines that stay in the box."""
+    rng = np.random.default_rng(seed)
+    world = np.clip(rng.uniform(-1, 1, (count, 1, 3)) + rng.normal(0, 0.1, (count, 8, 3)).cumsum(1), -1, 1)
+    return Polylines(np.arange(count + 1) * 8, world.astype(np.float32).reshape(-1, 3))
+
+
+def maps_of(light: Light, *lines: Polylines, workers: int = 2) -> ShadowMaps:
+    maps = plan_maps((light,), BOX, Scratch())
+    assert maps is not None
+    for one in lines:
+        maps.add(one, workers, Scratch())
+    return maps
+
+
+def through(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
+    packed = pack_lights((light,), maps, BOX)
+    x, y, z = np.asarray(point, np.float32)
+    return float(transmittance(x, y, z, packed, 0, maps.texels, maps.starts, maps.sizes, maps.packed))
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP, INSIDE], ids=["sun", "lamp", "inside"])
+def test_maps_hold_the_nearest_and_farthest_of_samples_a_texel_apart(light: Light) -> None:
+    lines = walks(50)
+    maps = maps_of(light, lines)
+    assert len(maps.views) == (6 if light is INSIDE else 1)
+    for number, view in enumerate(maps.views):
+        start, size = maps.starts[number], int(maps.sizes[number])
+        found = maps.texels[start : start + size * size].reshape(size, size, 2).astype(np.float64)
+        pixels, z = project(view, lines.world)
+        near, far = np.full((size, size), np.inf), np.full((size, size), -np.inf)
+        unsure = np.zeros((size, size), bool)
+        for v in range(len(lines.world) - 1):
+            if v % 8 == 7:
+                continue
+            if min(z[v], z[v + 1]) < view.near:
+                if max(z[v], z[v + 1]) >= view.near:
+                    unsure[:] |= light is INSIDE  # it is clipped there; that is the projection's matter
+                continue
+            count = max(int(np.ceil(np.abs(pixels[v + 1] - pixels[v]).max())), 1)
+            share = ((np.arange(count) + 0.5) / count)[:, None]
+            at = pixels[v] + share * (pixels[v + 1] - pixels[v])
+            depth = z[v] + share[:, 0] * (z[v + 1] - z[v])
+            doubt = (np.abs(at - np.rint(at)) < 2e-3).any(1)
+            for (x, y), d, q in zip(np.floor(at).astype(int), depth, doubt, strict=True):
+                if q:
+                    unsure[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2] = True
+                if 0 <= x < size and 0 <= y < size:
+                    near[y, x], far[y, x] = min(near[y, x], d), max(far[y, x], d)
+        sure = ~unsure
+        there = sure & np.isfinite(near)
+        assert (np.isfinite(found[..., 0]) == np.isfinite(near))[sure].all()
+        if light is not INSIDE:
+            assert there.sum() > 100
+        np.testing.assert_allclose(found[there], np.stack([near, far], -1)[there], atol=2e-5)
+
+
+def test_maps_add_up_and_do_not_depend_on_workers_or_order() -> None:
+    first, second = walks(40, 1), walks(30, 2)
+    both = maps_of(SUN, first, second).texels.copy()
+    for maps in (maps_of(SUN, second, first), maps_of(SUN, first, second, workers=1)):
+        np.testing.assert_array_equal(maps.texels, both)
+    assert (maps_of(SUN, first).texels != both).any()
+
+
+def test_lights_without_maps_have_none() -> None:
+    off = DirectionalLight(shadow=Shadow(model="off"))
+    dark = DirectionalLight(intensity=0.0)
+    black = PointLight(colour=(0.0, 0.0, 0.0))
+    assert plan_maps((off, dark, black), BOX, Scratch()) is None
+    maps = plan_maps((off, LAMP, dark, INSIDE), BOX, Scratch())
+    assert maps is not None
+    assert maps.owners == [(0, 0), (0, 1), (1, 0), (1, 6)]
+    packed = pack_lights((off, LAMP, dark, INSIDE), maps, BOX)
+    assert packed[:, [0, 7, 8]].tolist() == [[0, 0, 0], [1, 0, 1], [1, 1, 6]]
+
+
+def filled(light: Light, near: float, far: float) -> ShadowMaps:
+    maps = maps_of(light)
+    maps.texels[:, 0], maps.texels[:, 1] = near, far
+    return maps
+
+
+def at_depth(maps: ShadowMaps, depth: float) -> np.ndarray:
+    """A point near the middle of a light's first map, at a depth from it."""
+    view = maps.views[0]
+    return np.asarray(view.eye + depth * (view.forward + 0.01 * view.right))
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+@pytest.mark.parametrize("thickness", [0.5, 1e-2])
+def test_what_is_let_through_is_the_sources_curve_with_its_fraction_turned(light: Light, thickness: float) -> None:
+    """1 − (eˣ − 1) / (e − 1) with x = (d − r) / (a − r)."""
+    start = maps_of(light).views[0].near + 1.0
+    maps = filled(light, start, start + thickness)
+    bias = float(pack_lights((light,), maps, BOX)[0, 9])
+    assert 0 < bias < 0.1
+    got = []
+    for x in np.linspace(-0.5, 1.5, 41):
+        y = np.clip((np.exp(np.clip(x, 0, 1)) - 1) / (np.e - 1), 0, 1)
+        got.append(through(maps, light, at_depth(maps, start + bias + x * thickness)))
+        assert got[-1] == pytest.approx(1 - y, abs=ROUND + 4e-6 / thickness)
+    assert (got[0], got[-1]) == pytest.approx((1, 0), abs=ROUND)
+    assert (np.diff(got) <= 0).all()
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+def test_a_single_layer_is_lit_in_front_and_dark_behind(light: Light) -> None:
+    """a = r: no division by nothing."""
+    start = maps_of(light).views[0].near + 1.0
+    maps = filled(light, start, start)
+    bias = float(pack_lights((light,), maps, BOX)[0, 9])
+    values = [through(maps, light, at_depth(maps, start + bias + way)) for way in (-0.5, -1e-3, 1e-3, 0.5)]
+    assert values == pytest.approx([1, 1, 0, 0], abs=ROUND)
+
+
+def test_where_there_is_no_strand_or_no_map_there_is_light() -> None:
+    empty = maps_of(SUN)
+    for place in ([0, 0, 0], [0.9, -0.9, 0.3], [50, 60, -70], [1e6, 0, 0]):
+        assert through(empty, SUN, np.array(place)) == pytest.approx(1, abs=ROUND)
+    dark = filled(SUN, 0.0, 0.0)
+    assert through(dark, SUN, np.array([0, 0, 0])) == pytest.approx(0, abs=ROUND)
+    assert through(dark, SUN, np.array([30, 0, -60])) == 1  # beside the map
+    assert through(filled(LAMP, 0.0, 0.0), LAMP, np.array([2, 40, 1])) == 1  # behind the lamp
+
+
+def test_between_texels_it_is_linear() -> None:
+    maps = maps_of(SUN)
+    view = maps.views[0]
+    texels = maps.texels.reshape(64, 64, 2)
+    texels[...] = 0.0
+    texels[20, 30] = [np.inf, -np.inf]  # the only one that lets light through
+    for u, v in ((0, 0), (0.25, 0), (0, 0.75), (0.5, 0.5), (-0.4, 0.2), (1, 0), (0, -1.2)):
+        right, up = (30.5 + u - 32) / view.focal, (32 - 20.5 - v) / view.focal
+        point = view.eye + right * view.right + up * view.up + view.forward
+        expected = max(1 - abs(u), 0) * max(1 - abs(v), 0)
+        assert through(maps, SUN, point) == pytest.approx(expected, abs=2e-3)
+
+
+def test_a_given_bias_replaces_the_default() -> None:
+    light = DirectionalLight(shadow=Shadow(size=64, bias=0.3))
+    maps = filled(light, 1.0, 1.0)
+    assert through(maps, light, at_depth(maps, 1.29)) == pytest.approx(1, abs=ROUND)
+    assert through(maps, light, at_depth(maps, 1.31)) == pytest.approx(0, abs=ROUND)
+
+
+def shell(radius: float) -> Polylines:
+    """Rings close together, all over a sphere about the light inside."""
+    rings, around = 240, 300
+    polar = (np.arange(rings) + 0.5) * np.pi / rings
+    angle = np.linspace(0, 2 * np.pi, around + 1)
+    world = np.empty((rings, around + 1, 3))
+    world[..., 0] = np.sin(polar)[:, None] * np.cos(angle)
+    world[..., 1] = np.cos(polar)[:, None]
+    world[..., 2] = np.sin(polar)[:, None] * np.sin(angle)
+    first = np.arange(rings + 1) * (around + 1)
+    return Polylines(first, (np.array(INSIDE.position) + radius * world).astype(np.float32).reshape(-1, 3))
+
+
+def test_a_light_inside_shades_all_round_its_cube_of_maps() -> None:
+    light = PointLight(position=INSIDE.position, shadow=Shadow(size=32))
+    maps = maps_of(light, shell(0.5))
+    rng = np.random.default_rng(3)
+    ways = rng.normal(size=(600, 3))
+    # and along the edges and corners of the cube, where one map ends and the next begins
+    edges = rng.choice([-1.0, 1.0], (600, 3))
+    edges[:, 0] *= rng.uniform(0, 1, 600)
+    edges += rng.normal(0, 0.01, (600, 3))
+    for way in np.concatenate([ways, edges]):
+        way = way / np.linalg.norm(way)
+        assert through(maps, light, np.array(light.position) + 0.25 * way) == pytest.approx(1, abs=ROUND)
+        assert through(maps, light, np.array(light.position) + 0.75 * way) == pytest.approx(0, abs=ROUND)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.tuples(*[st.floats(-1e6, 1e6, width=32) | st.floats(-2, 2, width=32)] * 3), st.sampled_from([SUN, LAMP, INSIDE])
+)
+def test_a_share_of_light_is_between_nothing_and_all(point: tuple[float, float, float], light: Light) -> None:
+    maps = SHARED.setdefault(light, maps_of(light, walks(50)))
+    assert 0 <= through(maps, light, np.array(point)) <= 1
+
+
+SHARED: dict[Light, ShadowMaps] = {}
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+def test_strands_shade_more_the_deeper_a_point_is_among_them(light: Light) -> None:
+    maps = maps_of(light, walks(3000, 5))
+    view = maps.views[0]
+    centre = (np.zeros(3) - view.eye) @ view.forward
+    shares = []
+    for depth in np.linspace(-1.2, 1.2, 9):
+        places = [view.eye + (centre + depth) * view.forward + 0.3 * (a * view.right + b * view.up) for a, b in GRID]
+        shares.append(np.mean([through(maps, light, place) for place in places]))
+    assert shares[0] > 0.99
+    assert shares[-1] < 0.05
+    assert (np.diff(shares) <= 1e-6).all()
+
+
+GRID = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)]

@@ -1,0 +1,194 @@
+"""What a solid mirrors: against energy, the directions it has to go to, and Smith's masking in double precision."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strand_kit import frames_of, scene_of
+from strandcli.draw import canvas
+from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.renderer import Renderer
+from strandcli.draw.solids.kernels import coat
+from strandcli.draw.solids.solids import finish_of
+from strandcli.groom.emit import emit
+from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
+from strandcli.simulate import solver_of
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def towards(theta: float, phi: float = 0.0) -> np.ndarray:
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def brdf(coat: float, rough: float, light: np.ndarray, eye: np.ndarray, size: float = 0.0) -> float:
+    return float(coat.gleam(*np.array([coat, rough, size, *UP, *light, *eye], np.float32)))
+
+
+def exact(coat: float, rough: float, light: np.ndarray, eye: np.ndarray) -> float:
+    """GGX with Smith's height-correlated masking, in double precision."""
+    alpha = rough**2
+    half = (light + eye) / np.linalg.norm(light + eye)
+    facets = alpha**2 / (np.pi * (half[2] ** 2 * (alpha**2 - 1) + 1) ** 2)
+    hidden = [(np.sqrt(1 + alpha**2 * (1 / w[2] ** 2 - 1)) - 1) / 2 for w in (light, eye)]
+    mirror = coat + (1 - coat) * (1 - light @ half) ** 5
+    return float(mirror * facets / (1 + sum(hidden)) / (4 * light[2] * eye[2]))
+
+
+def sky(count: int = 4000) -> np.ndarray:
+    """Directions over the half sphere, evenly by the cosine."""
+    i = np.arange(count)
+    return np.array([towards(np.arcsin(np.sqrt((j + 0.5) / count)), 2.399963 * j) for j in i])
+
+
+@pytest.mark.parametrize("rough", [0.2, 0.45, 0.8])
+def test_the_coat_is_ggx_with_smiths_masking(rough: float) -> None:
+    ways = sky(400)
+    for theta in (0.1, 0.8, 1.3):
+        eye = towards(theta)
+        got, true = (np.array([f(0.04, rough, way, eye) for way in ways]) for f in (brdf, exact))
+        np.testing.assert_allclose(got, true, rtol=2e-3)
+
+
+@pytest.mark.parametrize(("rough", "least"), [(0.3, 0.95), (0.6, 0.77), (1.0, 0.3)])
+def test_a_mirror_gives_back_no_more_than_arrives_and_most_of_it(rough: float, least: float) -> None:
+    """What rough facets mirror onto each other is lost."""
+    ways = sky()
+    for theta in (0.0, 0.7, 1.2):
+        whole = np.pi * np.mean([brdf(1.0, rough, way, towards(theta)) for way in ways])
+        assert least < whole < 1.02
+
+
+def test_light_goes_where_a_mirror_would_send_it_and_further_the_rougher_it_is() -> None:
+    eye = towards(0.6, np.pi)
+    angles = np.linspace(0.0, 1.4, 281)
+    spread = []
+    for rough in (0.15, 0.3, 0.5):
+        shine = np.array([brdf(0.04, rough, towards(a), eye) for a in angles])
+        if rough < 0.4:
+            assert angles[shine.argmax()] == pytest.approx(0.6, abs=0.05)
+        spread.append((shine > shine.max() / 2).sum())
+    assert spread[0] < spread[1] < spread[2]
+
+
+@pytest.mark.parametrize(("rough", "degrees"), [(0.2, 8.0), (0.3, 16.0), (0.4, 40.0)])
+def test_a_wide_lights_gleam_is_the_mean_over_its_disc(rough: float, degrees: float) -> None:
+    angle = np.radians(degrees / 2)
+    eye = towards(0.5, np.pi)
+    middle = towards(0.5)
+    side, up = np.array([0.0, 1.0, 0.0]), np.cross(middle, [0.0, 1.0, 0.0])
+    disc = [np.sqrt((j + 0.5) / 600) * np.array([np.cos(2.399963 * j), np.sin(2.399963 * j)]) for j in range(600)]
+    ways = [middle + np.tan(angle) * (u * side + v * up) for u, v in disc]
+    mean = np.mean([brdf(0.04, rough, way / np.linalg.norm(way), eye) for way in ways])
+    got, point = (brdf(0.04, rough, middle, eye, size) for size in (np.sin(angle), 0.0))
+    assert got == pytest.approx(mean, rel=0.1)
+    assert point > 1.3 * mean
+
+
+SCENE = """
+emitter: {strands: 1, length: 0.01, shape: {kind: sphere, radius: 0.01}}
+rules: []
+solids: [{kind: sphere, radius: 1%s}]
+camera: {position: [0, 0, 4]}
+ambient: [%s, 0.25, 0.25]
+lights: [%s]
+image: {size: 64x48, background: [0.25, 0.25, 0.25]}
+"""
+
+
+def test_a_white_coated_ball_in_even_light_is_as_bright_as_that() -> None:
+    for finish in ("", ", coat: 0.04, roughness: 0.5", ", coat: 0.7, roughness: 0.1"):
+        image = frames_of(scene_of(SCENE % (f", colour: [1, 1, 1]{finish}", 0.25, "")), 1)[0].image
+        assert image is not None
+        assert np.ptp(image[..., :].astype(int)) <= 1
+
+
+def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_has_one() -> None:
+    sun = "{kind: directional, direction: [0.8, -0.8, -1], shadow: {model: off}}"
+    images = [
+        frames_of(scene_of(SCENE % (f", colour: [0.1, 0.1, 0.1]{coat}", 0.0, sun)), 1)[0].image
+        for coat in ("", ", coat: 0.05, roughness: 0.2")
+    ]
+    assert images[0] is not None
+    assert images[1] is not None
+    more = images[1].astype(int)[..., 0] - images[0].astype(int)[..., 0]
+    row, column = np.unravel_index(more.argmax(), more.shape)
+    assert more.max() > 100
+    assert (row, column) == (pytest.approx(17, abs=2), pytest.approx(25, abs=2))
+    matte = [SphereSolid(), BoxSolid()]
+    assert finish_of(matte) is None
+    shiny = [BoxSolid(coat=0.5, roughness=0.2), PlaneSolid(mottle=0.3, grain=0.7), SphereSolid()]
+    np.testing.assert_allclose(
+        finish_of(shiny), np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]])
+    )
+
+
+MIXED = """
+emitter: {strands: 40, length: 0.5, shape: {kind: sphere, radius: 0.3}}
+rules: []
+solids:
+  - {kind: sphere, radius: 0.6, position: [-0.8, 0, 0]}
+  - {kind: box, size: [0.5, 0.9, 0.5], position: [0.7, 0, 0], coat: 0.1, roughness: 0.3}
+  - {kind: plane, position: [0, -0.8, 0], mottle: 0.4, fade: 4}
+camera: {position: [0, 0.5, 4]}
+lights:
+  - {kind: directional, direction: [-0.3, -1, -0.5], size: 8, shadow: {model: opacity}}
+  - {kind: point, position: [1, 2, 2], intensity: 4, shadow: {model: minmax, size: 64}}
+image: {size: 80x60}
+"""
+
+
+def test_a_pixel_of_a_solid_is_lit_alike_whichever_others_are() -> None:
+    """Pixels are lit together that have the same solid and follow each other, in batches."""
+    scene = scene_of(MIXED)
+    groom = emit(scene.emitter, scene.seed)
+    solver = solver_of(scene)(scene, groom)
+    renderer = Renderer(scene, groom)
+    alone: list[np.ndarray] = []
+    whole = canvas.clear
+
+    def clear(keys: Any, size: Any, lighting: Any) -> None:
+        whole(keys, size, lighting)
+        for part in (slice(0, None), slice(0, None, 3), slice(1, None, 3), slice(2, None, 3)):
+            left = np.full_like(keys, EMPTY)
+            left[part] = keys[part]
+            alone.append(np.zeros((size[1], size[0], 3), np.float32))
+            lighting.shade_surfaces(left, alone[-1])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(canvas, "clear", clear)
+        renderer.draw(solver.positions, solver.lengths, 0.0, 1)
+    assert len(np.unique(alone[0].reshape(-1, 3), axis=0)) > 1000
+    np.testing.assert_array_equal(alone[0], alone[1] + alone[2] + alone[3])
+
+
+def noise(x: np.ndarray, grain: float = 0.5, pixel: float = 1e-3) -> np.ndarray:
+    one = np.float32(0.3)
+    return np.array([coat.patches(v, one, -one, np.float32(grain), np.float32(pixel)) for v in np.float32(x)])
+
+
+def test_patches_are_even_handed_smooth_and_as_wide_as_they_are_said_to_be() -> None:
+    far = noise(np.random.default_rng(0).uniform(-500, 500, 4000))
+    assert abs(far.mean()) < 0.02
+    assert 0.15 < far.std() < 0.5
+    near = noise(np.linspace(-2, 2, 20001))
+    assert np.abs(np.diff(near)).max() < 0.01
+    places = np.arange(400) * 37.3
+    for grain in (0.1, 0.5, 8.0):
+        alike = [
+            np.corrcoef(noise(places, grain), noise(places + gap * grain, grain))[0, 1] for gap in (0.06, 0.5, 4.0)
+        ]
+        assert alike[0] > 0.8
+        assert 0.2 < alike[1] < 0.8
+        assert abs(alike[2]) < 0.2
+
+
+def test_patches_finer_than_pixels_are_not_drawn() -> None:
+    places = np.linspace(-9, 9, 500)
+    assert noise(places, pixel=0.5).tolist() == [0] * 500
+    spread = [noise(places, pixel=pixel).std() for pixel in (0.001, 0.1, 0.2, 0.4)]
+    assert (np.diff(spread) <= 0).all()
+    assert spread[-1] < 0.5 * spread[0]

@@ -1,0 +1,79 @@
+"""Edges of solids under sorted strands against pictures of very many samples, which know nothing of coverage."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from strand_kit import frames_of, scene_of
+
+# no strand is near the camera, or one as wide as a board, alone: all light comes from everywhere
+SCENE = """
+emitter: {strands: 1, particles: 2, length: 4, direction: [0, 1, 0], position: %s,
+  shape: {kind: disc, radius: 0.000001}}
+rules: []
+camera: {kind: %s, position: [0.1, 0.6, 5], target: [0, 0, 0], fov: 30, height: 2.6}
+image: {size: [64, 48], background: [0.9, 0.1, 0.1], aovs: [linear], resolver: %s, supersample: %d}
+ambient: [1, 1, 1]
+curves: {mode: "off"}
+material: {width: 0.5, taper: 0, colour: [0.1, 0.9, 0.2], specular: 0, diffuse: 0}
+lights: []
+solids: %s
+"""
+BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
+ROD = "{kind: capsule, radius: 0.2, length: 2, position: [-0.2, 0.2, 0], rotation: [20, 0, 35], colour: [0.9, 0.9, 0]}"
+BOX = "{kind: box, size: [0.8, 0.5, 0.6], position: [-0.3, -0.3, 0.2], rotation: [20, 30, 10], colour: [0.9, 0.9, 0.1]}"
+GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.3, 0.7, 0.3], fade: 0}"
+AWAY, BEFORE, BETWEEN, BEHIND = ("[0, 90, 0]", "[0.05, -2, 1.5]", "[0.05, -2, -0.7]", "[0.05, -2, -1.5]")
+KINDS = pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+
+
+def light(strand: str, kind: str, resolver: str, samples: int, *solids: str) -> np.ndarray:
+    """(48, 64, 3) linear light."""
+    scene = scene_of(SCENE % (strand, kind, resolver, samples, f"[{', '.join(solids)}]"))
+    return np.asarray(frames_of(scene, 1)[0].aovs["linear"], float)
+
+
+@KINDS
+@pytest.mark.parametrize("solids", [[BALL], [ROD], [BOX], [GROUND], [BALL, GROUND], [BALL, ROD, BOX, GROUND]])
+def test_edges_of_solids_are_what_samples_show(kind: str, solids: list[str]) -> None:
+    """All pixels are within what 4×4 samples can be off by; where the edge goes through, one sample is far off."""
+    exact = light(AWAY, kind, "zbuffer", 8, *solids)
+    got = light(AWAY, kind, "sorted", 1, *solids)
+    hard = light(AWAY, kind, "zbuffer", 1, *solids)
+    if solids != [GROUND] or kind == "perspective":  # else there is no horizon
+        assert (np.abs(hard - exact).max(2) > 0.15).sum() > 20
+    assert np.abs(got - exact).max() < 0.8 / 8 + 1e-5  # the greatest contrast, of two colours a sample in eight apart
+    assert np.sqrt(np.mean((got - exact) ** 2)) <= 0.2 * np.sqrt(np.mean((hard - exact) ** 2)) + 1e-6
+    inside = np.abs(hard - exact).max(2) < 1e-6
+    np.testing.assert_allclose(got[inside], exact[inside], atol=1e-5)
+
+
+@KINDS
+@pytest.mark.parametrize("strand", [BEFORE, BETWEEN, BEHIND])
+def test_strands_go_before_between_and_behind_the_edges_of_solids(kind: str, strand: str) -> None:
+    """A board of a strand, a ball before a wall: at the ball's edge the wall shows, or the board where it is nearer."""
+    wall = "{kind: box, size: [9, 9, 0.1], position: [0, 0, -1.1], colour: [0.5, 0.5, 0.5]}"
+    exact = light(strand, kind, "zbuffer", 8, BALL, wall)
+    got = light(strand, kind, "sorted", 1, BALL, wall)
+    error = np.abs(got - exact).max(2)
+    # where the edges of both cross a pixel each may lie anywhere in it
+    assert (error > 0.1).sum() <= 4
+    assert error.max() < 0.35
+    assert np.sqrt(np.mean(error**2)) < 0.02
+    np.testing.assert_allclose(light(strand, kind, "kbuffer", 1, BALL, wall), got, atol=1e-6)
+
+
+def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND)
+    monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 7), (7, 8), (8, 40), (40, 48)])
+    np.testing.assert_array_equal(light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND), whole)
+
+
+def test_a_picture_of_one_pixel_and_a_ball_about_the_camera_have_edges_or_none() -> None:
+    around = "{kind: sphere, radius: 9, position: [0, 0, 0]}"
+    for solid in (BALL, around):
+        for kind in ("perspective", "orthographic"):
+            text = SCENE % (BETWEEN, kind, "sorted", 1, f"[{solid}]")
+            frame = frames_of(scene_of(text.replace("[64, 48]", "[1, 1]")), 1)[0]
+            assert np.isfinite(frame.aovs["linear"]).all()

@@ -1,0 +1,135 @@
+"""Neighbours stand together, and nobody who asks for strands by their number can tell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from strand_kit import frames_of, groom_of, moved, scene_of
+from strandcli.blocks import unpack
+from strandcli.constants import VECTOR
+from strandcli.draw.common.scratch import Scratch
+from strandcli.groom.arrange import TOGETHER, arranged, near
+from strandcli.groom.children import Children
+from strandcli.simulate.rod import RodSolver
+
+SCENE = """
+emitter: {strands: 700, particles: 4, shape: {kind: sphere, radius: 0.5}, length: 0.3, length_variation: 0.4, jitter: 9}
+rules: [gravity]
+camera: {position: [0, 0.3, 4]}
+image: {size: [64, 48], resolver: sorted, aovs: [strand_id]}
+material: {width: 0.01}
+time: {fps: 10, frames: 3}
+"""
+CHILDREN = "children: {count: 5, clumps: [{size: 0.2, strength: 0.8}]}\n"
+TIED = SCENE.replace("jitter: 9", "jitter: 9, tie: {position: [0.1, 0.45, 0.2], radius: 0.08, slack: 0.02}")
+NEAR = "detail: {near: 1, fraction: 0.01}\n"
+
+
+def sides(points: np.ndarray, together: int) -> float:
+    """Mean of the longest sides of boxes about so many points in a row."""
+    rows = points[: len(points) // together * together].reshape(-1, together, 3)
+    return float(np.ptp(rows, axis=1).max(1).mean())
+
+
+@pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 32, 700, 4096, 5000])
+def test_every_point_has_one_place(count: int) -> None:
+    points = np.random.default_rng(count).normal(size=(count, 3))
+    np.testing.assert_array_equal(np.sort(near(points)), np.arange(count))
+
+
+def test_so_many_in_a_row_are_near_each_other() -> None:
+    """As near as squares that tile the sphere would have them, about, and 32 or 64 as well."""
+    points = np.random.default_rng(1).normal(size=(5000, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    found = points[near(points)]
+    assert TOGETHER == VECTOR // 4  # single precision
+    for together in (TOGETHER, 2 * TOGETHER, 4 * TOGETHER):
+        assert sides(found, together) < 1.2 * np.sqrt(4 * np.pi * together / len(points))
+    assert sides(points, TOGETHER) > 1.5
+
+
+def test_points_that_tie_keep_their_order() -> None:
+    points = np.zeros((100, 3))
+    np.testing.assert_array_equal(near(points), np.arange(100))
+    points[::2, 1] = 1.0
+    np.testing.assert_array_equal(near(points)[:50], np.arange(1, 100, 2))
+
+
+def test_what_strands_have_goes_with_them_and_back() -> None:
+    groom = groom_of(scene_of(SCENE))
+    once = arranged(groom)
+    twice = arranged(once)
+    for other in (once, twice):
+        for name in ("roots", "directions", "lengths", "tones"):
+            there, here = getattr(groom, name), getattr(other, name)
+            np.testing.assert_array_equal(other.emitted(here), there)
+            np.testing.assert_array_equal(other.placed(there), here)
+        np.testing.assert_allclose(other.emitted(other.edge(1, 3)), groom.edge(1, 3))
+    assert not np.array_equal(once.roots, groom.roots)
+    # as well where they stand otherwise already
+    p = np.random.default_rng(2).permutation(groom.strands).astype(np.int32)
+    names = ("roots", "directions", "lengths", "tones")
+    mixed = replace(groom, places=p, **{name: getattr(groom, name)[p] for name in names})
+    np.testing.assert_array_equal(arranged(mixed).emitted(arranged(mixed).roots), groom.roots)
+    tied = groom_of(scene_of(TIED))
+    assert tied.grown is not None
+    grown = arranged(tied).grown
+    assert grown is not None
+    np.testing.assert_array_equal(arranged(tied).emitted(grown), tied.grown)
+    # neighbours are those that hang beside each other, which are simulated
+    assert sides(arranged(tied).roots, TOGETHER) < 0.7 * sides(tied.roots[near(tied.grown)], TOGETHER)
+    np.testing.assert_array_equal(groom.emitted(groom.lengths), groom.lengths)
+
+
+def test_frames_have_the_strands_in_the_order_of_emission() -> None:
+    """The rules move each by itself: to the same bits."""
+    scene = scene_of(SCENE)
+    frame = frames_of(scene, 3)[0]
+    np.testing.assert_array_equal(frame.positions, moved(scene, 3))
+
+
+def test_positions_are_taken_in_the_order_of_emission() -> None:
+    scene = scene_of(SCENE + "solver: rod\n")
+    groom = groom_of(scene)
+    run, taken = RodSolver(scene, arranged(groom)), RodSolver(scene, arranged(groom))
+    run.advance(3)
+    taken.take(3, run.particles())
+    np.testing.assert_array_equal(taken.positions, run.positions)
+    np.testing.assert_allclose(run.particles()[:, 0], groom.roots, atol=1e-6)
+    np.testing.assert_allclose(run.rest_lengths(), groom.lengths / 3, rtol=1e-6)
+    run.residuals.reshape(-1)[: run.strands] = run.groom.places
+    np.testing.assert_array_equal(run.strand_residuals(), np.arange(run.strands))
+
+
+def test_pictures_are_the_same() -> None:
+    """With all strands, with those that level of detail draws, where strands guide others, and where they are tied."""
+    for text in (SCENE, SCENE + NEAR, SCENE + CHILDREN, SCENE + CHILDREN + NEAR, TIED, TIED + NEAR, TIED + CHILDREN):
+        scene = scene_of(text)
+        frame = frames_of(scene, 2)[0]
+        with patch("strandcli.pipeline.arranged", lambda groom: groom):
+            plain = frames_of(scene, 2)[0]
+        assert frame.image is not None
+        assert frame.aovs is not None
+        assert plain.aovs is not None
+        assert frame.report["counts"]["strands"] == plain.report["counts"]["strands"]
+        assert np.abs(frame.image.astype(int) - plain.image).max() <= 1
+        same = frame.aovs["strand_id"] == plain.aovs["strand_id"]
+        assert same.mean() > 0.99  # what covers as much as another may give way to it
+        assert (plain.aovs["strand_id"] >= 0).mean() > 0.02
+
+
+def test_children_follow_the_same_guides() -> None:
+    scene = scene_of(SCENE + CHILDREN)
+    groom = groom_of(scene)
+    grown = []
+    for guides in (groom, arranged(groom)):
+        solver, children = RodSolver(scene, guides), Children(scene, guides)
+        tones, _ = children.select(solver.positions)
+        positions, lengths = children.grow(solver.positions, solver.lengths, 0.0, len(tones), Scratch())
+        grown.append((unpack(positions, len(tones)), lengths.reshape(-1)[: len(tones)]))
+    np.testing.assert_allclose(grown[1][0], grown[0][0], atol=1e-6)
+    np.testing.assert_allclose(grown[1][1], grown[0][1], rtol=1e-6)

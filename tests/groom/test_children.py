@@ -1,0 +1,332 @@
+"""Children of guides: roots and lengths kept, guides followed, locks and waves as they are asked for, solids kept
+clear, and nothing that depends on how many there are."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from strand_kit import frames_of, scene_of
+from strandcli.blocks import lanes, pack, unpack
+from strandcli.draw.common.scratch import Scratch
+from strandcli.errors import SimulationError
+from strandcli.groom.children import Children
+from strandcli.groom.emit import emit
+from strandcli.groom.kernels import children as kernel
+from strandcli.scene.model import Camera, Clump, Scene, Wave
+
+SCENE = """
+seed: 3
+emitter: {strands: 300, particles: 9, length: 0.4, shape: {kind: disc, radius: 0.1}, jitter: 20,
+  position: [0, 1, 0], rotation: [10, 20, 30]}
+children: {count: 7}
+rules: [gravity, collision, elasticity]
+solids: [{kind: sphere, radius: 0.25, position: [0.2, 1.3, 0]},
+  {kind: box, size: [1, 0.2, 1], position: [-0.7, 1.2, 0]}, {kind: plane, position: [0, 0.8, 0]},
+  {kind: capsule, radius: 0.05, length: 0.2, position: [0, 1.4, 0.2]}]
+"""
+LOCKS = (Clump(size=0.05, strength=0.6), Clump(size=0.015, strength=0.8))
+WAVES = (Wave(radius=0.01, length=0.1), Wave(radius=0.002, length=0.05, disorder=1))
+
+
+def family(free: bool = True, **settings: Any) -> tuple[Scene, Children]:
+    """A scene, by default without anything to collide with, and its children."""
+    scene = scene_of(SCENE)
+    scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, **settings))
+    if free:
+        scene = dataclasses.replace(scene, rules=(), solids=())
+    return scene, Children(scene, emit(scene.emitter, scene.seed))
+
+
+def bent(scene: Scene, amount: float = 2.0) -> tuple[np.ndarray, np.ndarray]:
+    """Guides that bend sideways in arcs, (strands, n, 3) in the world, and the lengths of their segments."""
+    from strandcli.scene.motion import emitter_pose
+
+    groom = emit(scene.emitter, scene.seed)
+    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
+    n = scene.emitter.particles
+    rest = groom.lengths.astype(float) / (n - 1)
+    at = groom.roots.astype(float)
+    rows = [at]
+    side = np.cross(groom.directions, [0, 0, 1.0])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    for j in range(n - 1):
+        turn = amount * j / n
+        at = at + rest[:, None] * (np.cos(turn) * groom.directions + np.sin(turn) * side)
+        rows.append(at)
+    before = groom.roots - rest[:, None] * groom.directions
+    return np.stack([before, *rows], 1) @ rotation.T + shift, rest
+
+
+def grown(children: Children, guides: np.ndarray, rest: np.ndarray, strands: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """(strands, rows, 3) without the row before the root, and segment lengths (strands,)."""
+    strands = strands or children.count
+    packed = pack(guides)
+    _, ids = children.select(packed)
+    out, lengths = children.grow(packed, lanes(rest[:, None]), 0.0, strands, Scratch(), ids)
+    return unpack(out, strands)[:, 1:].astype(float), lengths.reshape(-1)[:strands].astype(float)
+
+
+def steps(strands: np.ndarray) -> np.ndarray:
+    """Lengths of segments, (strands, n − 1)."""
+    return np.asarray(np.linalg.norm(np.diff(strands, axis=1), axis=2))
+
+
+def test_guides_are_drawn_where_they_are() -> None:
+    scene, children = family()
+    guides, rest = bent(scene)
+    drawn, _ = grown(children, guides, rest)
+    assert len(drawn) == 7 * 300
+    np.testing.assert_allclose(drawn[:300], guides[:, 1:], atol=1e-6)
+
+
+def test_children_of_straight_parallel_guides_are_parallel_to_them() -> None:
+    """Weights add up to one: whatever three guides have in common a child has too."""
+    scene, children = family()
+    guides, rest = bent(dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, jitter=0.0)), 0.0)
+    drawn, _ = grown(children, guides, rest)
+    np.testing.assert_allclose(drawn - drawn[:, :1], np.broadcast_to(guides[:1, 1:] - guides[:1, 1:2], drawn.shape),
+                               atol=2e-6)  # fmt: skip
+
+
+@pytest.mark.parametrize("settings", [{}, {"clumps": LOCKS}, {"waves": WAVES}, {"clumps": LOCKS, "waves": WAVES}])
+def test_roots_and_lengths_are_kept(settings: dict[str, Any]) -> None:
+    scene, children = family(cut=0.5, **settings)
+    guides, rest = bent(scene)
+    drawn, lengths = grown(children, guides, rest)
+    plain, _ = grown(family()[1], guides, rest)
+    np.testing.assert_allclose(drawn[:, 0], plain[:, 0], atol=1e-7)
+    np.testing.assert_allclose(steps(drawn), np.repeat(lengths[:, None], drawn.shape[1] - 1, 1), rtol=2e-4)
+    whole = lengths * (drawn.shape[1] - 1)
+    assert whole.min() == pytest.approx(0.2, rel=0.01)
+    assert whole.max() == pytest.approx(0.4, rel=0.01)
+    assert np.median(whole) == pytest.approx(0.3, rel=0.03)
+
+
+def test_no_strength_and_no_radius_change_nothing() -> None:
+    guides, rest = bent(family()[0])
+    plain, _ = grown(family()[1], guides, rest)
+    idle = {"clumps": tuple(dataclasses.replace(one, strength=0.0) for one in LOCKS), "waves": (Wave(radius=0.0),)}
+    np.testing.assert_array_equal(grown(family(**idle)[1], guides, rest)[0], plain)
+
+
+def test_children_do_not_depend_on_how_many_there_are() -> None:
+    settings: dict[str, Any] = {"clumps": LOCKS, "waves": WAVES, "cut": 0.3, "undercoat": 0.4}
+    guides, rest = bent(family()[0])
+    few, _ = grown(family(count=3, **settings)[1], guides, rest)
+    many, _ = grown(family(count=20, **settings)[1], guides, rest)
+    np.testing.assert_array_equal(many[: len(few)], few)
+    np.testing.assert_array_equal(grown(family(count=20, **settings)[1], guides, rest, 1000)[0], many[:1000])
+
+
+def test_locks_draw_tips_together_and_are_about_as_wide_as_asked() -> None:
+    clump = Clump(size=0.04, strength=0.9, variation=0, stray=0)
+    scene, _ = family(clumps=(clump,))
+    # where strands spread or bend far, they keep their lengths and cannot meet
+    scene = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, jitter=5.0))
+    groom = emit(scene.emitter, scene.seed)
+    guides, rest = bent(scene, 0.3)
+    plain = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=()))
+    loose, _ = grown(Children(plain, groom), guides, rest)
+    children = Children(scene, groom)
+    tight, _ = grown(children, guides, rest)
+    middles = children.family.middles[0]
+    assert len(np.unique(middles)) == round(np.pi * 0.1**2 / 0.04**2)
+
+    def spread(strands: np.ndarray, j: int) -> float:
+        """Mean distance of particle j from that of the lock's middle, as it is without locks."""
+        return float(np.linalg.norm(strands[:, j] - loose[middles, j], axis=1).mean())
+
+    assert spread(tight, -1) < 0.2 * spread(loose, -1)
+    assert 0.25 * 0.04 < spread(tight, 0) < 0.04
+    # half way there is about half of it: the share grows in proportion
+    assert spread(tight, 4) == pytest.approx(0.55 * spread(loose, 4), rel=0.1)
+
+
+def test_a_lock_lies_in_the_wider_lock_of_its_middle_and_strays_are_as_many_as_asked() -> None:
+    _, children = family(count=40, clumps=(LOCKS[0], dataclasses.replace(LOCKS[1], stray=0.2, variation=0)))
+    wide, narrow = children.family.middles
+    for middle in np.unique(narrow):
+        assert len(np.unique(wide[narrow == middle])) == 1
+    assert len(np.unique(narrow)) > 5 * len(np.unique(wide))
+    assert (children.family.pulls[1] < 0.5).mean() == pytest.approx(0.2, abs=0.01)
+
+
+def test_waves_have_their_radius_and_length_and_a_lock_waves_as_one() -> None:
+    straight = {"emitter": dataclasses.replace(family()[0].emitter, jitter=0.0, rotation=(0.0, 0.0, 0.0))}
+    clump = Clump(size=0.05, strength=0.0)
+    wave = Wave(radius=0.004, length=0.08, round=0.5, onset=0.0, disorder=0.0)
+    scene, _ = family(clumps=(clump,), waves=(wave,))
+    scene = dataclasses.replace(scene, **straight)
+    children = Children(scene, emit(scene.emitter, scene.seed))
+    guides, rest = bent(scene, 0.0)
+    drawn, _ = grown(children, guides, rest)
+    away = drawn - drawn[:, :1]
+    # off the upright axis: an ellipse with half axes of a radius and half of one
+    off = away[:, 2:, [0, 2]] - away[:, 2:, [0, 2]].mean(1, keepdims=True)
+    major = np.linalg.svd(off, compute_uv=False) * np.sqrt(2 / off.shape[1])
+    np.testing.assert_allclose(np.median(major, 0), [0.004, 0.002], rtol=0.12)
+    # waves draw the tips up
+    assert away[:, -1, 1].max() < 0.4
+    lock = children.family.middles[0]
+    for middle in np.unique(lock)[:5]:
+        assert np.ptp(children.family.phases[0][lock == middle]) == 0
+    assert np.ptp(children.family.phases[0]) > 3
+
+
+def test_of_waves_with_a_share_so_many_strands_wave_as_all_would_and_the_others_not_at_all() -> None:
+    still, few, all_ = (
+        grown(children, *bent(scene))[0]
+        for scene, children in (family(waves=waves) for waves in (
+            (Wave(radius=0.01, share=1e-9),), (Wave(radius=0.01, share=0.3),), (Wave(radius=0.01, share=1.0),)
+        ))
+    )  # fmt: skip
+    wave = (few == all_).all((1, 2))
+    np.testing.assert_array_equal(few[~wave], still[~wave])
+    assert (np.abs(all_ - still).max((1, 2)) > 0.001).all()
+    assert wave.mean() == pytest.approx(0.3, abs=0.02)
+
+
+def test_an_undercoat_is_short() -> None:
+    _, children = family(undercoat=0.3, undercoat_length=0.5, count=40)
+    assert (children.family.shares == 0.5).mean() == pytest.approx(0.3, abs=0.01)
+    assert (children.family.shares == 1.0).mean() == pytest.approx(0.7, abs=0.01)
+
+
+def test_children_turn_with_the_emitter() -> None:
+    scene, children = family(clumps=LOCKS, waves=WAVES)
+    guides, rest = bent(scene)
+    drawn, _ = grown(children, guides, rest)
+    other = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, rotation=(0.0, 0.0, 0.0)))
+    upright, _ = grown(Children(other, emit(other.emitter, other.seed)), *bent(other))
+    from strandcli.scene.motion import emitter_pose
+
+    turn, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
+    plain = np.array(emitter_pose(other.emitter, 0.0)[1])
+    np.testing.assert_allclose(drawn, (upright - plain) @ turn.T + shift, atol=2e-5)
+
+
+def test_children_stay_out_of_the_solids_of_collisions() -> None:
+    def depth(strands: np.ndarray) -> np.ndarray:
+        ball = 0.25 - np.linalg.norm(strands - [0.2, 1.3, 0], axis=2)
+        box = (np.array([0.5, 0.1, 0.5]) - np.abs(strands - [-0.7, 1.2, 0])).min(2)
+        axis = np.array([0, 1, 0]) * np.clip(strands[..., 1] - 1.4, -0.1, 0.1)[..., None]
+        capsule = 0.05 - np.linalg.norm(strands - [0, 1.4, 0.2] - axis, axis=2)
+        return np.stack([ball, box, capsule, 0.8 - strands[..., 1]])[..., 1:].max((0, 2))
+
+    guides, rest = bent(family()[0])
+    free, _ = grown(family(clumps=LOCKS, waves=WAVES)[1], guides, rest)
+    kept, _ = grown(family(free=False, clumps=LOCKS, waves=WAVES)[1], guides, rest)
+    assert depth(free).max() > 0.02
+    # where a ball and a box meet, pushing from one into the other and back has no end
+    assert depth(kept).max() < 3e-3
+    clear = depth(free) < -1e-3
+    assert clear.any()
+    np.testing.assert_array_equal(kept[clear], free[clear])
+
+
+def test_a_parting_parts_parents() -> None:
+    scene = scene_of("""
+emitter: {strands: 400, shape: {kind: sphere, radius: 0.1, cap: 90}, comb: [1, 0, -0.2], parting: 0.02}
+children: {count: 10, clumps: [{size: 0.05}]}
+""")
+    children = Children(scene, emit(scene.emitter, scene.seed))
+    found = children.family
+    front = found.roots[:, 2] > 0.03
+    left = found.roots[:, 0] < 0.02
+    used = found.weights > 1e-6
+    for side in (left, ~left):
+        assert (np.where(used, left[found.parents], side[:, None] == left[:, None])[front & side]
+                == left[front & side][0]).all()  # fmt: skip
+        assert (left[found.middles[0][front & side]] == left[front & side][0]).all()
+
+
+def test_the_nearest_are_the_nearest() -> None:
+    lots = np.random.default_rng(1)
+    points, others = (lots.normal(size=(n, 4)).astype(np.float32) for n in (500, 60))
+    order = np.argsort(others[:, 0]).astype(np.int32)
+    found, squares = np.empty((500, 3), np.int32), np.empty((500, 3), np.float32)
+    kernel.nearest(points, others[order], order, found, squares)
+    true = ((points[:, None].astype(float) - others) ** 2).sum(2)
+    np.testing.assert_array_equal(found, np.argsort(true, axis=1)[:, :3])
+    np.testing.assert_allclose(squares, np.sort(true, axis=1)[:, :3], rtol=1e-5)
+
+
+@pytest.mark.parametrize("guides", [1, 2, 3])
+def test_few_guides_are_enough(guides: int) -> None:
+    scene = scene_of(f"emitter: {{strands: {guides}, jitter: 10}}\nchildren: {{count: 50, clumps: [{{size: 0.5}}]}}")
+    children = Children(scene, emit(scene.emitter, 0))
+    drawn, _ = grown(children, *bent(scene))
+    assert np.isfinite(drawn).all()
+    np.testing.assert_allclose(children.family.weights.sum(1), 1, atol=1e-6)
+
+
+def test_bits_do_not_depend_on_threads() -> None:
+    guides, rest = bent(family()[0])
+    children = family(free=False, clumps=LOCKS, waves=WAVES)[1]
+    many, _ = grown(children, guides, rest)
+    before = numba.get_num_threads()
+    try:
+        numba.set_num_threads(1)
+        np.testing.assert_array_equal(grown(children, guides, rest)[0], many)
+    finally:
+        numba.set_num_threads(before)
+
+
+def test_children_of_a_guide_that_is_lost_are_left_out_and_no_others() -> None:
+    scene, children = family(clumps=LOCKS)
+    guides, rest = bent(scene)
+    whole, _ = grown(children, guides, rest)
+    guides[5, 3] = np.nan
+    tones, ids = children.select(pack(guides))
+    assert ids is not None
+    assert 5 not in ids
+    assert 0.3 * children.count < len(ids) < children.count
+    left, _ = grown(children, guides, rest, len(ids))
+    assert np.isfinite(children.grow(pack(guides), lanes(rest[:, None]), 0.0, len(ids), Scratch(), ids)[0]).all()
+    np.testing.assert_array_equal(left, whole[ids])
+    np.testing.assert_array_equal(tones, children.family.tones[ids])
+
+
+def test_a_run_goes_on_with_the_children_that_are_left() -> None:
+    scene = dataclasses.replace(
+        scene_of(SCENE + "image: {size: [40, 30]}\n"), camera=Camera(position=(0, 1.2, 1.5), target=(0, 1.2, 0))
+    )
+    (before,) = frames_of(scene, 1)
+    assert before.positions is not None
+    lost = before.positions.copy()
+    lost[7] = np.nan
+    (after,) = frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
+    assert after.report["counts"]["left_out"] == 1
+    assert 0 < 7 * 300 - after.report["counts"]["strands"] < 300
+    assert after.image is not None
+    lost[:] = np.nan
+    lost[200] = before.positions[200]
+    scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=LOCKS))
+    with pytest.raises(SimulationError, match="follows one that is lost"):
+        frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
+
+
+def test_a_frame_of_children_is_drawn_and_told() -> None:
+    text = """
+emitter: {strands: 40, particles: 6, jitter: 20}
+image: {size: [80, 60], resolver: sorted}
+rules: [gravity, elasticity]
+%s
+"""
+    (plain,) = frames_of(scene_of(text % ""), 3)
+    (frame,) = frames_of(scene_of(text % "children: {count: 5, clumps: [{size: 0.5}]}"), 3)
+    assert plain.positions is not None
+    assert frame.positions is not None
+    np.testing.assert_array_equal(frame.positions, plain.positions)
+    assert frame.report["counts"]["strands"] == 200
+    assert "children" in frame.report["seconds"]
+    assert "children" not in plain.report["seconds"]
+    assert frame.image is not None
+    assert plain.image is not None
+    bare = plain.image[0, 0]
+    assert (frame.image != bare).any(2).sum() > 1.5 * (plain.image != bare).any(2).sum()

@@ -1,0 +1,159 @@
+"""Hair that is too short for the tie: how many, where, how long, and that it is drawn in place of what is tied."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from scene_kit import complaint
+from strand_kit import scene_of
+from strandcli.blocks import pack, unpack
+from strandcli.draw.common.scratch import Scratch
+from strandcli.groom.combed import Combed
+from strandcli.groom.emit import Groom, emit
+from strandcli.groom.tie import chart_of
+from strandcli.groom.wisps import ASIDE, BEND, OFF, SHORTEST, chosen, wisps
+from strandcli.scene.model import DiscShape, Emitter, Scene, SphereShape, Tie
+from strandcli.scene.model.emitter import TIED
+from strandcli.scene.motion import emitter_pose
+
+LENGTH = 0.02
+TIE = Tie(position=(0.01, 0.09, -0.04), radius=0.016, lift=0.012, wisps=0.6, wisp_length=LENGTH)
+SHAPES = [SphereShape(radius=0.1, cap=110), DiscShape(radius=0.1)]
+ROWS = 30
+SCENE = """
+emitter: {strands: 300, particles: 6, length: 0.3, shape: {kind: sphere, radius: 0.1, cap: 110},
+  tie: {position: [0.01, 0.09, -0.04], radius: 0.016, lift: 0.012, wisps: %g},
+  keys: [{time: 0, rotation: [10, 0, 0]}, {time: 1, position: [0.1, 0.2, 0.3], rotation: [40, 120, 30]}]}
+rules: [emitter_motion, gravity, elasticity]
+"""
+
+
+def made(shape: Any, lots: float | None = None) -> tuple[Emitter, NDArray[np.float64], NDArray[np.float64]]:
+    """An emitter, where its wisps grow, (K, 3), and where they are, (K, ROWS, 3); all their lots alike, or even."""
+    emitter = Emitter(strands=4000, length=0.3, shape=shape, tie=TIE)
+    groom = emit(emitter, 0)
+    assert groom.grown is not None
+    rng = np.random.default_rng(1)
+    roots = groom.grown[chosen(emitter, groom, rng.random(4000))]
+    even = rng.random((len(roots), 4)) if lots is None else np.full((len(roots), 4), lots)
+    return emitter, roots, wisps(emitter, roots, even, ROWS, lambda points, _: np.zeros(len(points))).astype(float)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_they_are_as_many_as_asked_at_the_rim_and_fewer_by_the_exponential_law(shape: Any) -> None:
+    emitter = Emitter(strands=400_000, length=0.3, shape=shape, tie=TIE)
+    groom = emit(emitter, 0)
+    assert groom.grown is not None
+    short = np.zeros(emitter.strands, bool)
+    short[chosen(emitter, groom, np.random.default_rng(0).random(emitter.strands))] = True
+    chart = chart_of(emitter)
+    d, ways = chart.polar(groom.grown)
+    inside = chart.rim(ways) - d
+    for k in range(5):
+        here = (inside >= 0.01 * k) & (inside < 0.01 * (k + 1))
+        assert short[here].mean() == pytest.approx(np.mean(0.6 * np.exp(-inside[here] / LENGTH)), rel=0.06)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_of_middle_lots_they_go_straight_to_the_tie(shape: Any) -> None:
+    emitter, roots, points = made(shape, 0.5)
+    chart = chart_of(emitter)
+    far = chart.polar(roots)[0] > 2 * LENGTH  # the others would pass the tie
+    roots, points = roots[far], points[far]
+    d, ways = chart.polar(roots)
+    below = points[:, -1] if np.isfinite(chart.radius) else points[:, -1] * [1, 0, 1]
+    after, along = chart.polar(below)
+    np.testing.assert_allclose(points[:, 1], roots, atol=1e-8)
+    np.testing.assert_allclose(points[:, 0] + points[:, 2], 2 * points[:, 1], atol=1e-8)
+    gone = LENGTH * (SHORTEST + 0.5 * (1 - SHORTEST))
+    np.testing.assert_allclose(d - after, 0.1 * np.arctan(gone / 0.1) if np.isfinite(chart.radius) else gone, rtol=1e-3)
+    np.testing.assert_allclose(along, ways, atol=1e-3)
+    np.testing.assert_allclose(height(shape, points[:, -1]), OFF * 0.125 * gone, rtol=1e-3)
+
+
+@pytest.mark.parametrize("lot", [0.0, 1 - 1e-9])
+def test_they_begin_aside_by_an_angle_and_turn_by_another(lot: float) -> None:
+    shape = SHAPES[1]
+    emitter, roots, points = made(shape, lot)
+    chart = chart_of(emitter)
+    flat = points[:, 1:, [0, 2]]
+    step = np.diff(flat, axis=1)
+    to_tie = chart.foot[[0, 2]] - roots[:, [0, 2]]
+    turned = np.arctan2(step[..., 1], step[..., 0]) - np.arctan2(to_tie[:, 1], to_tie[:, 0])[:, None]
+    turned = np.angle(np.exp(1j * turned))
+    side = np.sign(turned[:, :1])
+    assert (side == side[0]).all()
+    pieces = ROWS - 2
+    expected = ASIDE + BEND * (np.arange(pieces) + 0.5) / pieces
+    np.testing.assert_allclose(side * turned, np.broadcast_to(expected, turned.shape), atol=2e-3)
+    assert np.linalg.norm(step, axis=2).sum(1) == pytest.approx(LENGTH * (SHORTEST if lot == 0 else 1), rel=1e-4)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_they_never_go_into_what_bears_them(shape: Any) -> None:
+    _, roots, points = made(shape)
+    assert len(roots) > 100
+    above = height(shape, points[:, 1:])
+    assert above.min() > -1e-7
+    assert above.max() <= OFF * LENGTH
+
+
+def height(shape: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Above the surface, metres."""
+    return np.asarray(np.linalg.norm(points, axis=-1) - 0.1 if shape.kind == "sphere" else points[..., 1])
+
+
+def joined(scene: Scene, groom: Groom, at: float, ids: NDArray[np.int32] | None = None) -> NDArray[np.float64]:
+    """(strands, rows, 3) at a time, with something that hangs from the tie; of those called ``ids`` or all."""
+    hanging = np.random.default_rng(0).normal(size=(300, 7, 3)).astype(np.float32)
+    some = hanging if ids is None else hanging[ids]
+    return unpack(Combed(scene, groom).join(pack(some), at, len(some), Scratch(), ids), len(some)).astype(float)
+
+
+def test_they_are_drawn_in_place_of_what_is_tied_and_move_with_the_emitter() -> None:
+    scene, none = scene_of(SCENE % 0.7), scene_of(SCENE % 0)
+    groom = emit(scene.emitter, scene.seed)
+    short = Combed(scene, groom).short
+    assert 20 < len(short) < 150
+    assert len(Combed(none, groom).short) == 0
+    rest = np.setdiff1d(np.arange(300), short)
+    now, tied = joined(scene, groom, 1.0), joined(none, groom, 1.0)
+    np.testing.assert_array_equal(now[rest], tied[rest])
+    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 1.0))
+    assert groom.grown is not None
+    np.testing.assert_allclose((now[short, 1] - shift) @ rotation, groom.grown[short], atol=1e-7)
+    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
+    first = (joined(scene, groom, 0.0) - shift) @ rotation
+    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 1.0))
+    np.testing.assert_allclose((now[short] - shift) @ rotation, first[short], atol=1e-7)
+    assert now.shape[1] == 1 + TIED + 6
+    assert np.linalg.norm(np.diff(first[short, 1:], axis=1), axis=2).sum(1).max() < 1.3 * scene.emitter.tie.wisp_length
+
+
+def test_each_is_itself_whichever_others_are_drawn_and_wherever_it_stands() -> None:
+    scene = scene_of(SCENE % 0.7)
+    groom = emit(scene.emitter, scene.seed)
+    short = Combed(scene, groom).short
+    whole = joined(scene, groom, 0.5)
+    some = np.array([short[3], 299, short[0], 7, short[-1]], np.int32)
+    np.testing.assert_array_equal(joined(scene, groom, 0.5, some), whole[some])
+    order = np.random.default_rng(3).permutation(300).astype(np.int32)
+    assert groom.grown is not None
+    other = dataclasses.replace(
+        groom, roots=groom.roots[order], directions=groom.directions[order], lengths=groom.lengths[order],
+        tones=groom.tones[order], grown=groom.grown[order], places=order,
+    )  # fmt: skip
+    np.testing.assert_array_equal(np.sort(order[Combed(scene, other).short]), short)
+    moved = joined(scene, other, 0.5)
+    names = np.flatnonzero(np.isin(order, short))
+    np.testing.assert_allclose(moved[names], whole[order[names]], atol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["wisps: 1.5", "wisp_length: 0"])
+def test_refused(text: str) -> None:
+    assert f"emitter.tie.{text.split(':')[0]}: must be a number" in complaint(f"emitter: {{tie: {{{text}}}}}")

@@ -1,0 +1,227 @@
+"""Frames from scenes: which, in which order, with what; the same bits whatever the number of threads."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from strand_kit import frames_of, groom_of, moved, need_frames_at_once, scene_of, solver_of
+from strandcli import runtime
+from strandcli.constants import W
+from strandcli.errors import UsageError
+from strandcli.frame import Frame
+from strandcli.groom import children
+from strandcli.panels import GAP, fitting_size, join
+from strandcli.pipeline import ONE_BY_ONE, render
+from strandcli.scene import Scene
+from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
+
+THREADS = int(numba.config.NUMBA_NUM_THREADS)
+
+
+def changed(scene: Scene, **emitter: object) -> Scene:
+    return dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, **emitter))  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def everything() -> Scene:
+    """A scene that uses every stage, high enough for several bands of rows, with strands wider than a pixel."""
+    scene = scene_of(EVERYTHING + "detail: {near: 3}\n")
+    scene = dataclasses.replace(
+        scene,
+        image=dataclasses.replace(scene.image, size=(200, 260)),
+        material=dataclasses.replace(scene.material, width=0.03),
+    )
+    return changed(scene, strands=700)
+
+
+@pytest.fixture(scope="module")
+def frames(everything: Scene) -> list[Frame]:
+    return frames_of(everything, 1, 4, threads=1)
+
+
+def alike(left: list[Frame], right: list[Frame]) -> None:
+    assert [frame.number for frame in left] == [frame.number for frame in right]
+    for a, b in zip(left, right, strict=True):
+        np.testing.assert_array_equal(a.positions, b.positions)
+        np.testing.assert_array_equal(a.image, b.image)
+        assert a.report["counts"] == b.report["counts"]
+        assert a.report["error"] == b.report["error"]
+
+
+def test_two_runs_give_the_same_bits(everything: Scene, frames: list[Frame]) -> None:
+    alike(frames, frames_of(everything, 1, 4, threads=1))
+    assert frames[0].image is not None
+    assert (frames[0].image != frames[1].image).any()
+    assert len(np.unique(frames[0].image)) > 100
+
+
+@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
+def test_the_number_of_threads_does_not_show(everything: Scene, frames: list[Frame]) -> None:
+    for threads in (2, THREADS):
+        alike(frames, frames_of(everything, 1, 4, threads=threads))
+
+
+def test_a_strand_does_not_depend_on_the_others(everything: Scene) -> None:
+    many = moved(everything, 3, plain=False)
+    for count in (1, W, W + 1, 300):
+        np.testing.assert_array_equal(moved(changed(everything, strands=count), 3, plain=False), many[:count])
+
+
+def test_seeds_change_everything_that_is_random(everything: Scene, frames: list[Frame]) -> None:
+    other = frames_of(dataclasses.replace(everything, seed=5), 1)[0]
+    assert other.positions is not None
+    assert frames[0].positions is not None
+    both = min(len(other.positions), len(frames[0].positions))  # how many are near enough to be drawn depends on it too
+    assert (other.positions[:both] != frames[0].positions[:both]).mean() > 0.99
+
+
+def test_portions_of_a_large_groom_give_the_same_picture(
+    everything: Scene, frames: list[Frame], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("strandcli.draw.strand_batches.PORTION", 200)
+    alike(frames, frames_of(everything, 1, 4))
+
+
+def test_frames_come_once_and_in_order_and_nothing_depends_on_what_else_is_asked_for(everything: Scene) -> None:
+    some = frames_of(everything, 3, 1, 3, 2)
+    assert [frame.number for frame in some] == [1, 2, 3]
+    alike([some[2]], frames_of(everything, 3))
+    short = scene_of(UNLIT + "time: {frames: 4}\n")
+    assert [frame.number for frame in render(short)] == [1, 2, 3, 4]
+    assert list(render(short, [])) == []
+
+
+@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
+def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    need_frames_at_once()
+    found: list[int] = []
+
+    class Counted(children.Children):
+        @functools.cached_property
+        def family(self) -> Any:
+            found.append(self.count)
+            return super().family
+
+    monkeypatch.setattr("strandcli.pipeline.Children", Counted)
+    monkeypatch.setattr("strandcli.draw.renderer.Children", Counted)
+    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
+    scene = scene_of(UNLIT + "time: {frames: 6}\nchildren: {count: 3}\n")
+    frames = list(render(scene, threads=2))
+    assert [frame.number for frame in frames] == [1, 2, 3, 4, 5, 6]
+    assert found == [60]
+
+
+@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
+def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_and_it_is_told_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
+    monkeypatch.setattr("strandcli.pipeline.in_order", lambda *args, **options: pytest.fail("several at once"))
+    monkeypatch.setattr(numba, "threading_layer", lambda: "workqueue")
+    told: list[str] = []
+    scene = scene_of(UNLIT + "time: {frames: 5}\n")
+    assert [frame.number for frame in render(scene, threads=2, notify=told.append)] == [1, 2, 3, 4, 5]
+    assert [line for line in told if "libgomp1" in line] == [ONE_BY_ONE]
+    told.clear()
+    assert len(list(render(scene, [1, 2], threads=2, notify=told.append))) == 2
+    assert ONE_BY_ONE not in told
+
+
+def test_frames_hold_what_was_asked_for(everything: Scene) -> None:
+    (frame,) = render(everything, [1])
+    assert frame.positions is None
+    assert frame.image is not None
+    (frame,) = render(everything, [2], draw=False, keep_positions=True)
+    assert frame.image is None
+    assert frame.positions is not None
+    assert frame.positions.shape == (700, 5, 3)
+    assert frame.positions.dtype == np.float32
+    assert set(frame.report["seconds"]) == {"simulate"}
+    assert frame.report["error"]["penetration_max"] >= 0
+
+
+def test_reports_tell_stages_counts_and_errors(frames: list[Frame]) -> None:
+    report = frames[1].report
+    assert report["frame"] == 4
+    assert set(report["seconds"]) == {"simulate", "curves", "shadow", "raster", "shade", "film"}
+    assert all(seconds >= 0 for seconds in report["seconds"].values())
+    counts = report["counts"]
+    assert counts["particles"] == 5 * counts["strands"]
+    assert counts["segments"] >= 4 * counts["strands"]
+    assert 0 < counts["fragments"] < 200 * 260
+    assert report["error"]["nonfinite"] == 0
+    assert 0 < report["error"]["curve_px_max"] < 2
+
+
+@pytest.mark.parametrize("rules", ["emitter_motion, gravity, elasticity", "gravity, elasticity"])
+def test_positions_that_were_simulated_before_give_the_same_pictures(rules: str) -> None:
+    """With an emitter that turns and moves."""
+    text = EVERYTHING[: EVERYTHING.index("rules:")] + f"rules: [{rules}]\n" + EVERYTHING[EVERYTHING.index("camera:") :]
+    scene = scene_of(text)
+    before = frames_of(scene, 1, 2, 3)
+    kept = {frame.number: frame.positions for frame in before}
+    again = frames_of(scene, 1, 2, 3, positions=kept.__getitem__)
+    alike(before, again)
+    (last,) = frames_of(scene, 3, positions=kept.__getitem__)
+    np.testing.assert_array_equal(last.image, before[2].image)
+    assert last.report["seconds"]["simulate"] is None
+
+
+def test_more_threads_than_there_are_is_a_usage_error() -> None:
+    for threads in (0, -1, THREADS + 1):
+        with pytest.raises(UsageError, match=rf"--threads {threads}: this machine offers 1 to {THREADS}"):
+            frames_of(scene_of(UNLIT), 1, threads=threads)
+    runtime.start()
+    assert numba.get_num_threads() == THREADS
+
+
+def test_panels_stand_side_by_side() -> None:
+    text = UNLIT + "panels: [{label: one}, {label: two, set: {image.size: [10, 30]}}, {set: {emitter.strands: 7}}]\n"
+    (panels,) = frames_of(scene_of(text), 2)
+    single = frames_of(scene_of(UNLIT), 2)[0]
+    assert panels.image is not None
+    assert panels.positions is None
+    width = 20 + GAP + 10 + GAP + 20
+    assert panels.image.shape == (30 + 24, width, 3)
+    np.testing.assert_array_equal(panels.image[:16, :20], single.image)
+    assert panels.report["counts"]["strands"] == 20 + 20 + 7
+    assert panels.report["seconds"]["raster"] > 0
+
+
+def test_labels_stand_below_their_pictures_and_need_no_room_where_there_are_none() -> None:
+    pictures = [np.full((40, 50, 3), level, np.uint8) for level in (90, 180)]
+    plain = join(pictures, ["", ""])
+    assert plain.shape == (40, 50 + GAP + 50, 3)
+    assert (plain[:, :50] == 90).all()
+    assert (plain[:, -50:] == 180).all()
+    labelled = join(pictures, ["left", ""])
+    assert labelled.shape == (64, 50 + GAP + 50, 3)
+    strip = labelled[40:]
+    assert (strip[:, :50].max(0) > 150).any()
+    assert strip[:, -50:].max() < 60
+
+
+def test_the_groom_is_made_once_and_the_solver_starts_from_it(everything: Scene) -> None:
+    groom = groom_of(everything)
+    start = solver_of(everything, plain=True).particles()
+    np.testing.assert_allclose(start[:, 0], groom.roots, atol=1e-6)
+    tips = groom.roots + groom.directions * groom.lengths[:, None]
+    np.testing.assert_allclose(start[:, -1], tips, atol=2e-6)
+
+
+def test_labels_shrink_until_they_fit_their_panel() -> None:
+    from PIL import ImageFont
+
+    for width in (80, 160, 640):
+        for label in ("short", "with stiffness, as the source prints it"):
+            size = fitting_size(label, 20, width)
+            assert ImageFont.load_default(size).getlength(label) <= width or size == 6
+            assert size == 20 or ImageFont.load_default(size + 1).getlength(label) > width

@@ -1,0 +1,74 @@
+"""A scene written back loads to an equal scene."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from scene_kit import scene
+from scene_strategies import single_scenes
+from strandcli.scene import Scene, dump, to_dict
+from strandcli.scene.fields import settings_of
+
+slow = settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
+)
+
+
+@slow
+@given(single_scenes())
+def test_a_dumped_scene_loads_to_an_equal_one(made: Scene) -> None:
+    assert scene(dump(made)) == made
+
+
+@slow
+@given(single_scenes(), st.lists(single_scenes(), max_size=3))
+def test_so_do_panels_however_much_they_differ(made: Scene, panels: list[Scene]) -> None:
+    whole = dataclasses.replace(made, panels=tuple(panels))
+    assert scene(dump(whole)) == whole
+
+
+@pytest.mark.parametrize("text", ["no", "1e3", "12:30", "null", "~", "a: b", "#x", "- a", "%", "'", '"', "010", " "])
+def test_text_that_yaml_would_take_for_something_else(text: str) -> None:
+    made = Scene(title=text, label=text)
+    assert scene(dump(made)) == made
+
+
+@pytest.mark.parametrize("text", ["\u2028", "é😀", "\x85", "two\nlines", "a\n\nb\n", "tab\there", "\n"])
+def test_text_of_several_lines(text: str) -> None:
+    assert scene(dump(Scene(title=text))).title == text
+
+
+def test_every_setting_is_written_out() -> None:
+    data = to_dict(Scene())
+    assert list(data) == [key for key in settings_of(Scene) if key != "panels"]
+    lens = ["aperture", "focus", "shutter", "samples"]
+    assert list(data["camera"]) == ["kind", "position", "target", "up", "fov", "height", "near", *lens, "keys"]
+    shadow = {"model": "minmax", "size": None, "layers": 31, "texel": None, "bias": 0.0}
+    assert data["lights"][0]["shadow"] == shadow
+
+
+def test_what_is_dumped_is_plain_yaml_for_other_readers_too() -> None:
+    made = scene("rules: [wind: {strength: 1e3}, wind]\nsolids: [{kind: box}]".replace("1e3", "100"))
+    text = dump(made)
+    assert yaml.safe_load(text) == to_dict(made)
+    assert "&" not in text
+    assert "!!" not in text
+
+
+def test_vectors_stay_on_one_line() -> None:
+    assert "  position: [0.0, 0.0, 5.0]\n" in dump(Scene())
+
+
+def test_a_panel_is_written_by_what_differs() -> None:
+    made = scene("detail: {near: 3}\npanels: [{label: a, set: {detail: null}}, {label: b}]")
+    assert to_dict(made)["panels"] == [{"label": "a", "set": {"detail": None}}, {"label": "b", "set": {}}]
+
+
+def test_source_and_hash_are_no_part_of_what_a_scene_is() -> None:
+    assert dataclasses.replace(Scene(), source="a", sha256="b") == Scene()
+    assert dataclasses.replace(Scene(), seed=1) != Scene()

@@ -1,0 +1,147 @@
+"""All faults at once, each with its place and path, and the checks of a scene as a whole."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from scene_kit import complaint, complaints, faults, scene
+from strandcli.scene import Fault, SceneError
+
+BAD = """\
+title: hair
+tme: 3
+time: {fps: 0, frames: 10.5}
+emitter:
+  strenght: 3
+  length: .nan
+  shape: {kind: disk, radius: -1}
+wind: {strength: 2}
+rules:
+  - gravity
+  - wind: {strenght: 3, direction: [0, 0, 0]}
+  - wnd
+  - collision: {with: [hed]}
+solids:
+  - radius: 3
+  - {kind: sphere, name: head}
+  - {kind: box, name: head}
+camera: {fov: 200, position: [0, 0, 0]}
+title: again
+"""
+
+
+def test_all_faults_are_told_at_once_in_file_order() -> None:
+    assert [(fault.line, fault.column, fault.path) for fault in faults(BAD)] == [
+        (2, 1, "tme"),
+        (3, 13, "time.fps"),
+        (3, 24, "time.frames"),
+        (5, 3, "emitter.strenght"),
+        (6, 11, "emitter.length"),
+        (7, 17, "emitter.shape.kind"),
+        (8, 1, "wind"),
+        (11, 12, "wind.strenght"),
+        (11, 36, "wind.direction"),
+        (12, 5, "rules"),
+        (15, 5, "solids.0"),
+        (17, 23, "solids.2.name"),
+        (18, 15, "camera.fov"),
+        (18, 30, "camera.position"),
+        (19, 1, ""),
+    ]
+
+
+def test_a_line_reads_as_the_manual_says() -> None:
+    text = "rules:\n  - gravity\n  - wind:\n      strenght: 3\n"
+    assert complaint(text) == "p.yaml:4:7: wind.strenght: unknown key; did you mean 'strength'?"
+
+
+def test_a_scene_error_is_a_line_a_fault_and_survives_pickling() -> None:
+    error = SceneError([Fault("a.yaml", 1, 2, "b", "is bad"), Fault("--set c=3", 0, 0, "c", "is worse")])
+    assert str(error) == "a.yaml:1:2: b: is bad\n--set c=3: is worse"
+    assert error.exit_code == 2
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.faults) == (str(error), error.faults)
+
+
+def test_unknown_keys_are_put_right_or_told_what_there_is() -> None:
+    assert complaint("camera: {positon: [0, 0, 1]}").endswith("unknown key; did you mean 'position'?")
+    assert complaint("camera: {FOV: 3}").endswith("did you mean 'fov'?")
+    assert complaint("time: {zzz: 3}").endswith("unknown key; the keys are frames, fps, substeps, preroll")
+    assert complaint("rules: [elasticity: {a: 3}]").endswith("unknown key; there are no settings here")
+    assert "belongs under `rules`" in complaint("gravity: {}")
+
+
+def test_very_many_faults_are_still_all_told() -> None:
+    lines = complaints("".join(f"k{n}: 1\n" for n in range(1000)))
+    assert len(lines) == 1000
+    assert lines[-1] == "p.yaml:1000:1: k999: unknown key"
+
+
+def test_what_a_fault_makes_uncertain_is_not_complained_about_as_well() -> None:
+    # the default position (0, 0, 5) stands in for the faulty one
+    assert complaint("camera: {position: [a, 0, 0], target: [0, 0, 5]}").startswith("p.yaml:1:21: camera.position.0")
+    # the second solid may have had the name
+    assert len(complaints("solids: [{kind: sfere, name: head}]\nrules: [collision: {with: head}]")) == 1
+
+
+def test_rules_are_checked_although_something_else_is_wrong() -> None:
+    lines = complaints("rules: [collision: {with: hed}]\nsolids: [{kind: sphere, name: head, radius: 0}]\n")
+    assert [line.split(": ")[1] for line in lines] == ["collision.with.0", "solids.0.radius"]
+
+
+def test_solids_need_different_names_but_may_have_none() -> None:
+    assert len(scene("solids: [{kind: box}, {kind: box}, {kind: box, name: a}, {kind: plane, name: b}]").solids) == 4
+    text = "solids:\n- {kind: box, name: a}\n- {kind: plane, name: b}\n- {kind: sphere, name: a}\n"
+    assert complaint(text) == "p.yaml:4:24: solids.2.name: solids.0 has the name 'a' too; names must differ"
+
+
+@pytest.mark.parametrize("thing", ["emitter: {keys: %s}", "camera: {keys: %s}", "solids: [{kind: sphere, keys: %s}]"])
+def test_keys_go_forward_in_time(thing: str) -> None:
+    assert scene(thing % "[{time: -1}, {time: 0}, {time: 0.5}]")
+    for later in ("0", "-1", "0.0"):
+        line = complaint(thing % f"[{{time: 0}}, {{time: {later}}}]")
+        assert "keys.1.time: keys must go forward in time" in line
+    assert "keys.1: keys must go forward" in complaint(thing % "[{time: 0}, {}]").replace(".time:", ":")
+
+
+def test_particles_too_close_for_single_precision() -> None:
+    line = complaint("emitter: {length: 0.001, particles: 10000}")
+    assert "emitter.length: 10000 particles on 0.001 m stand 1e-07 m apart" in line
+    assert scene("emitter: {length: 0.001, particles: 1000}")
+
+
+@pytest.mark.parametrize(
+    ("camera", "place", "says"),
+    [
+        ("{position: [0, 0, 0]}", "camera.position", "stands at its own target"),
+        ("{target: [0, 0, 5]}", "camera.target", "stands at its own target"),
+        ("{position: [1, 2, 3], target: [1, 2, 3]}", "camera.target", "stands at its own target"),
+        ("{position: [0, 4, 0]}", "camera.position", "along `up`"),
+        ("{position: [0, -4, 0]}", "camera.position", "along `up`"),
+        ("{up: [0, 0, -2]}", "camera.up", "along `up`"),
+        ("{keys: [{time: 0}, {time: 1, position: [0, 0, 0]}]}", "camera.keys.1.position", "stands at its own target"),
+        ("{keys: [{time: 0, target: [0, 0, 5]}]}", "camera.keys.0.target", "stands at its own target"),
+        ("{keys: [{time: 0, position: [0, 9, 0]}]}", "camera.keys.0.position", "along `up`"),
+        (
+            "{keys: [{time: 0, position: [0, 0, 5]}, {time: 1, position: [0, 0, -5]}]}",
+            "camera.keys.1.position",
+            "passes through its own target",
+        ),
+        (
+            "{keys: [{time: 0, position: [0, 5, 5]}, {time: 1, position: [0, 5, -5]}]}",
+            "camera.keys.1.position",
+            "looks along `up`",
+        ),
+    ],
+)
+def test_a_camera_looks_somewhere(camera: str, place: str, says: str) -> None:
+    line = complaint(f"camera: {camera}")
+    assert f": {place}: " in line
+    assert says in line
+
+
+def test_a_camera_may_jump_past_its_target() -> None:
+    keys = "[{time: 0, position: [0, 0, 5], ease: step}, {time: 1, position: [0, 0, -5]}]"
+    assert len(scene(f"camera: {{keys: {keys}}}").camera.keys) == 2

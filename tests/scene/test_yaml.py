@@ -1,0 +1,284 @@
+"""The traps of YAML: each ends in a number, in text, or in a clear error with its place."""
+
+from __future__ import annotations
+
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scene_kit import RULES, complaint, complaints, error_of, scene
+from strandcli.errors import UsageError
+from strandcli.scene import SceneError, load, yaml_source
+from strandcli.scene.nodes import ListNode, MapNode, Node
+from strandcli.scene.yaml_source import DEEPEST, LARGEST_FILE, read
+
+
+def fps(text: str) -> float:
+    return scene(f"time: {{fps: {text}}}").time.fps
+
+
+@pytest.mark.parametrize(
+    ("written", "number"),
+    [
+        ("1e3", 1000.0),
+        ("1E+3", 1000.0),
+        ("1.e1", 10.0),
+        ("25e-1", 2.5),
+        (".5", 0.5),
+        ("+.5", 0.5),
+        ("+24", 24.0),
+        ("0x18", 24.0),
+        ("0o30", 24.0),
+        ("24", 24.0),
+        ("023.5", 23.5),
+    ],
+)
+def test_numbers_that_are_numbers(written: str, number: float) -> None:
+    assert fps(written) == number
+
+
+@pytest.mark.parametrize("written", ["1e3", "1000", "1000.0", "1_0e2".replace("_", "")])
+def test_whole_numbers_however_they_are_written(written: str) -> None:
+    frames = scene(f"time: {{frames: {written}}}").time.frames
+    assert frames == 1000
+    assert type(frames) is int
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("12:30", "base 60"),
+        ("1:30:00.5", "base 60"),
+        ("1_000", "write 1000"),
+        ("1_0.5", "write 10.5"),
+        ("0x1_0", "write 0x10"),
+        ("010", "leading zero"),
+        ("-08", "leading zero"),
+        (".nan", "must be finite"),
+        (".NaN", "must be finite"),
+        ("nan", "must be finite"),
+        (".inf", "must be finite"),
+        ("-.INF", "must be finite"),
+        ("infinity", "must be finite"),
+        ("1e999", "too large"),
+        ("9" * 5000, "not '999"),
+        ("0x" + "f" * 5000, "not '0xf"),
+        ("9" * 310, "too large"),
+        ("no", "must be a number above 0"),
+        ("yes", "must be a number above 0"),
+        ("on", "must be a number above 0"),
+        ("off", "must be a number above 0"),
+        ("true", "must be a number above 0"),
+        ("False", "must be a number above 0"),
+        ('"24"', "take the quotes away"),
+        ("'a'", "not the text 'a'"),
+        ("24 fps", "(1/s), not '24 fps'"),
+        ("0b11", "must be a number"),
+        ("2012-01-01", "must be a number"),
+        ("[24]", "not '[24]'"),
+        ("{a: 24}", "not a mapping"),
+        ("", "not nothing"),
+    ],
+)
+def test_numbers_that_are_none(written: str, says: str) -> None:
+    line = complaint(f"time:\n  fps: {written}\n")
+    assert line.startswith("p.yaml:2:")
+    assert "time.fps: must be a number" in line
+    assert says in line
+    assert len(line) < 300
+
+
+def test_a_comma_is_no_decimal_point() -> None:
+    assert "write 0.5 with a point" in complaint("material:\n  diffuse: 0,5\n")
+
+
+@pytest.mark.parametrize("written", ["10.5", "1e-3", ".nan", "1e400", "no", "true", "0x", "12:30", "010"])
+def test_whole_numbers_that_are_none(written: str) -> None:
+    assert "emitter.strands: must be a whole number" in complaint(f"emitter: {{strands: {written}}}")
+
+
+@pytest.mark.parametrize("word", ["no", "yes", "on", "off", "12:30", "1e3", "010", "null and void", "2012", "true"])
+def test_text_stays_the_text_that_was_written(word: str) -> None:
+    assert scene(f"title: {word}").title == word
+
+
+def test_a_choice_named_off_is_not_false() -> None:
+    assert scene("curves: {mode: off}").curves.mode == "off"
+
+
+@pytest.mark.parametrize(("word", "meant"), [("no", "false"), ("Off", "false"), ("yes", "true"), ("ON", "true")])
+def test_truth_values_of_one_yaml_only_are_refused(word: str, meant: str) -> None:
+    assert complaint(f"detail: {{widen: {word}}}").endswith(f"YAML readers disagree about; write {meant}")
+
+
+@pytest.mark.parametrize("word", ["1", "0", '"true"', "[true]", "maybe"])
+def test_truth_values_are_nothing_else(word: str) -> None:
+    assert "detail.widen: must be true or false" in complaint(f"detail: {{widen: {word}}}")
+
+
+def test_truth_values() -> None:
+    assert scene("detail: {widen: false}").detail.widen is False  # type: ignore[union-attr]
+    assert scene("detail: {widen: TRUE}").detail.widen is True  # type: ignore[union-attr]
+
+
+def test_duplicate_keys_are_faults_with_the_first_line() -> None:
+    text = "time:\n  fps: 10\n  frames: 3\n  fps: 20\nseed: 1\nseed: 2\n"
+    assert complaints(text) == [
+        "p.yaml:4:3: duplicate key 'fps', first given on line 2",
+        "p.yaml:6:1: duplicate key 'seed', first given on line 5",
+    ]
+
+
+def test_anchors_and_aliases_are_refused_each_where_it_stands() -> None:
+    text = "camera: {position: &eye [0, 0, 5]}\nlights:\n- {kind: point, position: *eye}\n"
+    first, second = complaints(text)
+    assert first.startswith("p.yaml:1:20: `&eye`: anchors are refused")
+    assert second.startswith("p.yaml:3:27: `*eye`: aliases are refused")
+
+
+def test_an_alias_bomb_is_refused() -> None:
+    lines = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 30)]
+    assert sum("anchors are refused" in line for line in complaints("\n".join(lines))) == 30
+
+
+def test_merge_keys_are_refused() -> None:
+    assert "merge keys are refused; use `extends`" in complaint("<<: {title: a}\n")
+
+
+@pytest.mark.parametrize("value", ["!!float 3", "!mine 3", "! 3", "!!python/object:os.system x", "!!set {a}"])
+def test_tags_are_refused(value: str) -> None:
+    assert any("tags are refused" in line for line in complaints(f"seed: {value}"))
+
+
+def test_depth_is_capped_before_it_hurts() -> None:
+    deep = "a: " + "[" * 100_000
+    assert complaint(deep) == f"p.yaml:1:{3 + DEEPEST}: is nested more than {DEEPEST} deep"
+    assert f"more than {DEEPEST} deep" in complaint("- " * 200_000)
+    assert f"more than {DEEPEST} deep" in complaint("? " * 200_000)
+    assert f"more than {DEEPEST} deep" in complaint("a: " + "{a: " * 200)
+
+
+def test_a_tree_of_the_greatest_depth_is_read() -> None:
+    inside = DEEPEST - 1
+    root, found = read(f"a: {'[' * inside}1{']' * inside}".encode(), "p.yaml")
+    assert not found
+    depth, node = 0, root.get("a")
+    while hasattr(node, "items"):
+        depth, node = depth + 1, node.items[0]
+    assert depth == inside
+
+
+def test_size_is_capped() -> None:
+    with pytest.raises(SceneError, match="is larger than 1048576 bytes"):
+        read(b"#" * (LARGEST_FILE + 1), "p.yaml")
+    root, _ = read(b"title: a\n" + b"#" * (LARGEST_FILE - 9), "p.yaml")
+    assert list(root.entries) == ["title"]
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"", "p.yaml:1:1: is empty"),
+        (b"  \n# only a comment\n", "p.yaml:1:1: is empty"),
+        (b"---\n", "p.yaml:1:1: is empty"),
+        (b"- title\n", "p.yaml:1:1: must be a mapping of settings"),
+        (b"hair\n", "p.yaml:1:1: must be a mapping of settings"),
+        (b"title: a\n---\ntitle: b\n", "p.yaml:2:1: holds more than one document"),
+        (b"title: caf\xe9\n", "p.yaml:1:11: is not UTF-8 text (byte 0xe9)"),
+        ("title: ä\nseed: \u00e4".encode() + b"\xff", "p.yaml:2:8: is not UTF-8 text (byte 0xff)"),
+        ("title: a".encode("utf-16"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
+        ("title: a".encode("utf-16-be"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
+        ("title: a".encode("utf-16-le"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "is not UTF-8 text"),
+        (b"title: a\n\0\0\0", "p.yaml:2:1: holds a character that YAML does not allow: '\\x00'"),
+        (b"time:\n\tfps: 3\n", "p.yaml:2:1: not valid YAML: a tab cannot indent; use spaces"),
+        (b"title: a: b\n", "p.yaml:1:9: not valid YAML: a `: ` where no mapping can begin"),
+        (b"title: %a\n", "p.yaml:1:8: not valid YAML: found character '%' that cannot start any token; quote"),
+        (b"title: [a\n", "not valid YAML: expected ',' or ']'"),
+        (b'title: "a\n', "not valid YAML: found unexpected end of stream"),
+        (b'title: "\\UFFFFFFFF"\n', "holds a number or an escape"),
+        (b"%YAML " + b"9" * 5000 + b".1\n---\ntitle: a\n", "holds a number or an escape"),
+        (b'title: "\\ud800"\n', "half a surrogate pair"),
+        (b'title: "\\0"\n', "control character"),
+        (b"[a]: 1\n", "p.yaml:1:1: a key must be a single word"),
+        (b"? {a: 1}\n: 2\n", "p.yaml:1:3: a key must be a single word"),
+    ],
+)
+def test_what_is_no_preset_is_told_with_its_place(data: bytes, says: str) -> None:
+    error = error_of(lambda: read(data, "p.yaml"))
+    lines = str(error).splitlines() if error else [str(fault) for fault in read(data, "p.yaml")[1]]
+    assert len(lines) == 1
+    assert says in lines[0]
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_key() -> None:
+    root, found = read(b"\xef\xbb\xbftitle: a\n", "p.yaml")
+    assert (list(root.entries), found) == (["title"], [])
+
+
+def test_carriage_returns_keep_lines_right() -> None:
+    assert complaint("title: a\r\nseed: no\r\n").startswith("p.yaml:2:7: seed:")
+
+
+def test_faults_before_a_syntax_error_are_told_too() -> None:
+    lines = complaints("seed: 1\nseed: 2\ntitle: [\n")
+    assert len(lines) == 2
+    assert "duplicate key" in lines[0]
+
+
+def test_keys_that_yaml_would_take_for_truth_values_are_words() -> None:
+    assert complaint("on: 3").startswith("p.yaml:1:1: on: unknown key")
+    assert complaint("null: 3").startswith("p.yaml:1:1: null: unknown key")
+
+
+def test_an_unquoted_hex_colour_is_a_comment_and_told_so() -> None:
+    line = complaint("material:\n  colour: #ff0000\n")
+    assert "material.colour" in line
+    assert "without quotes a # begins a comment" in line
+
+
+def test_a_message_stays_one_short_line_whatever_was_written() -> None:
+    for line in complaints('time: {fps: "a\\nb\\e[31m' + "x" * 1000 + '", "\\r\\n": 3}'):
+        assert line.isprintable()
+        assert len(line) < 250
+
+
+def test_all_of_it_is_a_usage_error(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "p.yaml"
+    path.write_bytes(b"\xff")
+    with pytest.raises(UsageError) as caught:
+        load(path, rules=RULES)
+    assert caught.value.exit_code == 2
+
+
+def leaves(node: Node) -> Any:
+    """A tree as plain values: texts with whether they are plain, and all marks."""
+    if isinstance(node, MapNode):
+        return {key: (entry.mark, leaves(entry.node)) for key, entry in node.entries.items()}
+    if isinstance(node, ListNode):
+        return [node.mark, *(leaves(item) for item in node.items)]
+    return node.text, node.plain, node.mark
+
+
+@given(st.lists(st.dictionaries(st.text("abc:#'\" é-", max_size=5), st.integers() | st.text(max_size=8)), max_size=6))
+def test_the_parser_of_long_texts_finds_the_same_tree(value: list[Any]) -> None:
+    data = yaml.safe_dump({"key": value}, allow_unicode=True).encode()
+    with patch.object(yaml_source, "LONG", 0):
+        tree, faults = read(data, "f.yaml")
+    same, none = read(data, "f.yaml")
+    assert leaves(tree) == leaves(same)
+    assert faults == none
+
+
+def test_a_long_text_with_a_fault_is_told_as_a_short_one_is() -> None:
+    lines = "- [1, 2]\n" * 8_000  # more than `yaml_source.LONG`
+    with pytest.raises(SceneError) as caught:
+        read(f"a:\n{lines}- [1, 2\nb: 3\n".encode(), "f.yaml")
+    with pytest.raises(SceneError) as short:
+        read(b"a:\n- [1, 2\nb: 3\n", "f.yaml")
+    assert str(caught.value).partition(": ")[2] == str(short.value).partition(": ")[2]
+    assert str(caught.value).startswith("f.yaml:8003:")

@@ -1,0 +1,231 @@
+"""Emitters and solids that move while strands are simulated, and what the source's solver admits about itself."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from reference.rules import depth
+from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
+from strandcli.blocks import unpack
+from strandcli.constants import W
+from strandcli.errors import SimulationError
+from strandcli.scene import Scene
+from strandcli.scene.motion import emitter_pose
+
+TURNING = """
+emitter:
+  strands: 135
+  particles: 5
+  length: 0.6
+  length_variation: 0.3
+  shape: {kind: sphere, radius: 0.4}
+  keys:
+  - {time: 0, position: [1, 2, 3], rotation: [0, 0, 0]}
+  - {time: 2, position: [-4, 1, 0], rotation: [100, 720, -50]}
+time: {fps: 10, preroll: 0.4}
+rules: [%s]
+"""
+HANGING = """
+emitter: {strands: 1, particles: %d, length: 1, shape: {kind: plane, width: 1e-9, depth: 1e-9}, direction: [1, 0, 0]}
+time: {fps: %g, substeps: %d}
+rules: [%s]
+"""
+
+
+def pose(scene: Scene, frame: int) -> list[np.ndarray]:
+    return [np.array(part) for part in emitter_pose(scene.emitter, (frame - 1) / scene.time.fps)]
+
+
+@pytest.mark.parametrize("rules", ["emitter_motion, gravity, elasticity", "gravity, elasticity, emitter_motion"])
+def test_roots_and_directions_turn_with_the_emitter(rules: str) -> None:
+    """Exactly, on whatever frame: they are placed from the emitter's own frame, so nothing can drift."""
+    scene = scene_of(TURNING % rules)
+    groom = groom_of(scene)
+    solver = solver_of(scene, plain=True)
+    for frame in (1, 2, 7, 21, 30):
+        solver.advance(frame)
+        rotation, centre = pose(scene, frame)
+        roots = solver.particles()[:, 0]
+        np.testing.assert_allclose(roots, groom.roots @ rotation.T + centre, atol=2e-6)
+        np.testing.assert_allclose(np.linalg.norm(roots - centre, axis=1), 0.4, atol=2e-6)
+        lanes = unpack(solver.positions[:, :2], 135)
+        segment = groom.lengths[:, None] / 4
+        np.testing.assert_allclose((lanes[:, 1] - lanes[:, 0]) / segment, groom.directions @ rotation.T, atol=2e-5)
+        if rules.endswith("elasticity"):
+            assert solver.errors(frame)["stretch_max"] < 1e-5
+
+
+def test_elasticity_drags_the_rest_along_and_without_the_rule_nothing_moves() -> None:
+    scene = scene_of(TURNING % "emitter_motion, elasticity")
+    start, end = moved(scene, 1), moved(scene, 21)
+    assert np.linalg.norm(end - start, axis=2).min() > 3
+    still = scene_of(TURNING % "elasticity")
+    assert np.abs(moved(still, 21) - moved(still, 1)).max() < 1e-5
+
+
+def test_everything_is_held_during_the_preroll() -> None:
+    scene = scene_of(TURNING.replace("preroll: 0.4", "preroll: 3") % "emitter_motion, gravity, elasticity")
+    assert np.abs(moved(scene, 1)[:, 0] - groom_of(scene).roots - [1, 2, 3]).max() < 1e-6
+    settled = moved(scene, 1)
+    assert settled[:, -1, 1].max() < groom_of(scene).roots[:, 1].max() + 2.05  # and gravity acts
+
+
+def test_keys_before_the_first_frame_move_nothing_during_the_preroll() -> None:
+    keys = "[{time: -2, position: [0, 0, 0]}, {time: 2, position: [4, 0, 0]}]"
+    text = TURNING[: TURNING.index("  keys:")] + f"  keys: {keys}\n" + TURNING[TURNING.index("time: {fps") :]
+    scene = scene_of(text % "emitter_motion, elasticity")
+    groom = groom_of(scene)
+    tips = groom.roots + groom.directions * groom.lengths[:, None] + [2, 0, 0]
+    assert np.abs(moved(scene, 1)[:, -1] - tips).max() < 1e-5
+
+
+def test_steps_can_be_taken_in_any_portions() -> None:
+    scene = scene_of(TURNING.replace("fps: 10", "fps: 10, substeps: 3") % "emitter_motion, gravity, wind, elasticity")
+    by_one = solver_of(scene, plain=True)
+    for frame in range(1, 8):
+        by_one.advance(frame)
+    np.testing.assert_array_equal(by_one.particles(), moved(scene, 7))
+
+
+def test_positions_taken_from_elsewhere_restore_the_whole_state() -> None:
+    """The row before the root turns with the emitter too; curves take their first tangent from it."""
+    scene = scene_of(TURNING % "emitter_motion, gravity, elasticity")
+    for start in (1, 9):
+        run, taken = solver_of(scene), solver_of(scene)
+        for frame in (start, start + 3):
+            run.advance(frame)
+            taken.take(frame, run.particles())
+            np.testing.assert_array_equal(taken.positions, run.positions)
+
+
+SOLIDS = """
+emitter:
+  strands: 80
+  particles: 6
+  length: 1.2
+  shape: {kind: sphere, radius: 0.3}
+  keys: [{time: 0}, {time: 1, position: [0.5, 0.3, 0], rotation: [0, 90, 40]}]
+time: {fps: 12}
+rules: [emitter_motion, gravity: {acceleration: [0, -30, 0]}, elasticity, collision]
+solids: [%s]
+"""
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        "{kind: sphere, radius: 0.5, keys: [{time: 0, position: [-1, -1, 0]}, {time: 1, position: [1, 0, 0]}]}",
+        "{kind: plane, keys: [{time: 0, position: [0, -2, 0]}, {time: 1, position: [0, 1, 0], rotation: [30, 0, 20]}]}",
+        "{kind: capsule, radius: 0.3, length: 1, follow: emitter, position: [0, -0.8, 0], rotation: [0, 0, 50]}",
+        "{kind: box, size: [1, 0.5, 1], follow: emitter, keys: [{time: 0, position: [0, -1, 0]},"
+        " {time: 1, position: [0, -0.6, 0], rotation: [0, 200, 0]}]}",
+    ],
+)
+def test_solids_push_strands_where_they_are_at_that_moment(solid: str) -> None:
+    scene = scene_of(SOLIDS % solid)
+    free = scene_of(SOLIDS.replace(", collision]", "]") % solid)
+    unhindered, solver = solver_of(free, plain=True), solver_of(scene, plain=True)
+    deepest = 0.0
+    for frame in range(2, 14):
+        unhindered.advance(frame)
+        solver.advance(frame)
+        time = (frame - 1) / 12
+        deepest = max(deepest, depth(unhindered.particles()[:, 1:], scene.solids[0], scene.emitter, time).max())
+        assert depth(solver.particles()[:, 1:], scene.solids[0], scene.emitter, time).max() < 2e-6
+    assert deepest > 0.1
+
+
+def test_gravity_has_no_velocity_so_speed_depends_on_the_step() -> None:
+    """After one second at f steps a second a free particle has come g / f down, not g / 2."""
+    for fps, substeps in ((10, 1), (20, 1), (10, 4)):
+        fall = moved(scene_of(HANGING % (2, fps, substeps, "gravity")), fps + 1)[0, 1, 1]
+        assert fall == pytest.approx(-9.81 / (fps * substeps), rel=1e-4)
+
+
+def test_stiffness_comes_to_rest_elsewhere_when_the_step_changes() -> None:
+    """k = (l - i) s dt² is clamped at 1 for long steps and small for short ones, while gravity falls with dt² too."""
+    rules = "gravity, stiffness: {strength: 60}, elasticity"
+    tips = [moved(scene_of(HANGING % (8, fps, 1, rules)), 12 * fps, plain=False)[0, -1] for fps in (10, 20)]
+    again = moved(scene_of(HANGING % (8, 20, 1, rules)), 13 * 20, plain=False)[0, -1]
+    assert np.linalg.norm(again - tips[1]) < 1e-3  # at rest
+    assert np.linalg.norm(tips[0] - tips[1]) > 0.05
+
+
+def test_the_shape_depends_on_the_number_of_particles() -> None:
+    rules = "gravity, stiffness: {strength: 60}, elasticity"
+    tips = [moved(scene_of(HANGING % (n, 20, 1, rules)), 240, plain=False)[0, -1] for n in (5, 9)]
+    assert np.linalg.norm(tips[0] - tips[1]) > 0.05
+
+
+def test_nothing_has_inertia() -> None:
+    """Strands stop in the very frame in which their emitter stops."""
+    scene = scene_of(TURNING % "emitter_motion, elasticity")
+    moving = np.abs(moved(scene, 11) - moved(scene, 10)).max()
+    stopped = np.abs(moved(scene, 22) - moved(scene, 21)).max()
+    assert moving > 0.1
+    assert stopped < 1e-5
+
+
+DIVERGING = """
+emitter: {strands: 70, particles: 5}
+time: {fps: 10, frames: 40}
+image: {size: [16, 12]}
+rules: [gravity, stiffness: {strength: 5000, clamp: false}]
+"""
+
+
+def test_a_simulation_that_diverges_ends_in_an_error_and_not_in_a_picture() -> None:
+    frames = []
+    ends = None
+    for frame in range(1, 41):
+        try:
+            frames += frames_of(scene_of(DIVERGING), frame, draw=False)
+        except SimulationError as error:
+            ends = str(error)
+            break
+    assert 5 < len(frames) < 40
+    assert np.isfinite(frames[-1].positions).all()
+    assert frames[-1].report["error"]["nonfinite"] == 0
+    assert re.match(rf"frame {len(frames) + 1}: strand 0, particle \d is no longer finite", str(ends))
+    with pytest.raises(SimulationError, match=rf"^frame {len(frames) + 1}: strand \d+") as caught:
+        frames_of(scene_of(DIVERGING), 40)  # it stops where it went wrong, not where it is looked at
+    assert "thrown off by rule stiffness; " in str(caught.value)
+    assert "stiffness.clamp: true" in str(caught.value)
+    assert caught.value.exit_code == 1
+
+
+def test_errors_are_measured() -> None:
+    """Stretch and depth of a state that was made by hand."""
+    scene = scene_of(HANGING % (3, 10, 1, "collision") + "solids: [{kind: sphere, radius: 1, position: [3, 0, 0]}]\n")
+    solver = solver_of(scene, plain=True)
+    assert solver.errors(1) == {"stretch_max": 0.0, "penetration_max": 0.0, "residual_max": None, "nonfinite": 0}
+    solver.positions[:, 3, :W] = 2.25  # the tip's x; the parent's is 0.5
+    errors = solver.errors(1)
+    assert errors["stretch_max"] == pytest.approx(2.5)
+    assert errors["penetration_max"] == pytest.approx(0.25)
+    solver.positions[0, 3, W : W + 2] = np.nan
+    assert solver.errors(1)["nonfinite"] == 2
+    assert solver_of(scene_of(HANGING % (3, 10, 1, "gravity")), plain=True).errors(1)["penetration_max"] is None
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        "{kind: sphere, radius: 0.5, position: [2, 0, 0]}",
+        "{kind: capsule, radius: 0.5, length: 2, position: [2, 0, 0], rotation: [0, 0, 90]}",
+        "{kind: plane, position: [0, 0.2, 0]}",
+        "{kind: box, size: [4, 0.6, 2], position: [2, 0, 0], rotation: [0, 0, 0]}",
+    ],
+)
+def test_depth_inside_each_kind_of_solid_is_measured(solid: str) -> None:
+    """A strand along x from the origin, whose second and third particles are at x = 1.7 and 2.3 of each solid."""
+    scene = scene_of(HANGING % (3, 10, 1, "collision") + f"solids: [{solid}]\n")
+    solver = solver_of(scene, plain=True)
+    solver.positions[:, 2, :W], solver.positions[:, 3, :W] = 1.7, 2.3
+    solver.positions[:, 2:, W : 2 * W] = 0.0 if "plane" in solid else 0.1
+    exact = depth(solver.particles()[0, 1:], scene.solids[0], scene.emitter, 0.0).max()
+    assert exact > 0.1
+    assert solver.errors(1)["penetration_max"] == pytest.approx(exact, abs=1e-6)

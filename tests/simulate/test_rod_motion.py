@@ -1,0 +1,275 @@
+"""Rods in motion: energy, order in the step, roots that are put elsewhere, and compression."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import strandcli
+from strand_kit import scene_of
+from strandcli.groom.emit import Groom, emit
+from strandcli.simulate.rod import RodSolver
+from strandcli.study.stress import drive
+from strandcli.study.stress.axes import case_named
+from strandcli.study.stress.shaking import check_shake
+from tests.simulate.test_rod import PULL, scene
+
+
+def solver_of(one: Any) -> RodSolver:
+    return RodSolver(one, emit(one.emitter, one.seed))
+
+
+def first(solver: RodSolver) -> np.ndarray:
+    """(particles, 3) of the first strand in the solver's own precision."""
+    rows = solver.rows[0, 1:]
+    return rows.reshape(len(rows), 3, -1)[:, :, 0].astype(float)
+
+
+def energy(solver: RodSolver) -> float:
+    """Kinetic, of weight and of bending, over m g L."""
+    x = first(solver)
+    v = solver.velocity[0].reshape(len(x) - 1, 3, -1)[:, :, 0].astype(float)
+    mass, joint = solver.mass.astype(float), solver.joint.astype(float)
+    length = float(solver.own_lengths[0, 0])
+    edges = np.diff(x, axis=0) / length
+    clamp = solver.directions[0].reshape(3, -1)[:, 0].astype(float)
+    bends = np.diff(np.concatenate([clamp[None], edges]), axis=0)
+    bending = float(solver.stiffness[0, 0]) * length**2 / 2 * (joint[:, None] * bends**2).sum()
+    total = (mass[:, None] * v**2).sum() / 2 + PULL * (mass * x[1:, 1]).sum() + bending
+    return total / (PULL * mass.sum() * length * len(edges))
+
+
+def test_positions_taken_from_elsewhere_are_drawn_the_same() -> None:
+    """The row before the root has the bits that it had."""
+    keys = "keys: [{time: 0}, {time: 1, position: [0.3, 0.1, 0], rotation: [20, 100, 30]}]"
+    turning = scene_of(
+        f"emitter: {{strands: 300, particles: 5, length: 0.3, jitter: 30, {keys}}}\nsolver: rod\n"
+        "time: {fps: 24, frames: 9}\nrules: [emitter_motion, gravity]\n"
+    )
+    groom = emit(turning.emitter, turning.seed)
+    run, taken = RodSolver(turning, groom), RodSolver(turning, groom)
+    for frame in (1, 2, 6):
+        run.advance(frame)
+        taken.take(frame, run.particles())
+        np.testing.assert_array_equal(taken.positions, run.positions)
+
+
+def crests(y: np.ndarray) -> np.ndarray:
+    """Heights of the maxima, by parabolas."""
+    i = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
+    a, b, c = y[i - 1], y[i], y[i + 1]
+    return b - (c - a) ** 2 / (8 * (a - 2 * b + c))
+
+
+FREE = {"rod.drag": 0.0, "rod.damping": 0.0}
+
+
+@pytest.mark.parametrize(("integrator", "low", "high"), [("euler", 0.75, 0.9), ("bdf2", 0.999, 1.0)])
+def test_a_pendulum_keeps_its_amplitude(integrator: str, low: float, high: float) -> None:
+    one = scene(
+        1e7, direction=(0.3, -1.0, 0.0), **FREE, **{"emitter.particles": 2, "rod.integrator": integrator}
+    )  # fmt: skip
+    solver = solver_of(one)
+    swing = []
+    for i in range(600):
+        solver.step((i + 1) / 60, 1 / 60)
+        swing.append(first(solver)[-1, 0])
+    tops = crests(np.array(swing))
+    assert len(tops) >= 4
+    assert low < (tops[-1] / tops[0]) ** (1 / (len(tops) - 1)) <= high
+
+
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+@pytest.mark.parametrize("gamma", [1.0, 1e4])
+def test_energy_does_not_grow(integrator: str, gamma: float) -> None:
+    solver = solver_of(scene(gamma, **FREE, **{"rod.integrator": integrator}))
+    start = energy(solver)
+    for i in range(300):
+        solver.step((i + 1) / 60, 1 / 60)
+        assert energy(solver) - start <= 1e-6
+
+
+@pytest.mark.parametrize(("integrator", "low", "high"), [("euler", 0.8, 1.25), ("bdf2", 1.4, 2.1)])
+def test_order_in_the_step(integrator: str, low: float, high: float) -> None:
+    def end(rate: int) -> np.ndarray:
+        one = scene(10.0, **FREE, **{"rod.integrator": integrator, "rod.precision": "double", "emitter.particles": 6})
+        solver = solver_of(one)
+        for i in range(rate // 2):
+            solver.step((i + 1) / rate, 1 / rate)
+        return first(solver)
+
+    best = end(1920)
+    errors = [np.abs(end(rate) - best).max() for rate in (60, 120, 240)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert low < orders.min()
+    assert orders.max() < high
+
+
+def test_double_precision_keeps_lengths_to_its_last_digits() -> None:
+    solver = solver_of(scene(10.0, **{"rod.precision": "double"}))
+    for i in range(30):
+        solver.step((i + 1) / 24, 1 / 24)
+    edges = np.linalg.norm(np.diff(first(solver), axis=0), axis=1)
+    np.testing.assert_allclose(edges, 1 / 9, rtol=1e-12)
+    assert solver.errors(1)["stretch_max"] <= 1e-12  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("gamma", [1.0, 10.0])
+def test_rest_is_still_and_the_same_at_any_rate(gamma: float) -> None:
+    shapes = []
+    for rate in (24, 240):
+        solver = solver_of(scene(gamma, **{"rod.precision": "double"}))
+        seen = []
+        for i in range(21 * rate):
+            solver.step((i + 1) / rate, 1 / rate)
+            if i >= 20 * rate:
+                seen.append(first(solver))
+        assert np.ptp(np.array(seen), axis=0).max() <= 1e-6
+        shapes.append(seen[-1])
+    assert np.abs(shapes[0] - shapes[1]).max() <= 1e-4
+
+
+def moving(gamma: float, keys: list[dict[str, Any]], **changes: Any) -> RodSolver:
+    rules = ["emitter_motion", {"gravity": {"acceleration": [0, -PULL, 0]}}]
+    changes = {"emitter.strands": 20, "emitter.jitter": 60.0, "emitter.keys": keys, **changes}
+    return solver_of(scene(gamma, rules=rules, **changes))
+
+
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+def test_a_strand_falls_in_a_moving_frame_as_in_one_at_rest(integrator: str) -> None:
+    """Roots at a steady speed change nothing but where everything is: Galileo's principle."""
+    keys = [{"time": 0, "position": [0, 0, 0], "ease": "linear"}, {"time": 4, "position": [2.4, 0, 1.6]}]
+    settings = {**FREE, "rod.integrator": integrator, "rod.precision": "double", "emitter.strands": 1}
+    still = moving(10.0, [{"time": 0}], **settings)
+    carried = moving(10.0, keys, **settings)
+    carried.velocity[...] = np.repeat([0.6, 0.0, 0.4], carried.velocity.shape[-1] // 3)
+    for i in range(60):
+        for solver in (still, carried):
+            solver.step((i + 1) / 60, 1 / 60)
+    np.testing.assert_allclose(first(carried) - first(carried)[0], first(still), atol=1e-6)
+
+
+def test_a_teleport_carries_the_shape_along() -> None:
+    keys = [{"time": 0}, {"time": 1.0}, {"time": 1.0001, "position": [100, 0, 0]}, {"time": 9, "position": [100, 0, 0]}]
+    solver = moving(10.0, keys)
+    for i in range(24):
+        solver.step((i + 1) / 24, 1 / 24)
+    before = solver.particles() + np.array([100, 0, 0])
+    solver.step(25 / 24, 1 / 24)
+    # at rest again, and what is left of a fall from rest in one step
+    assert np.abs(solver.particles() - before).max() < 2 * PULL / 24**2
+    assert solver.residual() < 1e-3  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+@pytest.mark.parametrize("gamma", [10.0, 1e4])
+def test_a_root_that_turns_over_in_one_step(gamma: float, integrator: str) -> None:
+    keys = [{"time": 0}, {"time": 0.5}, {"time": 0.5001, "rotation": [0, 180, 0]}, {"time": 9, "rotation": [0, 180, 0]}]
+    solver = moving(gamma, keys, **{"rod.integrator": integrator})
+    for i in range(36):
+        solver.step((i + 1) / 24, 1 / 24)
+        assert solver.residual() <= 1e-3  # type: ignore[operator]
+        errors = solver.errors(1)
+        assert errors["nonfinite"] == 0
+        assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("n", [10, 32])
+@pytest.mark.parametrize("way", ["along", "aslant"])
+def test_a_root_that_is_shaken_leaves_no_residual(way: str, n: int) -> None:
+    found = check_shake("rod", way=way, n=n, integrator="bdf2", rates=("60Hz", "24Hz"), pulls=("0", "100"))
+    assert found["residual"] <= 1e-3
+
+
+def test_brushes_that_are_pressed_together_converge() -> None:
+    """Strands that stand upright on a ball that rises under them: compression, where the dual has a gap."""
+    one = strandcli.load("headline", settings={"solver": "rod", "emitter.strands": 1000, "time.preroll": 0})
+    solver = solver_of(one)
+    for frame in range(2, 31):
+        solver.advance(frame)
+        errors = solver.errors(frame)
+        assert errors["nonfinite"] == 0
+        assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
+        assert errors["penetration_max"] <= 1e-6  # type: ignore[operator]
+
+
+def test_folded_strands_that_stiffen_toward_the_tip_unfold() -> None:
+    """Compression again, where κ grows a million times along the strand: what a beam of κ at each place resists would
+    still leave H indefinite, and pivots that run away."""
+    name = "rod/dt=24Hz/substeps=8/gamma=7.7/contact=through/n=100/L=1e-6/tip=1e3/start=folded"
+    (found,) = drive.run([case_named(name)])
+    assert not found.error
+    assert found.metrics["nonfinite"] == 0
+    assert found.metrics["residual"] <= 0.05
+
+
+def test_gales_that_turn_about_leave_no_nan() -> None:
+    rules = [{"gravity": {}}, {"wind": {"strength": 1000, "sway": 90, "period": 0.1}}]
+    for gamma in (1e-2, 1e4):
+        solver = solver_of(scene(gamma, rules=rules, **{"emitter.strands": 20, "emitter.jitter": 120.0}))
+        time = 0.0
+        for dt in np.random.default_rng(1).choice([1e-4, 1 / 240, 1 / 24, 0.5, 10.0], 60):
+            time += float(dt)
+            solver.step(time, float(dt))
+            errors = solver.errors(1)
+            assert errors["nonfinite"] == 0
+            assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("particles", [2, 3, 4, 11, 21])
+def test_any_number_of_segments(particles: int) -> None:
+    solver = solver_of(scene(10.0, **{"emitter.particles": particles}))
+    for i in range(60):
+        solver.step((i + 1) / 24, 1 / 24)
+        assert solver.residual() <= 1e-3  # type: ignore[operator]
+    assert np.isfinite(first(solver)).all()
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (0, 1, 0), (0.5, 0.5, 0.2)])
+def test_a_sag_free_rod_stays_where_it_is(direction: tuple[float, float, float]) -> None:
+    changes = {"rod.rest": "sag_free", "rod.tip": 0.5, "emitter.strands": 50, "emitter.jitter": 20.0}
+    solver = solver_of(scene(10.0, direction=direction, **{**changes, "emitter.length_variation": 0.3}))
+    start = solver.positions.copy()
+    solver.step(1 / 24, 1 / 24)
+    assert np.abs(solver.positions - start).max() <= 1e-6
+
+
+def test_material_and_length_decide_how_a_strand_hangs() -> None:
+    """Thin tips and unequal lengths: a strand of half the length and an eighth of the weight moment sags less."""
+    one = scene(30.0, **{"rod.tip": 0.3})
+    thin = solver_of(one)
+    thick = solver_of(scene(30.0))
+    for i in range(240):
+        thin.step((i + 1) / 24, 1 / 24)
+        thick.step((i + 1) / 24, 1 / 24)
+    # less weight far out: the clamp carries less, and the middle of the strand hangs higher
+    assert first(thin)[4, 1] > first(thick)[4, 1]
+
+
+@dataclasses.dataclass(frozen=True)
+class Collapsed(Groom):
+    """A groom whose particles coincide from ``place`` on."""
+
+    place: int = 0
+
+    def edge(self, j: int, edges: int) -> NDArray[np.float64]:
+        return super().edge(j, edges) * float(j < self.place)
+
+
+@pytest.mark.parametrize("place", [0, 4])
+def test_edges_without_a_direction_go_on_as_the_one_before(place: int) -> None:
+    one = scene(1e9, **{"emitter.strands": 3, "emitter.jitter": 20.0, "rules": []})
+    groom = emit(one.emitter, one.seed)
+    straight = RodSolver(one, groom)
+    lost = RodSolver(one, Collapsed(**{f.name: getattr(groom, f.name) for f in dataclasses.fields(groom)}, place=place))
+    np.testing.assert_allclose(lost.particles(), straight.particles(), atol=1e-6)
+    for i in range(3):
+        lost.step((i + 1) / 24, 1 / 24)
+    errors = lost.errors(1)
+    assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+    assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
+    np.testing.assert_allclose(lost.particles(), straight.particles(), atol=1e-5)

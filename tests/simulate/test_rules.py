@@ -1,0 +1,238 @@
+"""The six rules against their formulas in float64 (thesis §2), and the facts that follow from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from reference.rules import depth
+from strand_kit import moved, scene_of, solver_of, twin_of
+from strandcli.constants import W
+from strandcli.simulate.surroundings import Surroundings
+
+SCENE = """
+emitter:
+  strands: 135
+  particles: 5
+  length: 0.8
+  length_variation: 0.4
+  jitter: 40
+  shape: {kind: sphere, radius: 0.5}
+  keys: [{time: 0}, {time: 1, position: [0.2, 0.1, 0], rotation: [10, 300, 20]}]
+time: {fps: 10, substeps: 2, preroll: 0.1}
+solids:
+- {kind: sphere, name: ball, radius: 0.75}
+- {kind: capsule, name: arm, radius: 0.3, position: [0, 1, 0], rotation: [20, 0, 40]}
+- {kind: plane, name: ground, position: [0, -0.7, 0], rotation: [5, 0, 10]}
+- {kind: box, name: crate, position: [1, 0, 0], rotation: [10, 20, 30], size: [0.9, 0.8, 0.7]}
+rules: [%s]
+"""
+ALL = "emitter_motion, gravity, wind, stiffness, collision, elasticity"
+LISTS = [
+    "gravity",
+    "gravity: {acceleration: [3, -2, 1]}, elasticity",
+    "emitter_motion, elasticity",
+    "wind: {gust: 0.5, sway: 30}",
+    "wind: {direction: [1, 2, -1], strength: 5}",
+    "wind: {per_length: false, direction: [1, 2, 3]}",
+    "wind: {gust: 0.8, sway: 20, wavelength: 0.7, direction: [1, 0, 2]}",
+    "wind: {gust: 0.8, wavelength: 0.7, per_length: false, strength: 3}",
+    "gravity, stiffness: {strength: 20}",
+    "gravity, stiffness: {strength: 200}",
+    "gravity, stiffness: {strength: 200, clamp: false}",
+    "collision: {with: ball}",
+    "collision: {with: arm}",
+    "collision: {with: ground}",
+    "collision: {with: crate}",
+    "collision, gravity, collision: {with: [crate, ball]}",
+    ALL,
+    "elasticity, collision, stiffness, wind, gravity, emitter_motion",
+]
+ONE = """
+emitter: {strands: 1, particles: %d, length: %g, shape: {kind: plane, width: 1e-9, depth: 1e-9}, direction: %s}
+time: {fps: 10}
+rules: [%s]
+"""
+
+
+@pytest.mark.parametrize("rules", LISTS)
+def test_rules_in_their_order_agree_with_the_formulas(rules: str) -> None:
+    scene = scene_of(SCENE % rules)
+    start = twin_of(scene).p.copy()
+    exact = twin_of(scene).advance(3)
+    assert np.abs(exact - start).max() > 0.01  # something happened
+    assert np.abs(moved(scene, 3) - exact).max() < 2e-6
+
+
+def test_compiled_rules_give_the_bits_of_plain_single_precision() -> None:
+    rules = ALL.replace("wind", "wind: {gust: 1, wavelength: 2}").replace("collision", "collision: {segments: true}")
+    scene = scene_of(SCENE % rules)
+    np.testing.assert_array_equal(moved(scene, 4, plain=False), moved(scene, 4, plain=True))
+
+
+def test_elasticity_is_exact_in_one_sweep() -> None:
+    solver = solver_of(scene_of(SCENE % "elasticity"), plain=True)
+    rng = np.random.default_rng(1)
+    solver.positions[:, 2:] += rng.normal(0, 0.5, solver.positions[:, 2:].shape).astype(np.float32)
+    assert solver.errors(1)["stretch_max"] > 0.5
+    solver.step(0.1, 0.1)
+    assert solver.errors(1)["stretch_max"] < 2e-6
+
+
+def test_elasticity_leaves_coincident_particles_where_they_are() -> None:
+    solver = solver_of(scene_of(ONE % (4, 0.3, "[0, 1, 0]", "elasticity")), plain=True)
+    solver.positions[:, 2] = solver.positions[:, 1]
+    before = solver.particles()
+    solver.step(0.1, 0.1)
+    after = solver.particles()
+    np.testing.assert_array_equal(after[0, :2], before[0, :2])
+    assert np.linalg.norm(after[0, 2] - after[0, 1]) == pytest.approx(0.1, rel=1e-6)
+
+
+def test_elasticity_never_hides_that_a_particle_flew_off() -> None:
+    """Its squared distance overflows: that must not come back as a segment of no length."""
+    solver = solver_of(scene_of(ONE % (3, 0.3, "[0, 1, 0]", "elasticity")), plain=True)
+    solver.positions[:, 3] = 1e25
+    with np.errstate(over="ignore", invalid="ignore"):
+        solver.step(0.1, 0.1)
+    assert solver.errors(1)["nonfinite"] > 0
+
+
+@pytest.mark.parametrize(
+    ("direction", "caught"), [([1, 0, 0], 0.0), ([0, 1, 0], 1.0), ([1, 1, 0], 0.5**0.5), ([-1, 0, 2], 0.8**0.5)]
+)
+def test_strands_across_the_wind_catch_more_of_it(direction: list[int], caught: float) -> None:
+    scene = scene_of(ONE % (2, 0.5, direction, "wind: {direction: [3, 0, 0], strength: 8}"))
+    blown = moved(scene, 2)[0, 1] - moved(scene, 1)[0, 1]
+    np.testing.assert_allclose(blown, [8 * 0.01 * 0.5 * caught, 0, 0], atol=1e-7)
+
+
+def test_wind_of_no_strength_moves_nothing() -> None:
+    for rules in ("wind: {strength: 0}", "wind: {strength: 0, gust: 1, wavelength: 1}"):
+        scene = scene_of(SCENE % f"{rules}, elasticity")
+        assert np.abs(moved(scene, 3) - moved(scene, 1)).max() < 1e-6
+
+
+def test_a_gust_that_ebbs_to_nothing_gives_numbers() -> None:
+    """With gust 1 and the factor at -1 the wind's size is zero in the middle of a run."""
+    scene = scene_of(ONE % (3, 0.5, [0, 1, 0], "wind: {gust: 1, sway: 90, period: 0.3}"))
+    solver = solver_of(scene, plain=True)
+    for frame in range(1, 30):
+        solver.advance(frame)
+        assert np.isfinite(solver.particles()).all()
+
+
+def test_gusts_stay_within_the_strength_and_differ_by_seed() -> None:
+    def pull(seed: int) -> np.ndarray:
+        scene = scene_of(ONE % (2, 0.5, [0, 1, 0], "wind: {strength: 8, gust: 0.75}") + f"seed: {seed}\n")
+        twin = twin_of(scene)
+        return np.array([twin.breeze(scene.rules[0].parameters, t)[0, 0] for t in np.arange(0, 8, 0.01)])
+
+    first, second = pull(1), pull(2)
+    assert first.min() >= 8 * 0.25 - 1e-9
+    assert first.max() <= 8 + 1e-9
+    assert first.min() < 3.5
+    assert first.max() > 6.5
+    assert np.abs(first - second).max() > 1
+    assert np.abs(np.diff(first)).max() < 0.5  # smooth: no jumps from one hundredth of a second to the next
+
+
+@pytest.mark.parametrize("strength", [25.0, 99.0, 150.0, 1e6])
+def test_stiffness_takes_over_part_of_the_direction_before_at_most_all_of_it(strength: float) -> None:
+    """The first segment's departure from L d shrinks by 1 - min(k, 1) in a step, k = (l - 1) s dt²."""
+    solver = solver_of(scene_of(ONE % (2, 0.5, "[0, 1, 0]", f"stiffness: {{strength: {strength}}}")), plain=True)
+    solver.positions[0, 2, :W] += np.float32(0.1)
+    solver.step(0.1, 0.1)
+    left = solver.particles()[0, 1] - [0, 0.5, 0]
+    np.testing.assert_allclose(left, [0.1 * (1 - min(strength * 0.01, 1)), 0, 0], atol=1e-7)
+
+
+@pytest.mark.parametrize(("k", "grows"), [(0.5, False), (1.5, False), (1.9, False), (2.1, True), (3.0, True)])
+def test_unclamped_stiffness_diverges_from_k_2(k: float, grows: bool) -> None:
+    rules = f"stiffness: {{strength: {100 * k}, clamp: false}}"
+    solver = solver_of(scene_of(ONE % (2, 0.5, "[0, 1, 0]", rules)), plain=True)
+    solver.positions[0, 2, :W] += np.float32(0.1)
+    for _ in range(10):
+        solver.step(0.1, 0.1)
+    left = np.linalg.norm(solver.particles()[0, 1] - [0, 0.5, 0])
+    assert left == pytest.approx(0.1 * abs(1 - k) ** 10, rel=1e-3, abs=1e-6)
+    assert (left > 0.1) == grows
+
+
+def test_clamped_stiffness_makes_a_strand_straight_in_one_sweep() -> None:
+    solver = solver_of(scene_of(SCENE % "stiffness: {strength: 1e9}"), plain=True)
+    straight = solver.particles()
+    rng = np.random.default_rng(2)
+    solver.positions[:, 2:] += rng.normal(0, 0.3, solver.positions[:, 2:].shape).astype(np.float32)
+    solver.step(0.05, 0.05)
+    assert np.abs(solver.particles() - straight).max() < 2e-6
+
+
+@pytest.mark.parametrize("name", ["ball", "arm", "ground", "crate"])
+def test_no_particle_stays_inside_a_solid_and_outside_nothing_moves(name: str) -> None:
+    scene = scene_of(SCENE % f"collision: {{with: {name}}}")
+    solid = next(solid for solid in scene.solids if solid.name == name)
+    solver = solver_of(scene, plain=True)
+    rng = np.random.default_rng(3)
+    solver.positions[:, 2:] = rng.uniform(-1.5, 1.5, solver.positions[:, 2:].shape).astype(np.float32)
+    before = solver.particles()
+    solver.step(0.0, 0.05)
+    after = solver.particles()
+    deep = depth(before[:, 1:], solid, scene.emitter, 0.0)
+    assert (deep > 0).any()
+    assert (deep < 0).any()
+    assert depth(after[:, 1:], solid, scene.emitter, 0.0).max() < 1e-6
+    np.testing.assert_array_equal(after[:, 1:][deep < -1e-6], before[:, 1:][deep < -1e-6])
+    # the way out is the shortest: as long as the particle was deep
+    way = np.linalg.norm(after - before, axis=2)[:, 1:]
+    np.testing.assert_allclose(way[deep > 1e-6], deep[deep > 1e-6], atol=1e-6)
+    np.testing.assert_array_equal(after[:, 0], before[:, 0])  # not the root
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        "{kind: sphere, radius: 0.4}",
+        "{kind: capsule, radius: 0.4, length: 1}",
+        "{kind: capsule, radius: 0.4, length: 1, rotation: [0, 0, 70]}",
+        "{kind: capsule, radius: 0.4, length: 0}",
+        "{kind: box, size: [0.9, 0.8, 0.8]}",
+        "{kind: box, size: [0.8, 0.8, 0.9]}",
+        "{kind: box, size: [0.8, 0.8, 0.8], rotation: [10, 20, 30]}",
+    ],
+)
+def test_a_particle_at_the_very_centre_leaves_by_some_way(solid: str) -> None:
+    scene = scene_of(ONE % (3, 0.3, "[0, 1, 0]", "collision") + f"solids: [{solid}]\n")
+    solver = solver_of(scene, plain=True)
+    solver.positions[:, 2:] = 0
+    solver.step(0.0, 0.1)
+    after = solver.particles()[0, 1:]
+    np.testing.assert_allclose(np.linalg.norm(after, axis=1), 0.4, atol=1e-6)
+    assert np.abs(depth(after, scene.solids[0], scene.emitter, 0.0)).max() < 1e-6
+
+
+def test_the_last_of_collision_and_elasticity_wins() -> None:
+    text = SCENE % "%s" + "curves: {level: 1}\n"
+    last = scene_of(text % "gravity, elasticity, collision: {with: ball}")
+    first = scene_of(text % "gravity, collision: {with: ball}, elasticity")
+    for scene, outside, kept in ((last, True, False), (first, False, True)):
+        solver = solver_of(scene, plain=True)
+        solver.advance(4)
+        errors = solver.errors(4)
+        assert (errors["penetration_max"] < 1e-6) == outside
+        assert (errors["stretch_max"] < 1e-5) == kept
+
+
+def test_a_rule_that_is_listed_twice_is_applied_twice() -> None:
+    """In either solver: pulls add up."""
+    once = scene_of(ONE % (4, 0.3, "[0, 1, 0]", "gravity: {acceleration: [1, -4, 4]}"))
+    pulls = "gravity: {acceleration: [1, 2, 3]}, gravity: {acceleration: [0, -6, 1]}"
+    twice = scene_of(ONE % (4, 0.3, "[0, 1, 0]", pulls))
+    np.testing.assert_allclose(moved(twice, 3), moved(once, 3), atol=1e-6)
+    np.testing.assert_array_equal(Surroundings(twice, np.float64).gravity, [1, -4, 4])
+
+
+def test_a_mapping_of_rules_takes_the_default_order() -> None:
+    names = "{elasticity: {}, collision: {}, stiffness: {}, wind: {}, gravity: {}, emitter_motion: {}}"
+    scene = scene_of((SCENE % ALL).replace(f"[{ALL}]", names))
+    assert [use.name for use in scene.rules] == ALL.split(", ")

@@ -1,0 +1,90 @@
+"""What acts on rods from outside: solids with their motion, and moving air."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strandcli import solids
+from strandcli.constants import W
+from strandcli.errors import UsageError
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.surroundings import Surroundings
+from tests.simulate.test_rod import scene
+
+TURN = [{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0.5, 0], "rotation": [30, 120, -20]}]
+ALL = [
+    {"kind": "sphere", "radius": 0.2, "position": [0, 1, 0], "follow": "emitter"},
+    {"kind": "sphere", "radius": 0.3, "position": [3, 0, 0]},
+    {"kind": "sphere", "radius": 0.1, "keys": TURN},
+    {"kind": "capsule", "radius": 0.1, "length": 1, "keys": TURN},
+    {"kind": "capsule", "radius": 0.2, "length": 2, "position": [5, 0, 0]},
+    {"kind": "plane", "position": [0, -3, 0], "keys": TURN},
+    {"kind": "box", "size": [1, 2, 3], "position": [0, 0, 2], "follow": "emitter"},
+]
+
+
+def around(collision: Any = "collision", *rules: Any, **changes: Any) -> Surroundings:
+    one = scene(10.0, **{"solids": ALL, "emitter.keys": TURN, "rules": ["gravity", collision, *rules], **changes})
+    return Surroundings(one, np.float64)
+
+
+@pytest.mark.parametrize("times", [(0.25,), (0.25, 0.5, 0.75, 1.0, 1.25), (0.5, 0.25)])
+def test_solids_are_where_they_are_with_the_motion_that_took_them_there(times: tuple[float, ...]) -> None:
+    mine, dt = around(), 0.25
+    for time in times:
+        *packed, whole = mine.solids(time, dt)
+    assert not whole
+    emitter = mine.scene.emitter
+    for kind, rows in zip(solids.COLUMNS, packed, strict=True):
+        columns = solids.COLUMNS[kind]
+        expected = [one for one in mine.scene.solids if one.kind == kind]
+        expected.sort(key=lambda one: bool(one.keys or one.follow == "emitter"))
+        np.testing.assert_allclose(rows[:, :columns], solids.pack(kind, expected, emitter, times[-1], np.float64))
+        for row, one in zip(rows, expected, strict=True):
+            now, past = (solid_pose(one, emitter, max(at, 0)) for at in (times[-1], times[-1] - dt))
+            local = np.array([0.3, -0.7, 0.2])
+            before = np.array(past.rotation) @ local + past.translation
+            after = np.array(now.rotation) @ local + now.translation
+            motion = row[columns:]
+            np.testing.assert_allclose(motion[:9].reshape(3, 3) @ before + motion[9:], after, atol=1e-12)
+
+
+def test_only_the_solids_that_are_named_are_touched() -> None:
+    named = [{**one, "name": f"solid{i}"} for i, one in enumerate(ALL)]
+    mine = around({"collision": {"with": ["solid1"]}}, solids=named)
+    *packed, whole = mine.solids(0.1, 0.1)
+    assert [rows.shape for rows in packed] == [(1, 17), (0, 21), (0, 16), (0, 28)]
+    assert mine.any_solids
+    assert not whole
+    *packed, whole = around({"collision": {"with": ["solid1"], "segments": True}}, solids=named).solids(0.1, 0.1)
+    assert whole
+    assert [len(rows) for rows in packed] == [1, 0, 0, 0]
+    mine = around("emitter_motion", solids=named)
+    assert [len(rows) for rows in mine.solids(0.1, 0.1)[:-1]] == [0, 0, 0, 0]
+    assert not mine.any_solids
+
+
+def test_gusts_that_travel_differ_from_place_to_place_and_others_do_not() -> None:
+    calm = around("collision", {"wind": {"strength": 3.0, "direction": [0, 0, 2]}})
+    assert calm.gust(0.3, np.zeros((1, 3, 24))) is None
+    np.testing.assert_allclose(calm.air(0.3), (0, 0, 3))
+    gusty = around("collision", {"wind": {"strength": 3.0, "gust": 1.0}})
+    speeds = [gusty.air(time)[0] for time in np.linspace(0, 5, 50)]
+    assert 0 <= min(speeds) < 0.6
+    assert 2.4 < max(speeds) <= 3
+    travelling = around("collision", {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}})
+    np.testing.assert_allclose(travelling.air(0.3), (3, 0, 0))
+
+
+@pytest.mark.parametrize("other", [{"gust": 0.5, "wavelength": 0.2}, {"gust": 0.5}, {}])
+def test_gusts_that_travel_are_refused_beside_another_wind(other: dict[str, Any]) -> None:
+    """Its strength would come and go with theirs."""
+    travelling = {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}}
+    for winds in ([travelling, {"wind": other}], [{"wind": other}, travelling]):
+        with pytest.raises(UsageError, match=r"rule wind: of 2 winds, .* the solver rod lets gusts travel where"):
+            around("collision", *winds)
+    still = {"wind": {"strength": 0.0, **other}}
+    assert around("collision", travelling, still).gust(0.3, np.zeros((1, 3, 3 * W))) is not None

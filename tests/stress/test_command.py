@@ -1,0 +1,161 @@
+"""`strandcli stress`: the small matrix, replaying by name, and a preset's own scene."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cli_runs import Runner
+from strandcli.simulate import rules
+from strandcli.study.stress import drive, run, sheets, verdicts
+from strandcli.study.stress.axes import case_named
+
+
+@pytest.fixture(scope="module")
+def small() -> run.Result:
+    """The small matrix of both solvers."""
+    return run.run(run.tasks(["rod", "thesis"], quick=True))
+
+
+def test_the_small_matrix_of_the_source_is_as_it_is_known(small: run.Result) -> None:
+    mine = [one for one in small.verdicts if one.name.partition("/")[0] == "thesis"]
+    assert [one.name for one in mine if one.verdict == "fail"] == []
+    assert any(one.verdict == "expected_failure" for one in mine)
+    assert small.passed_after_all == []
+
+
+def test_rods_fail_at_nothing_in_the_small_matrix(small: run.Result) -> None:
+    mine = [one for one in small.verdicts if one.name.partition("/")[0] == "rod"]
+    assert len(mine) > 90
+    assert [(one.name, one.why) for one in mine if one.verdict not in ("pass", "not_represented")] == []
+    measured = set().union(*(one.metrics for one in mine))
+    assert measured >= {"nonfinite", "moved_by_nothing", "penetration", "residual", "stretch", "rest_motion"}
+    assert measured >= {"differences", "upright"}
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def test_the_command_lists_replays_and_tells(command: Runner) -> None:
+    names = command("stress", "--list", "--solver", "thesis").out.split()
+    assert len(names) > 20_000
+    assert "thesis/check=twist" in names
+    listed = command("stress", "--list", "--filter", "contact=through start=random dt=10").out.split()
+    words = ("contact=through", "start=random", "dt=10")
+    every = command("stress", "--list").out.split()
+    assert listed == [name for name in every if all(word in name for word in words)]
+    result = command("stress", "--case", "thesis/start=random/contact=through", "--json")
+    assert result.code == 0
+    data = json.loads(result.out)
+    assert set(data) >= {"solver", "cases", "summary"}
+    (case,) = data["cases"]
+    assert set(case) == {"name", "parameters", "metrics", "verdict", "why"}
+    assert case["name"] == "thesis/contact=through/start=random"
+    assert case["parameters"]["contact"] == "through"
+    assert "pass" in command("stress", "--case", "thesis").out
+    assert "no case has such a name" in command("stress", "--filter", "nothing").error()
+    for empty in ("", "  "):  # as of a shell's variable that is not set
+        told = command("stress", "--filter", empty)
+        assert told.code == 2
+        assert "--filter: the text is empty" in told.error()
+    assert command("stress", "--accept", "--solver", "rod").code == 2
+
+
+def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(verdicts.LIMITS, "stretch", ("<=", -1.0))
+    result = command("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
+    assert result.code == 3
+    assert "again with: strandcli stress --case thesis/" in result.err
+    assert "failed:" in result.out
+    assert command("stress", "--case", "thesis/L=1e6").code == 3
+
+
+def test_a_replay_gives_the_same_numbers(command: Runner) -> None:
+    name = "thesis/dt=10/wind=gale/start=random"
+    found = [json.loads(command("stress", "--case", name, "--json").out)["cases"] for _ in range(2)]
+    assert found[0] == found[1]
+    scene = case_named(name).labels[:-1]
+    batch = drive.run([case for case in sheets.full("thesis") if case.labels[:-1] == scene])
+    metrics = next(one.metrics for one in batch if one.case.name == name)
+    assert found[0][0]["metrics"] == {key: float(f"{value:.4g}") for key, value in metrics.items()}
+
+
+def test_a_presets_own_scene_goes_through_it_too(command: Runner) -> None:
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, elasticity]\n")
+    result = command("stress", "own.yaml", "--filter", "emitter=flip wind=gale", "--json")
+    assert result.code == 0
+    data = json.loads(result.out)
+    assert data["summary"]["pass"] == len(data["cases"]) == 7 * 3
+    name = data["cases"][4]["name"]
+    assert name.startswith("thesis/preset/")
+    assert json.loads(command("stress", "own.yaml", "--case", name, "--json").out)["cases"] == [data["cases"][4]]
+    assert "no case of a preset" in command("stress", "own.yaml", "--case", "thesis/preset/dt=7").error()
+
+
+def test_what_a_preset_is_not_judged_by_has_a_row_and_a_reason(command: Runner) -> None:
+    balls = "solids: [{kind: sphere, position: [0.5, 0, 0]}, {kind: sphere, position: [-0.5, 0, 0]}]\n"
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, collision]\n" + balls)
+    told = command("stress", "own.yaml", "--filter", "dt=24Hz", "--solver", "rod").out.splitlines()
+    rows = {tuple(line.split()[1:3]): line.split() for line in told if line.startswith("rod")}
+    assert ("penetration", "<=") not in rows
+    assert ("stretch", "<=") in rows
+    deepest = rows["penetration", "told"]
+    assert float(deepest[3]) > 0.01
+    assert any(line.startswith("  penetration: only who wrote a preset") for line in told)
+    case = command("stress", "own.yaml", "--case", deepest[6]).out
+    assert f"{deepest[6]}: pass (penetration " in case
+    assert "not held to <= 1e-06: only who" in case
+    soft = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale", "--solver", "thesis").out
+    assert "  stretch: strands of the rules" in soft
+
+
+def test_a_preset_whose_gusts_travel_goes_through_other_winds_too(command: Runner) -> None:
+    wind = "{wind: {strength: 3, gust: 0.5, wavelength: 2}}"
+    Path("own.yaml").write_text(f"emitter: {{strands: 9, particles: 4}}\nsolver: rod\nrules: [gravity, {wind}]\n")
+    result = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale emitter=flip")
+    assert result.code == 0, result.err
+    assert "3 pass" in result.out
+
+
+def test_a_process_ends_when_the_one_that_began_it_is_killed() -> None:
+    code = (
+        "import os, signal\n"
+        "from concurrent.futures import ProcessPoolExecutor\n"
+        "from multiprocessing import get_context\n"
+        "from strandcli.study.stress import run\n"
+        "pool = ProcessPoolExecutor(1, get_context('spawn'), initializer=run._begin)\n"
+        "print(pool.submit(os.getppid).result() == os.getpid(), flush=True)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    # whoever is left holds on to the pipe of the standard output, and its end would not come
+    found = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert found.stdout == "True\n"
+    assert found.returncode == -signal.SIGKILL
+
+
+def test_rules_that_a_preset_brings_are_run(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    import bad_rules
+
+    monkeypatch.setitem(rules._registry, "rooted", bad_rules.rooted)
+    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [rooted, elasticity]\n")
+    result = command("stress", "own.yaml", "--case", "thesis/preset/dt=10")
+    assert result.code == 3
+    assert "nonfinite" in result.err
+
+
+def test_several_processes_come_to_the_same_verdicts() -> None:
+    work = run.tasks(["thesis"], quick=True)
+    assert len(work) >= 4 * run.CHUNK  # fewer are not worth a second process
+    counted: list[int] = []
+    shared = run.run(work, processes=2, step=counted.append)
+    alone = run.run(work, processes=1)
+    assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
+    assert sum(counted) == len(alone.verdicts)

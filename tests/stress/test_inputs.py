@@ -1,0 +1,157 @@
+"""Bad input: refused by name and place, or told before the run where the run makes sense all the same."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import strandcli
+from cli_runs import Runner
+from strand_kit import groom_of, scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.simulate import advice, rules
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.thesis import ThesisSolver
+from strandcli.study.stress import inputs
+
+
+@pytest.mark.parametrize("name", inputs.INPUTS)
+def test_bad_input_is_refused_by_name(name: str) -> None:
+    for solver in ("rod", "thesis"):
+        assert inputs.INPUTS[name](solver), solver
+
+
+def test_input_that_is_taken_would_be_seen() -> None:
+    assert inputs.refused_setting("rod", path="rod.density", value="900") == ""
+    assert inputs.refused_groom("thesis", part="lengths", value=2.0) == ""
+    assert inputs.refused_cache("rod", value=1.0) == ""
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("twist: 1", "twist is not represented"),
+        ("mass: 1", "mass follows from density and radius"),
+        ("stiffness: 3", "young and radius"),
+        ("yung: 3", "did you mean 'young'?"),
+    ],
+)
+def test_what_rods_do_not_have_is_said_where_it_is_asked_for(command: Runner, key: str, words: str) -> None:
+    Path("p.yaml").write_text(f"solver: rod\nrod:\n  {key}\n")
+    result = command("plan", "p.yaml")
+    assert result.code == 2
+    assert result.error().startswith(f"p.yaml:3:3: rod.{key.split(':')[0]}: ")
+    assert words in result.error()
+
+
+def test_a_rule_that_rods_do_not_apply_is_refused_where_it_stands(
+    command: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import bad_rules
+
+    monkeypatch.setitem(rules._registry, "rooted", bad_rules.rooted)
+    Path("p.yaml").write_text("solver: rod\nrules:\n- gravity\n- rooted: {after: 1}\n- elasticity\n")
+    line = command("plan", "p.yaml").error()
+    assert line.startswith("p.yaml:4:11: rooted: the solver rod does not apply this rule, only emitter_motion, gravity")
+    Path("q.yaml").write_text("rules: [rooted]\npanels: [{label: a}, {label: b, set: {solver: rod}}]\n")
+    assert command("plan", "q.yaml").error().startswith("q.yaml:2:22: panels.1.set.rooted: the solver rod does not")
+    assert command("plan", "p.yaml", "--set", "solver=thesis").code == 0
+
+
+def test_rods_take_a_preset_of_the_source_and_say_what_they_leave_out() -> None:
+    scene = scene_of("solver: rod\nrules: [gravity, stiffness, elasticity]\nemitter: {strands: 3}\n")
+    (words,) = advice.warnings(scene, groom_of(scene))
+    assert words.startswith("rule stiffness: left out, rods bend by their material")
+    idle = scene_of("solver: rod\nrules: [stiffness: {strength: 0}]\nemitter: {strands: 3}\n")
+    assert advice.warnings(idle, groom_of(idle)) == []
+
+
+@pytest.mark.parametrize("solver", [RodSolver, ThesisSolver])
+def test_a_groom_is_refused_with_how_many_of_its_strands_are_bad(solver: type) -> None:
+    scene = scene_of("emitter: {strands: 5, particles: 3}\nrules: [gravity]\n")
+    groom = emit(scene.emitter, 0)
+    groom.lengths[[2, 4]] = 0
+    with pytest.raises(UsageError, match=r"^groom: strand 2: it has no length.*\(2 such strands\)"):
+        solver(scene, groom)
+
+
+SOLIDS = {
+    "sphere": ("{kind: sphere, radius: 3}", 2.0),
+    "capsule": ("{kind: capsule, radius: 2, length: 4}", 2.0),
+    "box": ("{kind: box, size: [6, 8, 8], rotation: [0, 0, 90]}", 3.0),
+    "plane": ("{kind: plane, position: [0, 2, 0]}", 3.0),
+}
+
+
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_a_solid_that_swallows_roots_is_named_with_how_many(kind: str) -> None:
+    solid, deepest = SOLIDS[kind]
+    text = "emitter: {strands: 200, particles: 5}\nrules: [collision: {with: [SOME]}]\nsolids: [BALL, OTHER]\n"
+    far = "{kind: sphere, name: far, position: [9, 9, 9]}"
+    text = text.replace("BALL", solid.replace("}", ", name: it}")).replace("OTHER", far)
+    scene = scene_of(text.replace("SOME", "it, far"))
+    groom = groom_of(scene)
+    (words,) = advice.warnings(scene, groom)
+    depths = advice.depth(groom.roots.astype(np.float64), scene.solids[0], scene.emitter)
+    count = int((depths > 0.25).sum())
+    assert words.startswith(f"solids.0 (it): swallows the roots of {count} of 200 strands, up to ")
+    assert deepest - 0.15 < depths.max() < deepest + 1e-6  # the deepest of 200 roots spread over the sphere
+    assert advice.warnings(scene_of(text.replace("SOME", "far")), groom) == []
+
+
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_depths_are_distances_to_the_surface(kind: str) -> None:
+    """Against the depth that frames report, of which particles' is measured and roots' is not."""
+    scene = scene_of(f"emitter: {{strands: 60, particles: 3}}\nrules: [collision]\nsolids: [{SOLIDS[kind][0]}]\n")
+    solver = ThesisSolver(scene, groom_of(scene))
+    points = solver.particles()[:, 1:].reshape(-1, 3).astype(np.float64)
+    most = max(float(advice.depth(points, scene.solids[0], scene.emitter).max()), 0)
+    assert solver.errors(1)["penetration_max"] == pytest.approx(most, abs=1e-5)
+
+
+def test_a_ball_smaller_than_a_segment_is_named_unless_segments_are_looked_at() -> None:
+    text = "emitter: {strands: 9, particles: 3}\nrules: [collision: {segments: SEG}]\n"
+    text += "solids: [{kind: sphere, name: pea, radius: 0.2, position: [0, 3, 0]}]\n"
+    scene = scene_of(text.replace("SEG", "false"))
+    (words,) = advice.warnings(scene, groom_of(scene))
+    assert words.startswith("solids.0 (pea): its radius of 0.2 m is less than half a segment of 0.5 m")
+    assert advice.warnings(scene_of(text.replace("SEG", "true")), groom_of(scene)) == []
+    assert advice.warnings(scene_of(text.replace("SEG", "false").replace("0.2", "0.3")), groom_of(scene)) == []
+
+
+def test_strands_too_far_away_for_single_precision_are_told() -> None:
+    text = "emitter: {strands: 9, particles: 11, position: [0, -FAR, 5]}\n"
+    scene = scene_of(text.replace("FAR", "1000000"))
+    (words,) = advice.warnings(scene, groom_of(scene))
+    assert words.startswith("strands are 1e+06 m from the origin, where places are rounded to 0.062 m, 62 % of a segm")
+    assert advice.warnings(scene_of(text.replace("FAR", "1000")), groom_of(scene)) == []
+
+
+@pytest.mark.parametrize("solver", ["rod", "thesis"])
+def test_a_run_goes_on_with_its_roots_swallowed_and_says_so(command: Runner, solver: str) -> None:
+    Path("p.yaml").write_text(
+        f"solver: {solver}\ntime: {{frames: 3}}\nimage: {{size: [24, 16]}}\nemitter: {{strands: 40, particles: 4}}\n"
+        "solids: [{kind: sphere, name: head, radius: 3}]\nrules: [gravity, collision, elasticity]\n"
+    )
+    result = command("render", "p.yaml", "-o", "a")
+    assert result.code == 0
+    assert "warning: solids.0 (head): swallows the roots of 40 of 40 strands" in result.err
+    data = json.loads(Path("a/report.json").read_text())
+    assert "swallows" in data["warnings"][0]
+    assert all(entry["error"]["nonfinite"] == 0 and entry["error"]["penetration_max"] > 1 for entry in data["frames"])
+
+
+@pytest.mark.parametrize("preset", ["hair", "fur", "headline", "minimal", "grass", "ponytail"])
+def test_shipped_presets_need_no_advice(preset: str) -> None:
+    scene = strandcli.load(preset, settings={"emitter.strands": 500})
+    assert advice.warnings(scene, groom_of(scene)) == []

@@ -1,0 +1,222 @@
+"""`strandcli study` and `render --max-error`: exit codes, files, and what is said about bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from cli_runs import Runner
+from strandcli.study import advice, sweep
+
+STILL = """\
+title: strands that have nothing to do
+time: {frames: 6, preroll: 0.5}
+emitter: {strands: 60, particles: 5, length: 0.6, jitter: 20}
+image: {size: [48, 32]}
+rules:
+  - elasticity: {}
+"""
+FALLING = STILL.replace("  - elasticity", "  - gravity: {}\n  - elasticity")
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "still.yaml").write_text(STILL)
+    (tmp_path / "falling.yaml").write_text(FALLING)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+QUICK = ("--solver", "thesis", "--substeps", "1,2", "--strands", "20", "--no-progress")
+
+
+def test_a_preset_is_studied(run: Runner) -> None:
+    done = run("study", "still.yaml", *QUICK, "--max-error", "1%", "-o", "s")
+    assert done.code == 0, done.err
+    assert "limit of thesis: known to" in done.out
+    assert "under 1 %: solver=thesis" in done.out
+    assert sorted(os.listdir("s")) == ["still.csv", "still.json", "still.png", "still.svg"]
+    data = json.loads(Path("s/still.json").read_text())
+    assert (data["axis"], data["name"], data["metric"]) == ("motion", "still", "median")
+    assert data["reference"]["limits"]["thesis"]["converges"]
+    assert "threads" in data["machine"]
+    again = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert again.code == 2
+    assert "--overwrite" in again.error()
+
+
+@pytest.mark.parametrize("kind", ["csv", "json", "png", "svg"])
+def test_no_file_is_replaced_unasked(run: Runner, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
+    Path("s").mkdir()
+    Path(f"s/still.{kind}").write_text("somebody's")
+    refused = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert refused.code == 2
+    assert f"still.{kind}: is there already; add --overwrite" in refused.error()
+    assert Path(f"s/still.{kind}").read_text() == "somebody's"
+
+
+def test_where_nothing_can_be_written_nothing_is_measured(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("s").write_text("a file")
+    monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("measured"))
+    refused = run("study", "still.yaml", *QUICK, "-o", "s")
+    assert refused.code == 4
+    assert "s: is a file, not a folder" in refused.error()
+
+
+def test_what_is_set_by_hand_is_not_turned(run: Runner) -> None:
+    few = ("--solver", "thesis", "--strands", "20", "--no-progress", "--json", "-q")
+    done = run("study", "still.yaml", *few, "--set", "time.substeps=3", "--set", "emitter.particles=7")
+    assert done.code == 0, done.err
+    (point,) = json.loads(done.out)["points"]
+    assert point["knobs"] == {"solver": "thesis", "emitter.particles": 7, "time.substeps": 3}
+
+
+def test_json_stands_alone_on_stdout(run: Runner) -> None:
+    done = run("study", "falling.yaml", *QUICK, "--json", "-q")
+    assert done.code == 0
+    assert done.err == ""
+    data = json.loads(done.out)
+    assert {"axis", "reference", "points", "recommended"} <= set(data)
+    assert Path("out/study/falling.csv").exists()
+
+
+def test_no_setting_under_an_error_is_exit_code_3(run: Runner) -> None:
+    done = run("study", "falling.yaml", *QUICK, "--max-error", "0.01", "-q")
+    assert done.code == 3
+    assert "no setting keeps under an error of 1 %: falling: thesis comes to 6.8" in done.error()
+    assert done.error().endswith("try finer --substeps or --particles")
+    assert Path("out/study/falling.png").exists()
+
+
+def test_what_is_told_of_a_study_that_found_nothing() -> None:
+    from strandcli.study.points import Point
+    from strandcli.study.remedy import why_missed
+    from strandcli.study.sweep import Study
+
+    limit = {"converges": True, "uncertainty": 0.02, "gaps": [0.1, 0.03], "order": 1.7}
+    lost = {"converges": False, "uncertainty": 0.9, "gaps": [0.1, 0.32], "order": -1.0}
+    points = [
+        Point({"solver": name, "emitter.particles": 16}, 1.0, {"median": error}, name)
+        for name, error in (("thesis", 0.5), ("rod", 0.07), ("rod", 0.05), ("foil", 0.001))
+    ]
+
+    def told(bend: float | None) -> str:
+        reference = {"limits": {"rod": limit, "thesis": lost, "foil": limit}, "bend": bend}
+        study = Study("motion", "hair", "", "median", "of the length", reference, {}, points, [], [], [])
+        return why_missed([study], 0.01)
+
+    assert told(0.036) == (
+        "no setting keeps under an error of 1 %: hair: thesis has no limit in sight (its last refinement moved strands "
+        "by 32 %), rod comes to 5 %, its limit known to 2 %; strands bend within 3.6 % of their length, less than a "
+        "segment: try --solver rod --particles 29,57"
+    )
+    assert told(0.07).endswith("its limit known to 2 %; try finer --substeps or --particles")
+    assert told(None).endswith("try finer --substeps or --particles")
+
+
+def test_a_reference_that_nobody_represents(run: Runner) -> None:
+    done = run("study", "--reference", "twist", "--json", "-q", "--max-error", "1%")
+    assert done.code == 0
+    data = json.loads(done.out)
+    assert data["points"] == []
+    assert [one["solver"] for one in data["not_represented"]] == ["thesis", "rod", "foil"]
+    assert data["reference"]["exact"]["M L / B"] == pytest.approx(8.98682, abs=1e-5)
+
+
+def test_references_of_the_foil(run: Runner) -> None:
+    few = ("--solver", "foil", "--dt", "1/240", "--particles", "7")
+    done = run("study", "--reference", "twist,catenary", *few, "--json", "-q")
+    assert done.code == 0, done.err
+    names = [study["name"] for study in json.loads(done.out)["studies"]]
+    assert names == ["twist", "catenary"]
+    assert {"twist.svg", "catenary.png"} <= set(os.listdir("out/study"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--reference", "elastika"], "did you mean 'elastica'"),
+        (["--reference", "nothing"], "they are elastica"),
+        (["--reference", ""], "empty name"),
+        ([], "either a PRESET or --reference"),
+        (["still.yaml", "--reference", "beam"], "either a PRESET or --reference"),
+        (["no_such"], "no preset"),
+        (["still.yaml", "--axis", "taste"], "axes are"),
+        (["still.yaml", "--axis", ""], "no axis ''; the axes are"),
+        (["still.yaml", "--axis", "reference"], "studies no preset"),
+        (["still.yaml", "--solver", "springs"], "solvers are"),
+        (["still.yaml", "--substeps", "0"], "from 1 to 1000"),
+        (["still.yaml", "--substeps", "1,x"], "'x' is not a whole number"),
+        (["still.yaml", "--particles", "1"], "from 2 to"),
+        (["still.yaml", "--iterations", "1001"], "from 1 to 1000"),
+        (["still.yaml", "--integrators", "rk4"], "they are euler and bdf2"),
+        (["still.yaml", "--dt", "0"], "not a step"),
+        (["still.yaml", "--dt", "-1/24"], "not a step"),
+        (["still.yaml", "--dt", "1/0"], "not a step"),
+        (["still.yaml", "--dt", "nan"], "not a step"),
+        (["still.yaml", "--dt", "0.03"], "no whole part of a frame"),
+        (["still.yaml", "--dt", "1/24", "--substeps", "2"], "exclude each other"),
+        (["still.yaml", "--span", "0"], "0.001<=x<=3600"),
+        (["still.yaml", "--span", "1e-300"], "0.001<=x<=3600"),
+        (["still.yaml", "--strands", "0"], "range 1<=x"),
+        (["still.yaml", "--set", "time.substeps"], "KEY=VALUE"),
+        (["--reference", "beam", "--strands", "4"], "--strands is for presets"),
+        (["--reference", "beam", "--set", "seed=1"], "--set is for presets"),
+        (["still.yaml", "-q", "-v"], "exclude each other"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(run: Runner, arguments: list[str], words: str) -> None:
+    done = run("study", *arguments)
+    assert done.code == 2, done.err
+    assert words in done.error()
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize("command", ["study", "render"])
+@pytest.mark.parametrize(
+    "given", ["0", "0%", "-1%", "-0.1", "nan", "inf", "NaN%", "101%", "1.5", "", "1 %%", "a few", "1e999"]
+)
+def test_errors_that_are_none(run: Runner, command: str, given: str) -> None:
+    done = run(command, "still.yaml", f"--max-error={given}")
+    assert done.code == 2, done.err
+    assert "--max-error" in done.error()
+
+
+@pytest.mark.parametrize("given", ["1%", "0.01", "1e-2", " 1 % ", "1.0%", ".01"])
+def test_errors_may_be_written_as_shares_or_percent(given: str) -> None:
+    from strandcli.cli.values import ErrorType
+
+    assert ErrorType().convert(given, None, None) == pytest.approx(0.01)
+
+
+def test_render_takes_the_cheapest_setting_and_remembers_it(
+    run: Runner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path / "kept")
+    first = run("render", "still.yaml", "-f", "1", "-o", "a", "--max-error", "1%", "--no-progress")
+    assert first.code == 0, first.err
+    assert "by a study" in first.err
+    assert "still: under 1 %: " in first.err
+    assert "time.substeps=" in first.err
+    second = run("render", "still.yaml", "-f", "1", "-o", "b", "--max-error", "2%", "--size", "30x20", "--no-progress")
+    assert second.code == 0, second.err
+    assert "by an earlier study" in second.err
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+    fixed = run("render", "still.yaml", "-f", "1", "-o", "c", "--max-error", "1%", "--particles", "7", "--no-progress")
+    assert fixed.code == 0, fixed.err
+    assert "particles" not in fixed.err.splitlines()[0]
+    assert json.loads(Path("c/report.json").read_text())["frames"][0]["counts"]["particles"] == 60 * 7
+
+
+def test_render_refuses_an_error_that_no_setting_keeps(run: Runner) -> None:
+    done = run("render", "falling.yaml", "-f", "1", "--max-error", "1%", "--no-progress")
+    assert done.code == 3
+    assert "no setting of the solver thesis" in done.error()
+    assert not Path("out").exists()
+    cached = run("render", "falling.yaml", "--max-error", "1%", "--from-cache", "x")
+    assert cached.code == 2
+    assert "exclude each other" in cached.error()

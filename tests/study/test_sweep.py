@@ -1,0 +1,267 @@
+"""Sweeps over solvers that are made up, whose errors are known; axes and their settings; advice."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strand_kit import scene_of
+from strandcli.errors import MismatchError, UsageError
+from strandcli.study import advice, axes, registry, sweep
+from strandcli.study.exactness import Exactness
+from strandcli.study.motion.experiment import Motion, with_knobs
+from strandcli.study.points import Point
+from study_kit import Synthetic, made
+
+
+def test_orders_of_a_synthetic_solver_are_found() -> None:
+    found = {(one["line"], one["in"]): one["order"] for one in made().orders if one["metric"] == "tip"}
+    assert found["one", "dt"] == pytest.approx(1)
+    assert found["two", "dt"] == pytest.approx(2)
+    assert found["two", "segment"] == pytest.approx(2)
+
+
+def test_every_run_is_counted() -> None:
+    steps: list[str] = []
+    totals: list[int] = []
+    study = sweep.carry_out(Synthetic(), "reference", "synthetic", None, steps.append, totals.append)
+    assert totals == [2 + 32]
+    assert len(steps) == 34
+    assert len(study.points) == 32
+
+
+def test_the_cheapest_under_an_error_is_recommended() -> None:
+    study = made(0.1)
+    assert [one["knobs"]["solver"] for one in study.recommended] == ["one", "two"]
+    for one in study.recommended:
+        fit = [point for point in study.points if point.solver == one["knobs"]["solver"] and point.error["tip"] <= 0.1]  # type: ignore[operator]
+        assert one["seconds"] == min(point.seconds for point in fit)
+        assert one["error"] <= 0.1
+    assert made(1e-5).recommended == []
+    assert made(1e-5).nearest() == pytest.approx(0.3 * (0.05**2 + 1 / 32**2))
+    assert made(0.1, margin=0.2).recommended == []
+
+
+def test_without_an_error_a_ladder_is_climbed() -> None:
+    rungs = [(one["knobs"]["solver"], one["max_error"]) for one in made().recommended]
+    assert rungs == sorted(rungs, key=lambda pair: (pair[0], -pair[1]))
+    assert {"one", "two"} == {solver for solver, _ in rungs}
+    settings = [json.dumps(one["knobs"]) for one in made().recommended]
+    assert len(settings) == len(set(settings))
+
+
+def test_json_has_the_documented_keys() -> None:
+    data = json.loads(json.dumps(made(0.1).as_dict()))
+    assert {"axis", "reference", "points", "recommended"} <= set(data)
+    assert {"knobs", "seconds", "error", "pareto"} <= set(data["points"][0])
+    assert {"max_error", "knobs", "seconds"} <= set(data["recommended"][0])
+    assert data["not_represented"] == [{"solver": "thesis", "why": "not represented: inertia"}]
+    assert any(point["pareto"] for point in data["points"])
+
+
+def test_the_registry_has_every_axis_by_its_name() -> None:
+    assert {"motion", "reference"} <= set(registry.every())
+    for name, axis in registry.every().items():
+        assert axis.name == name
+        assert axis.knobs
+        assert axis.metric
+    with pytest.raises(UsageError, match="axes are"):
+        registry.find("colour")
+    with pytest.raises(UsageError, match="solvers are"):
+        axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
+
+
+def test_solvers_that_cannot_are_told_and_not_run() -> None:
+    opened = Exactness(axes.Request(name="catenary"))
+    assert [one["solver"] for one in opened.absent] == ["thesis", "rod"]
+    assert {knobs["solver"] for knobs in opened.settings()} == {"foil"}
+    twist = Exactness(axes.Request(name="twist"))
+    assert len(twist.absent) == 3
+    assert twist.settings() == []
+    assert all("not represented" in one["why"] for one in twist.absent)
+
+
+def test_knobs_can_be_chosen() -> None:
+    wishes = axes.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
+    chosen = Exactness(wishes)
+    assert chosen.settings() == [
+        {"solver": "rod", "emitter.particles": n, "rod.iterations": 3, "dt": 1 / 48} for n in (8, 9)
+    ]
+    moving = Exactness(axes.Request(name="pendulum", solvers=("rod",), steps=(0.01,), particles=(30,)))
+    assert {knobs["rod.integrator"] for knobs in moving.settings()} == {"euler", "bdf2"}
+    assert {knobs["emitter.particles"] for knobs in moving.settings()} == {2}
+
+
+HANGING = """
+time: {frames: 6, fps: 24, preroll: 1}
+emitter: {strands: 40, particles: 5, length: 0.5, length_variation: 0.4, jitter: 20}
+rules: [gravity, elasticity]
+"""
+
+
+def validate_iterations(count: int) -> int:
+    """As many as a preset may ask for, and no more: one more is refused."""
+    assert scene_of(f"rod: {{iterations: {count}}}").rod.iterations == count
+    with pytest.raises(UsageError, match=r"rod\.iterations"):
+        scene_of(f"rod: {{iterations: {count + 1}}}")
+    return count
+
+
+def motion(**wishes: Any) -> Motion:
+    return Motion(axes.Request(scene=scene_of(HANGING), name="hanging", **wishes))
+
+
+def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
+    opened = motion(solvers=("thesis",), substeps=(1, 4), particles=(5, 9), strands=10)
+    finer = opened.finer(opened.contestants[0])
+    assert [knobs["time.substeps"] for knobs in finer] == [2, 4, 8]
+    assert [knobs["emitter.particles"] for knobs in finer] == [5, 9, 17]
+    assert opened.references == 3
+    assert len(opened.lengths) == 10
+    assert opened.frames[0] == 1
+    assert opened.frames[-1] == 6
+
+
+def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
+    opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
+    found = [(one["rod.integrator"], one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
+    assert found == [(name, 200, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("euler", 2, n) for n in (1, 2)]
+    finest = opened.finer(opened.contestants[0])[-1]
+    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 400)
+    own = Motion(axes.Request(scene=with_knobs(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
+    assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
+    finest = own.finer(own.contestants[0])[-1]
+    assert validate_iterations(finest["rod.iterations"]) == 1000
+    kept = motion(solvers=("rod",), integrators=("euler",), iterations=(3,))
+    assert {(one["rod.integrator"], one["rod.iterations"]) for one in kept.settings()} == {("euler", 3)}
+    assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("euler",)}
+
+
+def test_rods_bend_within_a_length_that_segments_should_not_exceed() -> None:
+    matter = "rod: {density: 1000, radius: 0.01, young: 4.0e+8, rest: straight}\n"  # B / (ρ A) is 10 m⁴/s²
+    heavy = HANGING.replace("[gravity,", "[gravity: {acceleration: [0, -40, 0]},")
+    equal = heavy.replace("length_variation: 0.4, ", "")
+    opened = Motion(axes.Request(scene=scene_of(equal + matter), solvers=("rod",)))
+    assert opened.bend() == pytest.approx((10 / (40 * 0.5**3)) ** 0.5, rel=1e-3)
+    assert motion(solvers=("thesis",)).bend() is None
+    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
+    assert Motion(axes.Request(scene=still, solvers=("rod",))).bend() is None
+
+
+def test_frames_keep_within_the_span() -> None:
+    assert max(motion(span=0.1).frames) == 3
+    assert max(motion(span=3600.0).frames) == 6
+
+
+def test_steps_have_to_divide_a_frame() -> None:
+    opened = motion(steps=(1 / 24, 1 / 96), solvers=("thesis",))
+    assert opened.substeps(opened.contestants[0]) == (1, 4)
+    with pytest.raises(UsageError, match="no whole part of a frame"):
+        motion(steps=(0.03,)).settings()
+
+
+def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
+    few, all_of_them = motion(strands=7), motion(strands=40)
+    np.testing.assert_array_equal(few.lengths, all_of_them.lengths[:7])
+
+
+def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit() -> None:
+    """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
+    study = sweep.run(
+        registry.find("motion"),
+        axes.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
+        0.01,
+    )
+    assert study.margins["thesis"] > 0.05
+    assert study.recommended == []
+    assert study.nearest() is not None
+    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
+    request = axes.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
+    at_rest = sweep.run(registry.find("motion"), request, 0.01)
+    assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
+    assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
+
+
+def test_panels_are_studied_one_at_a_time() -> None:
+    scene = scene_of("panels: [{label: a}, {label: b, set: {seed: 2}}]\n")
+    with pytest.raises(UsageError, match="panel"):
+        Motion(axes.Request(scene=scene, name="two"))
+
+
+def test_rules_that_rods_do_not_take_are_told() -> None:
+    from strandcli.scene.model import RuleUse
+
+    scene = scene_of(HANGING)
+    object.__setattr__(scene, "rules", (*scene.rules, RuleUse("vortex", None, "vortex")))
+    opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod", "foil")))
+    assert [one["solver"] for one in opened.absent] == ["rod", "foil"]
+    assert "vortex" in opened.absent[0]["why"]
+
+
+def test_knobs_change_nothing_else() -> None:
+    scene = scene_of(HANGING)
+    changed = with_knobs(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
+    assert (changed.solver, changed.time.substeps, changed.emitter.particles) == ("rod", 5, 9)
+    assert with_knobs(changed, {"solver": "thesis", "time.substeps": 1, "emitter.particles": 5}) == scene
+
+
+def data(margin: float | None) -> dict[str, Any]:
+    points = [
+        {"knobs": {"solver": "rod", "time.substeps": n, "emitter.particles": 9}, "seconds": n, "error": {"median": e}}
+        for n, e in ((1, 0.03), (2, 0.008), (4, 0.002), (8, None))
+    ]
+    return {"metric": "median", "margin": margin, "points": points}
+
+
+def test_advice_is_the_cheapest_that_is_sure() -> None:
+    chosen = advice.choose(data(0.001), "hair", "rod", 0.01, [], True)
+    assert chosen.settings == {"time.substeps": 2, "emitter.particles": 9}
+    assert "earlier study" in chosen.text()
+    assert advice.choose(data(0.003), "hair", "rod", 0.01, [], True).settings["time.substeps"] == 4
+    fixed = advice.choose(data(0.001), "hair", "rod", 0.01, ["emitter.particles"], False)
+    assert fixed.settings == {"time.substeps": 2}
+    for margin, words in ((0.02, "known to 2 % only"), (None, "no limit"), (0.0001, "nearest is 0.21 %")):
+        with pytest.raises(MismatchError, match=words):
+            advice.choose(data(margin), "hair", "rod", 0.001, [], False)
+
+
+def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up solver of second order in its substeps, whose limit is known."""
+    asked: list[axes.Request] = []
+
+    def study(axis: Any, request: axes.Request, *rest: Any) -> sweep.Study:
+        asked.append(request)
+        points = [
+            Point({"solver": "rod", "time.substeps": n}, n, {"median": 0.04 / n**2}, "rod")
+            for n in request.substeps or (1, 2, 4)
+        ]
+        told = {"limits": {"rod": {"converges": True}}}
+        return sweep.Study("motion", "made", "", "median", "", told, {"rod": 0.0}, points, [], [], [])
+
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path)
+    monkeypatch.setattr(sweep, "run", study)
+    scene = with_knobs(scene_of(HANGING), {"solver": "rod"})
+    assert advice.advise(scene, "made", 0.01).settings == {"time.substeps": 2}
+    assert len(asked) == 1
+    found = advice.advise(scene, "made", 1e-3)
+    assert found.settings == {"time.substeps": 8}
+    assert (asked[1].substeps, asked[1].particles) == ((8, 16, 32), (5, 9))
+    assert len(asked) == 2  # the first round was kept
+    assert advice.advise(scene, "made", 1e-3).reused
+    with pytest.raises(MismatchError, match="nearest"):
+        advice.advise(scene, "made", 1e-7)
+    with pytest.raises(MismatchError):
+        advice.advise(scene, "made", 1e-3, ["time.substeps"])
+    assert asked[-1].substeps == (1,)
+
+
+def test_advice_is_kept_by_what_moves_the_strands() -> None:
+    scene = scene_of(HANGING)
+    same = scene_of(HANGING + "image: {size: [30, 20]}\nmaterial: {diffuse: 0.9}\n")
+    other = scene_of(HANGING + "seed: 3\n")
+    assert advice.key(scene, {}) == advice.key(same, {})
+    assert advice.key(scene, {}) != advice.key(other, {})
+    assert advice.key(scene, {}) != advice.key(scene, {"time.substeps": (2,)})
