@@ -1,4 +1,5 @@
-"""What a kernel is made of: the text of its module and of every module of this package that it imports, directly or not.
+"""What a kernel is made of: the text of its module and of every module of this package that it imports,
+directly or not.
 
 Numba compares one file with its cache, and does not see that a function in another file has changed.
 """

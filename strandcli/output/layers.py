@@ -1,4 +1,5 @@
-"""Layers beside the picture (`strandcli.draw.film.aovs`) as files: ``depth_0001.npz`` with the array ``depth``, exactly as
+"""Layers beside the picture (`strandcli.draw.film.aovs`) as files: ``depth_0001.npz`` with the array ``depth``,
+exactly as
 it was drawn, and ``depth_0001.png`` to look at; with the extra `exr` also ``frame_0001.exr`` with all of them.
 
 =============== =====================================================================================

@@ -27,7 +27,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     no_fma(x * y) + z                rounds the product, where it would be fused
     prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
 
-Vectors of whole numbers can be loaded and stored, and no more. Numbers that are not vectors stand for lanes that are all
+Vectors of whole numbers can be loaded and stored,
+and no more. Numbers that are not vectors stand for lanes that are all
 equal. max and
 min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
 handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places are not

@@ -224,7 +224,7 @@ def test_nothing_is_left_changed() -> None:
 CALLED_FROM_BOTH = """
 import sys
 import numpy as np
-from strandcli.draw.kernels import tiles
+from strandcli.draw.coverage.kernels import tiles
 from strandcli.jit import function, inner
 
 @inner
@@ -244,7 +244,8 @@ assert tiles.fixed(np.float32(0.3), 1, 10) == 1331
 def test_what_a_part_takes_from_the_cache_python_may_call_as_well(tmp_path: Path) -> None:
     script = tmp_path / "both.py"
     script.write_text(CALLED_FROM_BOTH)
-    place = {**os.environ, "STRANDCLI_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
+    place = {**os.environ, "STRANDCLI_CACHE_DIR": str(tmp_path / "cache"),
+    "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
     for words in ([], ["kernel first"]):  # the first run fills the cache
         done = subprocess.run([sys.executable, script, *words], env=place, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr

@@ -31,7 +31,8 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.compose, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, tile_binning.spans, tile_binning.share_out,
+        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, tile_binning.spans,
+        tile_binning.share_out,
         resolve.resolve,
     ),
 }  # fmt: skip

@@ -74,11 +74,7 @@ class View:
         return np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y
 
     def pack(self) -> NDArray[np.float32]:
-        """(26,) float32 as kernels read it, and nobody writes to it: three rows (right, up, depth) with their
-        translations; [12] 1 for perspective; [13] focal; [14] near; [15], [16] the pixel of the axis; [17], [18] how
-        much further out a slanted side of the view lies for a margin of one; [19] far − near; [20:23] the eye; [23] how
-        many times longer than in the middle of the screen a short way can be in its corner, at the same depth; [24],
-        [25] width and height."""
+        """(26,) float32 as kernels read it, with the columns of `common.kernels.view_columns`; nobody writes to it."""
         return self._packed
 
     @cached_property

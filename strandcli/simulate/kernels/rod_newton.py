@@ -103,6 +103,6 @@ def pull(s, n, mass, given):
         y += mass[j] * ay
         z += mass[j] * az
         sum += mass[j]
-        pull = sqrt(x * x + y * y + z * z) - PULLED * sum
+        carried = sqrt(x * x + y * y + z * z) - PULLED * sum
         t = load(s, o + T)
-        store(s, o + T, where(pull > 0.0, max(t, load), t))
+        store(s, o + T, where(carried > 0.0, max(t, carried), t))

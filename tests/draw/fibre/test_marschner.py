@@ -14,6 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from strandcli.draw.common.kernels.light_columns import KIND, PLACE_X, PLACE_Y
+from strandcli.draw.common.kernels.view_columns import RIGHT_X, RIGHT_Y, RIGHT_Z
 from strandcli.draw.fibre import marschner as tables_of
 from strandcli.draw.fibre.kernels import marschner as kernel
 from strandcli.draw.fibre.pigment import absorption
@@ -30,7 +32,8 @@ ZERO = np.float32(0)
 def over(t, lights, views, lobes, nodes, paths, extra, out):
     for i in range(out.shape[0]):
         out[i] = kernel.marschner(
-            t[0], t[1], t[2], lights[i, 0], lights[i, 1], lights[i, 2], views[i, 0], views[i, 1], views[i, 2],
+            t[0], t[1], t[2], lights[i, KIND], lights[i, PLACE_X], lights[i, PLACE_Y], views[i, RIGHT_X], views[i,
+            RIGHT_Y], views[i, RIGHT_Z],
             lobes, nodes, paths, extra[0], extra[1], extra[2],
         )  # fmt: skip
 
@@ -303,8 +306,8 @@ def test_degenerate_directions(tables):
 
 PROGRAM = """
 import numpy as np
-from strandcli.draw.kernels.marschner import marschner
-from strandcli.draw.marschner import build_tables
+from strandcli.draw.fibre.kernels.marschner import marschner
+from strandcli.draw.fibre.marschner import build_tables
 from strandcli.scene.model import Material
 tables = build_tables(Material(colour_variation=0.2))
 for row in np.random.default_rng(9).normal(size=(50, 3, 3)).astype(np.float32):

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
 from strandcli.draw.shadows.kernels import opacity, opacity_maps
 from strandcli.draw.view.camera import View
-from strandcli.draw.zbuffer.raster import draw, kernel, to_screen
+from strandcli.draw.zbuffer.raster import draw, to_screen
 from strandcli.scene.model import Material
 
 SIZE = (160, 120)
@@ -144,9 +145,9 @@ def test_pictures_cover_what_rays_meet(resolver: str, name: str) -> None:
             layer.compose(np.ones((len(screen), 3), np.float32), image)
         covered = image[..., 0].astype(np.float64)
     else:
-        keys = np.full(size[0] * size[1], kernel.EMPTY)
+        keys = np.full(size[0] * size[1], EMPTY)
         draw(lines, screen, widths, 0, size, 1, scratch, keys)
-        covered = (keys != kernel.EMPTY).reshape(size[1], size[0]).astype(np.float64)
+        covered = (keys != EMPTY).reshape(size[1], size[0]).astype(np.float64)
     # rows or columns well within the strand: how rays end at its ends is another matter
     across = int(abs(screen[-1, 0] - screen[0, 0]) > abs(screen[-1, 1] - screen[0, 1]))
     low, high = np.sort(screen[[0, -1], 1 - across])

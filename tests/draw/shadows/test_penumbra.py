@@ -14,6 +14,7 @@ from strand_kit import frames_of, scene_of
 from strandcli import load
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.common.kernels.light_columns import KIND, LIGHT_SIZE
 from strandcli.draw.shadows.kernels import penumbra, soft_shadows
 from strandcli.draw.solids.kernels import solids
 from strandcli.solids import COLUMNS, pack
@@ -175,10 +176,10 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.REACH // W, :count] = reach
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
-        lights[0, 0], lights[0, 12] = point, 0.3
+        lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
         soft_shadows.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
         alone = [
-            penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, 12], lights[0, 0])
+            penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
             for k in range(count)
         ]  # fmt: skip
         shares += alone

@@ -11,7 +11,7 @@ from strand_kit import frames_of, scene_of
 from strandcli.draw import canvas
 from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.renderer import Renderer
-from strandcli.draw.solids.kernels import coat
+from strandcli.draw.solids.kernels import coat as kernel
 from strandcli.draw.solids.solids import finish_of
 from strandcli.groom.emit import emit
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
@@ -25,7 +25,7 @@ def towards(theta: float, phi: float = 0.0) -> np.ndarray:
 
 
 def brdf(coat: float, rough: float, light: np.ndarray, eye: np.ndarray, size: float = 0.0) -> float:
-    return float(coat.gleam(*np.array([coat, rough, size, *UP, *light, *eye], np.float32)))
+    return float(kernel.gleam(*np.array([coat, rough, size, *UP, *light, *eye], np.float32)))
 
 
 def exact(coat: float, rough: float, light: np.ndarray, eye: np.ndarray) -> float:
@@ -167,7 +167,7 @@ def test_a_pixel_of_a_solid_is_lit_alike_whichever_others_are() -> None:
 
 def noise(x: np.ndarray, grain: float = 0.5, pixel: float = 1e-3) -> np.ndarray:
     one = np.float32(0.3)
-    return np.array([coat.patches(v, one, -one, np.float32(grain), np.float32(pixel)) for v in np.float32(x)])
+    return np.array([kernel.patches(v, one, -one, np.float32(grain), np.float32(pixel)) for v in np.float32(x)])
 
 
 def test_patches_are_even_handed_smooth_and_as_wide_as_they_are_said_to_be() -> None:

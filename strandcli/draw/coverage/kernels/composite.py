@@ -76,7 +76,8 @@ def weigh_points(
     """What `weigh` does, where it is known which points of a sample wide strands cover: what is in front hides just
     these. What is thin covers a sample independently.
 
-    screen (V, 3), widths (V,) samples; table: of `strandcli.draw.coverage.masks.sides`; left, top: the tile's first column and
+    screen (V, 3), widths (V,) samples; table: of `strandcli.draw.coverage.masks.sides`; left,
+    top: the tile's first column and
     row; seen (F,) uint64: the points of its sample that each fragment shows.
     """
     end = np.int64(0)

@@ -46,7 +46,8 @@ def resolve(
     fragments of each pixel that matter, nearest first: what lies behind where less than `OPAQUE` gets through does not.
     One pixel after the other: place (F,) uint32 the lit vertex before the fragment, or V + e, weight (F,) float32 the
     share of the pixel's light that comes from it, along (F,) float32 the place from that lit vertex to the next; seen
-    (F,) uint64 the points of its sample that it shows, by the table of `strandcli.draw.coverage.masks.sides`, or both None.
+    (F,) uint64 the points of its sample that it shows, by the table of `strandcli.draw.coverage.masks.sides`,
+    or both None.
     marks (V,) uint8 is set at the lit vertices before them. found (tiles,) int64: fragments that matter or not,
     negative where there was no room.
 

@@ -6,7 +6,8 @@ Directions and angles are those of `kernels/marschner.py`. With θ_l, θ_v the i
 
 M is that of d'Eon et al. (2011), a von Mises-Fisher lobe averaged over azimuth, so ∫ M_p cos θ_l dθ_l = 1 at any θ_v;
 N_p, the attenuation and the azimuthal logistic averaged over h ∈ [−1, 1], comes from the tables of
-`strandcli.draw.fibre.chiang`. As in `marschner`, the cosine at the light is in the result. The form is energy conserving and
+`strandcli.draw.fibre.chiang`. As in `marschner`,
+the cosine at the light is in the result. The form is energy conserving and
 not reciprocal.
 """
 

@@ -33,6 +33,7 @@ from ...common.kernels.batch import (
     U,
     V,
 )
+from ...common.kernels.light_columns import POWER_R
 from . import dual
 
 
@@ -66,7 +67,7 @@ def glow(work, n, lights, one, twice, scale):
         work[U + k] = back
         work[V + k] = through
     for c in range(3):
-        power = lights[one, 4 + c]
+        power = lights[one, POWER_R + c]
         per = scale[c]
         for k in range(n):
             s = dual.scattered(

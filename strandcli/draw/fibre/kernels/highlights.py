@@ -7,6 +7,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import ARRIVES, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, REST, TRT, TT, TX, TY, TZ, R, U, V
+from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from . import chiang, marschner
 from .lobes import azimuthal
 
@@ -48,6 +49,6 @@ def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
                 None if fibre is None else work[REST + k], nodes, paths,
                 work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
             )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, 4] * r
-            work[RADIANCE + W + k] += arrives * lights[i, 5] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, 6] * b
+            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
+            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b

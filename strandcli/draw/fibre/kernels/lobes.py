@@ -1,4 +1,5 @@
-"""Azimuthal tables of a strand's lobes, as both models read them (`strandcli.draw.fibre.marschner`, `strandcli.draw.fibre.chiang`).
+"""Azimuthal tables of a strand's lobes, as both models read them (`strandcli.draw.fibre.marschner`,
+`strandcli.draw.fibre.chiang`).
 
 A node holds R, which is colourless, TT and TRT in red, green and blue, and with Chiang's model all that leaves after
 more inner reflections.

@@ -7,6 +7,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import ARRIVES, EXTRA, TRT, TT, R, U, V
+from ...common.kernels.light_columns import POWER_R
 from ...coverage.kernels.column_light import COLUMNS
 from ...coverage.kernels.width_profiles import azimuth
 from .lobes import grown
@@ -39,7 +40,7 @@ def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, 
         a = np.int64(work[U + k])
         b = np.int64(work[V + k])
         for c in range(3):
-            light = arrives * lights[one, 4 + c]
+            light = arrives * lights[one, POWER_R + c]
             m_r = light * work[R + k]
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]

@@ -8,6 +8,24 @@ import numpy as np
 
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.light_columns import MAP_LAYERS, POWER_B, POWER_G, POWER_R, STRAND_WIDTH
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    DEPTH_RANGE,
+    FOCAL,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 from ...coverage.kernels.composite import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, corner
 from ...lighting.kernels.light import toward
@@ -115,11 +133,11 @@ def strands(keys, samples, base, begin, first, world, screen, view, ids, tangent
             tangents[y, x, 1] = ay
             tangents[y, x, 2] = az
             # seen along the ray (u, v, 1): the derivative of (x, y) / z, times z
-            tx = view[0] * ax + view[1] * ay + view[2] * az
-            ty = view[4] * ax + view[5] * ay + view[6] * az
-            tz = view[8] * ax + view[9] * ay + view[10] * az
-            u = view[12] * (np.float32(column) + HALF - view[15]) / view[13]
-            w = view[12] * (view[16] - np.float32(row) - HALF) / view[13]
+            tx = view[RIGHT_X] * ax + view[RIGHT_Y] * ay + view[RIGHT_Z] * az
+            ty = view[UP_X] * ax + view[UP_Y] * ay + view[UP_Z] * az
+            tz = view[FORWARD_X] * ax + view[FORWARD_Y] * ay + view[FORWARD_Z] * az
+            u = view[PERSPECTIVE] * (np.float32(column) + HALF - view[AXIS_X]) / view[FOCAL]
+            w = view[PERSPECTIVE] * (view[AXIS_Y] - np.float32(row) - HALF) / view[FOCAL]
             angle = math.atan2(ty - w * tz, tx - u * tz)
             angle += PI if angle < ZERO else ZERO
             angles[y, x] = angle if angle < PI else ZERO
@@ -167,14 +185,14 @@ def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth,
             point[y, x] = ZERO
             if key == EMPTY:
                 continue
-            right = (np.float32(column) + HALF - view[15]) / view[13]
-            up = (view[16] - np.float32(row) - HALF) / view[13]
+            right = (np.float32(column) + HALF - view[AXIS_X]) / view[FOCAL]
+            up = (view[AXIS_Y] - np.float32(row) - HALF) / view[FOCAL]
             ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
             q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
-            t = ONE / q if view[12] > ZERO else view[14] + (ONE - q) * view[19]
+            t = ONE / q if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - q) * view[DEPTH_RANGE]
             if (key & LOW) >= FIRST:
                 which = np.int64((key & LOW) - FIRST)
-                if view[12] == ZERO:  # a key ends with the depth range, a solid does not
+                if view[PERSPECTIVE] == ZERO:  # a key ends with the depth range, a solid does not
                     far = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
                     t = far if far < INF else t
                 ids[y, x] = -2
@@ -215,15 +233,15 @@ def shadows(
             arrives = ZERO
             for i in range(lights.shape[0]):
                 lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
-                power = falloff * (RED * lights[i, 4] + GREEN * lights[i, 5] + BLUE * lights[i, 6])
+                power = falloff * (RED * lights[i, POWER_R] + GREEN * lights[i, POWER_G] + BLUE * lights[i, POWER_B])
                 whole += power
                 power *= penumbra.past(
                     spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
                 )
-                if power > ZERO and lights[i, 10] == ZERO:
+                if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
-                if power > ZERO and lights[i, 10] > ZERO:
-                    wide = ZERO if ids[y, x] == -2 else lights[i, 13]
+                if power > ZERO and lights[i, MAP_LAYERS] > ZERO:
+                    wide = ZERO if ids[y, x] == -2 else lights[i, STRAND_WIDTH]
                     power *= opacity.transmittance(px, py, pz, wide, lights, i, stacks, starts, sizes, views)
                 arrives += power
             if whole > ZERO:

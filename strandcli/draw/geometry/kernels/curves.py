@@ -11,6 +11,18 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    CORNER_STRETCH,
+    FOCAL,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    SCREEN_HEIGHT,
+    SCREEN_WIDTH,
+    SLANT_X,
+    SLANT_Y,
+)
 from ...view.kernels.project import into
 
 ZERO = np.float32(0.0)
@@ -176,27 +188,27 @@ def count(
 def reach(u0, v0, z0, u1, v1, z1, margin, view):
     """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
     about it; 0 where that cannot touch the picture."""
-    near = view[14]
+    near = view[NEAR_PLANE]
     if max(z0, z1) + margin < near:
         return ZERO
     # where the picture ends on each side, at a depth of one: a crop window may lie aside of the axis
-    left = view[15] / view[13]
-    right = (view[24] - view[15]) / view[13]
-    above = view[16] / view[13]
-    below = (view[25] - view[16]) / view[13]
+    left = view[AXIS_X] / view[FOCAL]
+    right = (view[SCREEN_WIDTH] - view[AXIS_X]) / view[FOCAL]
+    above = view[AXIS_Y] / view[FOCAL]
+    below = (view[SCREEN_HEIGHT] - view[AXIS_Y]) / view[FOCAL]
     f0 = ONE
     f1 = ONE
-    scale = view[13]
-    if view[12] > ZERO:
+    scale = view[FOCAL]
+    if view[PERSPECTIVE] > ZERO:
         f0 = max(z0, near)
         f1 = max(z1, near)
         least = max(min(z0, z1) - margin, near)
         u = max(abs(u0), abs(u1)) + margin
         v = max(abs(v0), abs(v1)) + margin
         # off the middle a way along the depth shows as well
-        scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[23]) / least
-    wide = margin * view[17]
-    tall = margin * view[18]
+        scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[CORNER_STRETCH]) / least
+    wide = margin * view[SLANT_X]
+    tall = margin * view[SLANT_Y]
     if min(u0 - right * f0, u1 - right * f1) > wide or min(-u0 - left * f0, -u1 - left * f1) > wide:
         return ZERO
     if min(v0 - above * f0, v1 - above * f1) > tall or min(-v0 - below * f0, -v1 - below * f1) > tall:

@@ -11,6 +11,29 @@ import math
 import numpy as np
 
 from ....jit import device, parallel, prange
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    DEPTH_RANGE,
+    EYE_X,
+    EYE_Y,
+    EYE_Z,
+    FOCAL,
+    FORWARD_SHIFT,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_SHIFT,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_SHIFT,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 from ...view.kernels.project import MOST
 
 ZERO = np.float32(0.0)
@@ -51,10 +74,10 @@ def rim(world, v, low, high, view, reach, screen):
     tx = world[high, 0] - world[low, 0]
     ty = world[high, 1] - world[low, 1]
     tz = world[high, 2] - world[low, 2]
-    straight = view[12] - ONE
-    ex = view[12] * (view[20] - world[v, 0]) + straight * view[8]
-    ey = view[12] * (view[21] - world[v, 1]) + straight * view[9]
-    ez = view[12] * (view[22] - world[v, 2]) + straight * view[10]
+    straight = view[PERSPECTIVE] - ONE
+    ex = view[PERSPECTIVE] * (view[EYE_X] - world[v, 0]) + straight * view[FORWARD_X]
+    ey = view[PERSPECTIVE] * (view[EYE_Y] - world[v, 1]) + straight * view[FORWARD_Y]
+    ez = view[PERSPECTIVE] * (view[EYE_Z] - world[v, 2]) + straight * view[FORWARD_Z]
     size = tx * tx + ty * ty + tz * tz
     dot = tx * ex + ty * ey + tz * ez
     aside = math.sqrt(max(size * (ex * ex + ey * ey + ez * ez) - dot * dot, TINY * size))
@@ -64,14 +87,15 @@ def rim(world, v, low, high, view, reach, screen):
     x = world[v, 0] + by * tx
     y = world[v, 1] + by * ty
     z = world[v, 2] + by * tz
-    depth = view[8] * x + view[9] * y + view[10] * z + view[11]
-    if screen[v, 2] <= ZERO or depth < view[14]:
+    depth = view[FORWARD_X] * x + view[FORWARD_Y] * y + view[FORWARD_Z] * z + view[FORWARD_SHIFT]
+    if screen[v, 2] <= ZERO or depth < view[NEAR_PLANE]:
         return
-    per = view[13] / depth if view[12] > ZERO else view[13]
-    right = view[15] + per * (view[0] * x + view[1] * y + view[2] * z + view[3])
-    down = view[16] - per * (view[4] * x + view[5] * y + view[6] * z + view[7])
+    per = view[FOCAL] / depth if view[PERSPECTIVE] > ZERO else view[FOCAL]
+    right = view[AXIS_X] + per * (view[RIGHT_X] * x + view[RIGHT_Y] * y + view[RIGHT_Z] * z + view[RIGHT_SHIFT])
+    down = view[AXIS_Y] - per * (view[UP_X] * x + view[UP_Y] * y + view[UP_Z] * z + view[UP_SHIFT])
     if abs(right) >= MOST or abs(down) >= MOST:
         return
     screen[v, 0] = right
     screen[v, 1] = down
-    screen[v, 2] = ONE / depth if view[12] > ZERO else max(ONE - (depth - view[14]) / view[19], TINY)
+    screen[v,
+    2] = ONE / depth if view[PERSPECTIVE] > ZERO else max(ONE - (depth - view[NEAR_PLANE]) / view[DEPTH_RANGE], TINY)

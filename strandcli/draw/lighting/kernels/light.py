@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ....jit import device, function
+from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -18,11 +19,11 @@ FAR = np.float32(1e30)
 @device
 def toward(lights, i, x, y, z):
     """Unit direction to light number i, its distance, and its irradiance's falloff at a point."""
-    if lights[i, 0] == ZERO:
-        return lights[i, 1], lights[i, 2], lights[i, 3], FAR, ONE
-    lx = lights[i, 1] - x
-    ly = lights[i, 2] - y
-    lz = lights[i, 3] - z
+    if lights[i, KIND] == ZERO:
+        return lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z], FAR, ONE
+    lx = lights[i, PLACE_X] - x
+    ly = lights[i, PLACE_Y] - y
+    lz = lights[i, PLACE_Z] - z
     square = max(lx * lx + ly * ly + lz * lz, TINY)
     size = math.sqrt(square)
     return lx / size, ly / size, lz / size, size, ONE / square

@@ -37,6 +37,19 @@ from ...common.kernels.batch import (
     Y,
     Z,
 )
+from ...common.kernels.light_columns import (
+    BIAS,
+    CLEAR_ROW,
+    FIRST_MAP,
+    MAP_COUNT,
+    MAP_LAYERS,
+    PER_FALL,
+    POWER_B,
+    POWER_G,
+    POWER_R,
+    STRAND_WIDTH,
+)
+from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
 from ...fibre.kernels.dual_scattering import glow
 from ...fibre.kernels.highlights import highlights
@@ -67,15 +80,18 @@ def strands(
 
     first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (26,);
     colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption;
-    diffuse: scale; ambient (3,); sky: of `strandcli.draw.lighting.environment`; volume, box: of `strandcli.draw.lighting.occlusion`;
-    lobes, nodes, paths: tables of `strandcli.draw.fibre.marschner`, or fibre, nodes, paths: those of `strandcli.draw.fibre.chiang`;
+    diffuse: scale; ambient (3,); sky: of `strandcli.draw.lighting.environment`; volume,
+    box: of `strandcli.draw.lighting.occlusion`;
+    lobes, nodes, paths: tables of `strandcli.draw.fibre.marschner`, or fibre, nodes,
+    paths: those of `strandcli.draw.fibre.chiang`;
     twice, scale: of `strandcli.draw.fibre.dual`; None where not needed;
     lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
     or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
     the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
     only count strands; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids packed, `skin` metres; sized:
     None where no light has a size, [12] in lights: the sine of its angular radius, or its radius in metres, [13] mean
-    width of strands, metres, [14] 1 / h of `opacity`; slots, columns, profile: of `strandcli.draw.coverage.width_profiles`, None where no
+    width of strands, metres, [14] 1 / h of `opacity`; slots, columns,
+    profile: of `strandcli.draw.coverage.width_profiles`, None where no
     strand is wide; out (V, 3).
 
     tint, sky, volume, paths and clear have no rows where there are none of them: what is asked once a batch or costs
@@ -156,33 +172,34 @@ def batch(
             hide(work, n, spheres, capsules, planes, boxes, skin)
         else:
             soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
-        if lights[i, 10] == ZERO:
-            for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
-                shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, 9])
+        if lights[i, MAP_LAYERS] == ZERO:
+            for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
+                shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, BIAS])
         else:
             for k in range(n):
                 work[PASSED + k] = ZERO
                 work[LEFT + k] = ZERO
-            for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
-                layers = np.int64(lights[i, 10])
-                width = lights[i, 13]
-                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width, lights[i, 14])
+            for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
+                layers = np.int64(lights[i, MAP_LAYERS])
+                width = lights[i, STRAND_WIDTH]
+                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, BIAS], width, lights[i,
+                PER_FALL])
                 if twice is not None:
-                    beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, 9], width)
+                    beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, BIAS], width)
             for k in range(n):
                 work[WHOLE + k] = work[ARRIVES + k]
-            if clear.shape[0] == 0 or lights[i, 11] == ZERO:
+            if clear.shape[0] == 0 or lights[i, CLEAR_ROW] == ZERO:
                 for k in range(n):
                     work[ARRIVES + k] *= exp(-work[PASSED + k])
         row = np.int64(0)
         if slots is not None and twice is None and clear.shape[0] > 0:  # exact shadows across the width come at the end
-            row = np.int64(lights[i, 11])
-        if clear.shape[0] > 0 and lights[i, 11] > ZERO and row == 0:
+            row = np.int64(lights[i, CLEAR_ROW])
+        if clear.shape[0] > 0 and lights[i, CLEAR_ROW] > ZERO and row == 0:
             for k in range(n):
-                work[ARRIVES + k] *= clear[np.int64(lights[i, 11]) - 1, which[k]]
+                work[ARRIVES + k] *= clear[np.int64(lights[i, CLEAR_ROW]) - 1, which[k]]
         if slots is not None:
             width_profiles.remember(work)
-        if twice is not None and lights[i, 10] > ZERO:
+        if twice is not None and lights[i, MAP_LAYERS] > ZERO:
             glow(work, n, lights, i, twice, scale)
         elif diffuse > ZERO:
             for k in range(n):
@@ -190,9 +207,9 @@ def batch(
                     work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
                 )
                 d *= work[ARRIVES + k]
-                work[RADIANCE + k] += lights[i, 4] * (d * work[COLOUR + k])
-                work[RADIANCE + W + k] += lights[i, 5] * (d * work[COLOUR + W + k])
-                work[RADIANCE + 2 * W + k] += lights[i, 6] * (d * work[COLOUR + 2 * W + k])
+                work[RADIANCE + k] += lights[i, POWER_R] * (d * work[COLOUR + k])
+                work[RADIANCE + W + k] += lights[i, POWER_G] * (d * work[COLOUR + W + k])
+                work[RADIANCE + 2 * W + k] += lights[i, POWER_B] * (d * work[COLOUR + 2 * W + k])
         if slots is not None:
             width_profiles.round_off(work, n, which, slots, profile, row)
         if nodes is not None:
@@ -210,7 +227,7 @@ def batch(
 @device
 def frames(work, n, view):
     """Unit tangents, and unit directions to the eye."""
-    perspective = view[12]
+    perspective = view[PERSPECTIVE]
     straight = perspective - ONE  # an orthographic eye is everywhere against the view
     for k in range(n):
         x = work[TX + k]
@@ -220,9 +237,9 @@ def frames(work, n, view):
         work[TX + k] = x * size
         work[TY + k] = y * size
         work[TZ + k] = z * size
-        x = perspective * (view[20] - work[X + k]) + straight * view[8]
-        y = perspective * (view[21] - work[Y + k]) + straight * view[9]
-        z = perspective * (view[22] - work[Z + k]) + straight * view[10]
+        x = perspective * (view[EYE_X] - work[X + k]) + straight * view[FORWARD_X]
+        y = perspective * (view[EYE_Y] - work[Y + k]) + straight * view[FORWARD_Y]
+        z = perspective * (view[EYE_Z] - work[Z + k]) + straight * view[FORWARD_Z]
         size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
         work[EX + k] = x * size
         work[EY + k] = y * size

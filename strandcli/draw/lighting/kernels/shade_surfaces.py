@@ -13,6 +13,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
+from ...common.kernels.light_columns import KIND, LIGHT_SIZE, MAP_LAYERS, POWER_R
 from ...common.kernels.surface_batch import (
     ARRIVED,
     COAT,
@@ -30,6 +31,7 @@ from ...common.kernels.surface_batch import (
     THERE,
     UNDER,
 )
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from ...shadows.kernels.soft_shadows import soften
@@ -117,20 +119,20 @@ def batch(
             soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
-        if lights[i, 10] == ZERO:
+        if lights[i, MAP_LAYERS] == ZERO:
             for k in range(n):
                 if work[ARRIVES + k] > ZERO:
                     work[ARRIVES + k] *= transmittance(
                         work[X + k], work[Y + k], work[Z + k], lights, i, maps, starts, sizes, views
                     )
-        if lights[i, 10] > ZERO:
+        if lights[i, MAP_LAYERS] > ZERO:
             percentage_closer.leave(work, n, lights, i, veil, stacks, starts, sizes, views)
         else:
             for k in range(3 * W):
                 work[LEFT + k] = ONE
         for c in range(3):
             for k in range(n):
-                arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, 4 + c] * work[LEFT + c * W + k]
+                arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
                 work[ARRIVED + c * W + k] = arrived
                 work[RADIANCE + c * W + k] += INV_PI * arrived
         if coats.shape[0] > 0:
@@ -148,10 +150,10 @@ def batch(
 @device
 def look(work, n, view):
     """From places on the screen and distances to points, directions to the eye, and pixels' widths."""
-    focal = view[13]
+    focal = view[FOCAL]
     for k in range(n):
-        right = (work[SX + k] - view[15]) / focal
-        up = (view[16] - work[SY + k]) / focal
+        right = (work[SX + k] - view[AXIS_X]) / focal
+        up = (view[AXIS_Y] - work[SY + k]) / focal
         ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
         t = work[DISTANCE + k]
         far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -161,7 +163,7 @@ def look(work, n, view):
         work[EX + k] = -far * dx
         work[EY + k] = -far * dy
         work[EZ + k] = -far * dz
-        work[PIXEL + k] = t / (focal * far) if view[12] > ZERO else ONE / focal
+        work[PIXEL + k] = t / (focal * far) if view[PERSPECTIVE] > ZERO else ONE / focal
 
 
 @device
@@ -271,7 +273,7 @@ def gleam(work, n, lights, i, coats, which):
     for k in range(n):
         if work[ARRIVES + k] == ZERO:
             continue
-        angle = lights[i, 12] if lights[i, 0] == ZERO else min(lights[i, 12] / work[REACH + k], ONE)
+        angle = lights[i, LIGHT_SIZE] if lights[i, KIND] == ZERO else min(lights[i, LIGHT_SIZE] / work[REACH + k], ONE)
         share = coat.gleam(
             coats[which, coat.COAT], coats[which, coat.ROUGH], angle, work[NX + k], work[NY + k], work[NZ + k],
             work[LX + k], work[LY + k], work[LZ + k], work[EX + k], work[EY + k], work[EZ + k],

@@ -11,6 +11,26 @@ import math
 import numpy as np
 
 from ....jit import device, function, parallel, prange
+from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    FOCAL,
+    FORWARD_SHIFT,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_SHIFT,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_SHIFT,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 from ...zbuffer.kernels.raster import FIXED, POINT
 
 HALF = np.float32(0.5)
@@ -96,7 +116,7 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
     [9] bias in metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,)
     int64, views (M, 24). A point that no map of the light holds is lit.
     """
-    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+    for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         u, v, d = texel_of(x, y, z, views, one)
         if not held(u, v, d, views, one, np.float32(sizes[one] - 1)):
             continue
@@ -107,7 +127,7 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
         farthest = max(max(maps[texel, 1], maps[texel + NEXT, 1]), max(maps[below, 1], maps[below + NEXT, 1]))
         if farthest < ZERO:  # no strand in any of the four
             return ONE
-        d -= lights[i, 9]
+        d -= lights[i, BIAS]
         return between(
             u - low_u, v - low_v,
             through(d, maps[texel, 0], maps[texel, 1]), through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
@@ -119,17 +139,17 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
 @device
 def texel_of(x, y, z, views, one):
     """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
-    sx = views[one, 0] * x + views[one, 1] * y + views[one, 2] * z + views[one, 3]
-    sy = views[one, 4] * x + views[one, 5] * y + views[one, 6] * z + views[one, 7]
-    d = views[one, 8] * x + views[one, 9] * y + views[one, 10] * z + views[one, 11]
-    scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
-    return views[one, 15] + scale * sx - HALF, views[one, 16] - scale * sy - HALF, d
+    sx = views[one, RIGHT_X] * x + views[one, RIGHT_Y] * y + views[one, RIGHT_Z] * z + views[one, RIGHT_SHIFT]
+    sy = views[one, UP_X] * x + views[one, UP_Y] * y + views[one, UP_Z] * z + views[one, UP_SHIFT]
+    d = views[one, FORWARD_X] * x + views[one, FORWARD_Y] * y + views[one, FORWARD_Z] * z + views[one, FORWARD_SHIFT]
+    scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
+    return views[one, AXIS_X] + scale * sx - HALF, views[one, AXIS_Y] - scale * sy - HALF, d
 
 
 @device
 def held(u, v, d, views, one, edge):
     """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
-    return (d >= views[one, 14]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
+    return (d >= views[one, NEAR_PLANE]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
 
 
 @device

@@ -10,6 +10,26 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    DEPTH_RANGE,
+    FOCAL,
+    FORWARD_SHIFT,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_SHIFT,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_SHIFT,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 from .grid import (
     ALONG,
     ALONG_X,
@@ -76,19 +96,22 @@ def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, v
 @inlined
 def seen(world, v, views, one, bias):
     """Where a view shows a vertex, in cells, and its depth number; 0 where it does not."""
-    x = views[one, 0] * world[v, 0] + views[one, 1] * world[v, 1] + views[one, 2] * world[v, 2] + views[one, 3]
-    y = views[one, 4] * world[v, 0] + views[one, 5] * world[v, 1] + views[one, 6] * world[v, 2] + views[one, 7]
-    z = views[one, 8] * world[v, 0] + views[one, 9] * world[v, 1] + views[one, 10] * world[v, 2] + views[one, 11]
-    if not z >= views[one, 14]:
+    x = views[one, RIGHT_X] * world[v, 0] + views[one, RIGHT_Y] * world[v, 1] + views[one, RIGHT_Z] * world[v,
+    2] + views[one, RIGHT_SHIFT]
+    y = views[one, UP_X] * world[v, 0] + views[one, UP_Y] * world[v, 1] + views[one, UP_Z] * world[v, 2] + views[one,
+    UP_SHIFT]
+    z = views[one, FORWARD_X] * world[v, 0] + views[one, FORWARD_Y] * world[v, 1] + views[one, FORWARD_Z] * world[v,
+    2] + views[one, FORWARD_SHIFT]
+    if not z >= views[one, NEAR_PLANE]:
         return ZERO, ZERO, ZERO
-    near = max(z - bias, views[one, 14])
-    if views[one, 12] > ZERO:
-        scale = views[one, 13] / z
+    near = max(z - bias, views[one, NEAR_PLANE])
+    if views[one, PERSPECTIVE] > ZERO:
+        scale = views[one, FOCAL] / z
         q = ONE / near
     else:
-        scale = views[one, 13]
-        q = max(ONE - (near - views[one, 14]) / views[one, 19], TINY)
-    return views[one, 15] + scale * x, views[one, 16] - scale * y, q
+        scale = views[one, FOCAL]
+        q = max(ONE - (near - views[one, NEAR_PLANE]) / views[one, DEPTH_RANGE], TINY)
+    return views[one, AXIS_X] + scale * x, views[one, AXIS_Y] - scale * y, q
 
 
 @inlined

@@ -29,6 +29,8 @@ import numpy as np
 from ....jit import device, function, inlined
 from ....simd import broadcast, floor, gather, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
+from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
+from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from .minmax import between, held, texel_of
 
 ZERO = np.float32(0.0)
@@ -216,17 +218,18 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
     As `shadow.transmittance`; width: mean one of strands, metres, or 0 for a point that is on none; lights [10]:
     layers, [14]: 1 / h; starts: where a map begins in stacks.
     """
-    layers = np.int64(lights[i, 10])
-    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+    layers = np.int64(lights[i, MAP_LAYERS])
+    for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         u, v, d = texel_of(x, y, z, views, one)
         if not held(u, v, d, views, one, np.float32(sizes[one] - 1)):
             continue
-        scale = views[one, 13] / d if views[one, 12] > ZERO else views[one, 13]
-        d -= lights[i, 9]
+        scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
+        d -= lights[i, BIAS]
         rows = pointer(stacks)
         texels, cells, growth = in_front(
-            broadcast(rows, u), broadcast(rows, v), broadcast(rows, d), broadcast(rows, scale), rows, starts[one], sizes[one],
-            lights[i, 14], layers,
+            broadcast(rows, u), broadcast(rows, v), broadcast(rows, d), broadcast(rows, scale), rows, starts[one],
+            sizes[one],
+            lights[i, PER_FALL], layers,
         )  # fmt: skip
         return settled(reduce_max(texels), reduce_max(cells), reduce_max(growth), width, scale)
     return ZERO

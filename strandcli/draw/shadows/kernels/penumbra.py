@@ -19,6 +19,7 @@ import numpy as np
 
 from ....jit import device, function, inlined
 from ...common.kernels.approximations import asin
+from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...solids.kernels import solids
 
 ZERO = np.float32(0.0)
@@ -43,7 +44,8 @@ def past(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lig
     """What solids leave of light number i at a point: `solids.lit`, or `lit` where any light has a size."""
     if sized is None:
         return solids.lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
-    return lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights[i, 12], lights[i, 0])
+    return lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights[i, LIGHT_SIZE], lights[i,
+    KIND])
 
 
 @function

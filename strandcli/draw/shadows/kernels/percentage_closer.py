@@ -32,6 +32,7 @@ from ....jit import device, function
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
+from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.surface_batch import (
     ACROSS,
     AWAY,
@@ -57,6 +58,7 @@ from ...common.kernels.surface_batch import (
     WEIGHT,
 )
 from ...common.kernels.veil import HALF_WAY
+from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
 from .minmax import texel_of
 
@@ -91,7 +93,8 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
     """Share of light number i, in red, green and blue, that strands leave the first n points of a batch on a solid.
 
     Rows of `surface_batch`: from the points and what `ARRIVES`, to `LEFT`, which is 1 where nothing arrives. lights …
-    views: as `opacity.optical_depth`; lights [12]: the light's size, of `strandcli.draw.lighting.shading.pack_lights`; veil
+    views: as `opacity.optical_depth`; lights [12]: the light's size,
+    of `strandcli.draw.lighting.shading.pack_lights`; veil
     (n, 3): of `strandcli.draw.fibre.dual.veil_of`, none where strands shade in grey and by e^-τ alone.
 
     Texel by texel, each of which is the same place about all points: those that a point has none at weigh nothing.
@@ -100,12 +103,12 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         work[INSIDE + k] = ZERO
     for k in range(3 * W):
         work[LEFT + k] = ONE
-    layers = np.int64(lights[i, 10])
-    for one in range(int(lights[i, 7]), int(lights[i, 7] + lights[i, 8])):
+    layers = np.int64(lights[i, MAP_LAYERS])
+    for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         size = sizes[one]
         start = starts[one]
         hold(work, n, lights, i, views, one, size)
-        search(work, n, np.float32(size), start, lights[i, 14], layers, stacks)
+        search(work, n, np.float32(size), start, lights[i, PER_FALL], layers, stacks)
         wide, tall = about(work, n, ONE, ZERO)
         for k in range(n):
             work[TOTAL + k] = ZERO
@@ -114,7 +117,7 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
         for row in range(tall):
             for column in range(wide):
                 weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
-                sink(work, n, start, size, lights[i, 14], layers, stacks)
+                sink(work, n, start, size, lights[i, PER_FALL], layers, stacks)
                 if veil.shape[0] == 0:
                     for k in range(n):
                         passed = work[PASSED + k]
@@ -136,16 +139,16 @@ def hold(work, n, lights, i, views, one, size):
     """Where each point is in a map, 1 in the row `INSIDE` where light arrives at it and no map before held it, and how
     far strands would blur that are in the map's middle, or at its front for points in its front half."""
     edge = np.float32(size - 1)
-    flat = views[one, 12] == ZERO
-    near = views[one, 14]
-    fine = views[one, 13]
+    flat = views[one, PERSPECTIVE] == ZERO
+    near = views[one, NEAR_PLANE]
+    fine = views[one, FOCAL]
     # beside a perspective map begins the next one of the same light
     wide = ONE if flat else ZERO
     for k in range(n):
         u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
-        away = max(d - near - HALF * views[one, 19], min(d - near, HALF * views[one, 19]))
+        away = max(d - near - HALF * views[one, DEPTH_RANGE], min(d - near, HALF * views[one, DEPTH_RANGE]))
         far = max(d, DARK)
-        angle = lights[i, 12] if flat or lights[i, 0] == ZERO else lights[i, 12] / far
+        angle = lights[i, LIGHT_SIZE] if flat or lights[i, KIND] == ZERO else lights[i, LIGHT_SIZE] / far
         blur = angle * fine if flat else angle * fine / far
         radius = reach(blur * away)
         room = wide * radius
@@ -154,7 +157,7 @@ def hold(work, n, lights, i, views, one, size):
         scale = ONE / fine if flat else ONE / fine * far
         work[U + k] = u if held else ZERO
         work[V + k] = v if held else ZERO
-        work[DEPTH + k] = d - lights[i, 9]
+        work[DEPTH + k] = d - lights[i, BIAS]
         work[AWAY + k] = away
         work[BLUR + k] = blur
         work[CLOUD + k] = WIDE * np.float32(size) * scale

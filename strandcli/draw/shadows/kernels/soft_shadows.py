@@ -13,6 +13,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function, inlined
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, TEXELS, X, Y, Z
+from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from . import penumbra
 
 ZERO = np.float32(0.0)
@@ -36,8 +37,8 @@ def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
 
     Rows of `batch`; solids packed by `strandcli.solids.pack`; skin: as in `penumbra.lit`.
     """
-    size = lights[i, 12]
-    point = lights[i, 0]
+    size = lights[i, LIGHT_SIZE]
+    point = lights[i, KIND]
     for k in range(n):
         radius = penumbra.seen_from(size, point, work[REACH + k])
         work[RADIUS + k] = radius

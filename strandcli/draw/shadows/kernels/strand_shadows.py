@@ -9,6 +9,7 @@ from ....jit import device
 from ....simd import broadcast, load, pointer, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
+from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from . import opacity
 from .minmax import between, held, texel_of, through
 
@@ -71,10 +72,10 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
     rows, maps = pointer(work), pointer(stacks)
     for k in range(n, W):  # the last vector's other lanes read something too
         work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
-    near = views[one, 12] > ZERO
+    near = views[one, PERSPECTIVE] > ZERO
     for k in range(0, n, lanes(rows)):
         depth = load(rows, DEPTH + k)
-        scale = broadcast(rows, views[one, 13])
+        scale = broadcast(rows, views[one, FOCAL])
         if near:
             scale = scale / (depth + bias)
         texels, cells, growth = opacity.in_front(
@@ -90,7 +91,7 @@ def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
 @device
 def scale_at(work, k, views, one, bias):
     """Texels a metre at vertex k."""
-    return views[one, 13] / (work[DEPTH + k] + bias) if views[one, 12] > ZERO else views[one, 13]
+    return views[one, FOCAL] / (work[DEPTH + k] + bias) if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
 
 
 @device

@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
+from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels.column_light import LINES
 from ...coverage.kernels.masks import ones
 from ...geometry.kernels.silhouette import STEEPEST
@@ -155,9 +156,9 @@ def beside(world, a, n, p, views, apart):
     x = HALF * (world[a + p, 0] + world[a + p + 1, 0])
     y = HALF * (world[a + p, 1] + world[a + p + 1, 1])
     z = HALF * (world[a + p, 2] + world[a + p + 1, 2])
-    lx = views[0, 20] - x if views[0, 12] > ZERO else views[0, 8]
-    ly = views[0, 21] - y if views[0, 12] > ZERO else views[0, 9]
-    lz = views[0, 22] - z if views[0, 12] > ZERO else views[0, 10]
+    lx = views[0, EYE_X] - x if views[0, PERSPECTIVE] > ZERO else views[0, FORWARD_X]
+    ly = views[0, EYE_Y] - y if views[0, PERSPECTIVE] > ZERO else views[0, FORWARD_Y]
+    lz = views[0, EYE_Z] - z if views[0, PERSPECTIVE] > ZERO else views[0, FORWARD_Z]
     per = ONE / max(lx * lx + ly * ly + lz * lz, TINY)
     low = p
     while low > 0 and aside(world, a + low, x, y, z, lx, ly, lz, per) < apart * apart:

@@ -7,6 +7,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from . import smooth_union, sphere_tracing
 from .solids import HALF, INF, ONE, ZERO, aim, key_at, meet, ray
 
@@ -86,8 +87,8 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
     samples that show it, spots (E, SLOTS, 2) float32, where on the screen that is, and counts (E, SLOTS) int64, of the
     samples; keys `EMPTY` where there are no more.
     """
-    flat = ONE - view[12]
-    far = ONE / view[19]
+    flat = ONE - view[PERSPECTIVE]
+    far = ONE / view[DEPTH_RANGE]
     for task in prange((pixels.shape[0] + TOGETHER - 1) // TOGETHER):
         begin = np.int64(task) * TOGETHER
         end = min(begin + TOGETHER, pixels.shape[0])
@@ -97,7 +98,7 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
             for i in range(WHOLE):
                 j = (e - begin) * WHOLE + i
                 column, row = spot(pixels, width, e, i)
-                aim(work, j, view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+                aim(work, j, view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL])
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
             if smooth_union.blends(spheres, capsules, m) and any_inside(pixels, width, begin, end, frames, m):
@@ -144,7 +145,8 @@ def meet_one(work, j, spheres, capsules, planes, boxes, m):
     if smooth_union.blends(spheres, capsules, m):
         return work[sphere_tracing.MET + j]
     return meet(
-        spheres, capsules, planes, boxes, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j], work[sphere_tracing.OZ + j],
+        spheres, capsules, planes, boxes, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j],
+        work[sphere_tracing.OZ + j],
         work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
     )  # fmt: skip
 
@@ -179,7 +181,8 @@ def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, co
             row = spots[e, slot, 1] / np.float32(counts[e, slot])
             spots[e, slot, 0] = column
             spots[e, slot, 1] = row
-            ox, oy, oz, dx, dy, dz = ray(view, (column - view[15]) / view[13], (view[16] - row) / view[13])
+            ox, oy, oz, dx, dy, dz = ray(view, (column - view[AXIS_X]) / view[FOCAL],
+            (view[AXIS_Y] - row) / view[FOCAL])
             which = np.int64((keys[e, slot] & LOW) - FIRST)
             # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
             t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)

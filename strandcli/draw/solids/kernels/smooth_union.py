@@ -2,7 +2,8 @@
 
 Its distance is d = −k ln Σ e^(−dᵢ / k), with the distances dᵢ of the solids: never more than the least of them, and as
 steep at the most, so that a ray may go on by it (Hart 1996, "Sphere Tracing"). k is the way of blending of the first of
-them, spheres before capsules, as which all are drawn. Columns as packed by `strandcli.draw.solids.solids.packed`; without that
+them, spheres before capsules,
+as which all are drawn. Columns as packed by `strandcli.draw.solids.solids.packed`; without that
 of the way of blending nothing blends. Shadows and contact are those of the solids themselves.
 """
 

@@ -13,6 +13,26 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function, inlined, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    DEPTH_RANGE,
+    EYE_X,
+    EYE_Y,
+    EYE_Z,
+    FOCAL,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 from . import smooth_union, sphere_tracing
 
 ZERO = np.float32(0.0)
@@ -239,42 +259,42 @@ def draw(spheres, capsules, planes, boxes, frames, view, width, height, keys):
     included); keys (height * width,) uint64. A row of a sphere or
     a capsule is one loop without branches, which becomes vector code.
     """
-    flat = ONE - view[12]
-    far = ONE / view[19]
+    flat = ONE - view[PERSPECTIVE]
+    far = ONE / view[DEPTH_RANGE]
     for y in prange(height):
         row = keys[y * width : (y + 1) * width]
         row[:] = EMPTY
-        up = (view[16] - np.float32(y) - HALF) / view[13]
+        up = (view[AXIS_Y] - np.float32(y) - HALF) / view[FOCAL]
         for m in range(frames.shape[0]):
             if y < frames[m, 2] or y >= frames[m, 3]:
                 continue
             identity = FIRST + np.uint64(m)
             part = row[frames[m, 0] : frames[m, 1]]
-            begin = np.float32(frames[m, 0]) + HALF - view[15]
+            begin = np.float32(frames[m, 0]) + HALF - view[AXIS_X]
             if smooth_union.blends(spheres, capsules, m):
                 work = np.zeros(sphere_tracing.ROWS * W, np.float32)
                 for low in range(0, part.shape[0], W):
                     count = min(part.shape[0] - low, W)
                     for x in range(count):
-                        aim(work, x, view, (begin + np.float32(low + x)) / view[13], up)
+                        aim(work, x, view, (begin + np.float32(low + x)) / view[FOCAL], up)
                     sphere_tracing.meet(work, count, spheres, capsules)
                     for x in range(count):
                         key = key_at(work[sphere_tracing.MET + x], view, flat, far, identity)
                         part[low + x] = min(part[low + x], key)
             elif m < spheres.shape[0]:
                 for x in range(part.shape[0]):
-                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     key = key_at(sphere(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             elif m < spheres.shape[0] + capsules.shape[0]:
                 own = m - spheres.shape[0]
                 for x in range(part.shape[0]):
-                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     key = key_at(capsule(capsules, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             else:
                 for x in range(part.shape[0]):
-                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[13], up)
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     t = meet(spheres, capsules, planes, boxes, m, ox, oy, oz, dx, dy, dz)
                     part[x] = min(part[x], key_at(t, view, flat, far, identity))
 
@@ -284,9 +304,9 @@ def key_at(t, view, flat, far, identity):
     """The z-buffer's key of a solid at depth t, `keys.EMPTY` where t is not in front of the eye; flat: 1 for an
     orthographic view, far: one over its depth range."""
     # what lies behind an orthographic view's range is as far as its end
-    q = (ONE - flat) / t + flat * max(ONE - (t - view[14]) * far, ZERO)
+    q = (ONE - flat) / t + flat * max(ONE - (t - view[NEAR_PLANE]) * far, ZERO)
     key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
-    return key if view[14] < t < INF else EMPTY
+    return key if view[NEAR_PLANE] < t < INF else EMPTY
 
 
 @function
@@ -321,17 +341,18 @@ def aim(work, j, view, right, up):
 @device
 def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
-    direction's length is such that its parameter is the depth. No branch: view[12] is 1 for perspective, else 0."""
-    ax = view[0] * right + view[4] * up
-    ay = view[1] * right + view[5] * up
-    az = view[2] * right + view[6] * up
-    spread = view[12]
+    direction's length is such that its parameter is the depth. No branch: view[PERSPECTIVE] is 1 for perspective,
+    else 0."""
+    ax = view[RIGHT_X] * right + view[UP_X] * up
+    ay = view[RIGHT_Y] * right + view[UP_Y] * up
+    az = view[RIGHT_Z] * right + view[UP_Z] * up
+    spread = view[PERSPECTIVE]
     shift = ONE - spread
     return (
-        view[20] + shift * ax,
-        view[21] + shift * ay,
-        view[22] + shift * az,
-        view[8] + spread * ax,
-        view[9] + spread * ay,
-        view[10] + spread * az,
+        view[EYE_X] + shift * ax,
+        view[EYE_Y] + shift * ay,
+        view[EYE_Z] + shift * az,
+        view[FORWARD_X] + spread * ax,
+        view[FORWARD_Y] + spread * ay,
+        view[FORWARD_Z] + spread * az,
     )

@@ -9,6 +9,7 @@ from ....jit import device
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import smooth_union, solids
 
 ZERO = np.float32(0.0)
@@ -49,7 +50,7 @@ def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, w
         which[n] = at
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
-        if view[12] > ZERO:  # the key tells: one over the depth
+        if view[PERSPECTIVE] > ZERO:  # the key tells: one over the depth
             work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
         else:
             work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, spheres, capsules, planes, boxes, own)
@@ -75,7 +76,7 @@ def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
 @device
 def distance(x, y, view, spheres, capsules, planes, boxes, which):
     """How far off solid number `which` is at a place on the screen."""
-    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[15]) / view[13], (view[16] - y) / view[13])
+    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
     return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
 
 
@@ -109,7 +110,7 @@ def folded(keys, at, column, width, view):
     here = depth_at(keys, at, view)
     across = bend(keys, at, 1, here, view)
     down = bend(keys, at, width, here, view)
-    pixel = here / view[13] if view[12] > ZERO else ONE / view[13]
+    pixel = here / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
     return max(across, down) > FOLD * pixel
 
 
@@ -125,4 +126,4 @@ def bend(keys, at, step, here, view):
 def depth_at(keys, at, view):
     """The depth of what a pixel shows, metres."""
     number = np.uint32(LOW - (keys[at] >> SHIFT)).view(np.float32)
-    return ONE / number if view[12] > ZERO else view[14] + (ONE - number) * view[19]
+    return ONE / number if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - number) * view[DEPTH_RANGE]

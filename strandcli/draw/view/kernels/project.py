@@ -9,6 +9,26 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
+from ...common.kernels.view_columns import (
+    AXIS_X,
+    AXIS_Y,
+    DEPTH_RANGE,
+    FOCAL,
+    FORWARD_SHIFT,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    NEAR_PLANE,
+    PERSPECTIVE,
+    RIGHT_SHIFT,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_SHIFT,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -30,9 +50,9 @@ ROWS = 4
 def into(x, y, z, view):
     """World to view: right, up, and depth along the view direction."""
     return (
-        view[0] * x + view[1] * y + view[2] * z + view[3],
-        view[4] * x + view[5] * y + view[6] * z + view[7],
-        view[8] * x + view[9] * y + view[10] * z + view[11],
+        view[RIGHT_X] * x + view[RIGHT_Y] * y + view[RIGHT_Z] * z + view[RIGHT_SHIFT],
+        view[UP_X] * x + view[UP_Y] * y + view[UP_Z] * z + view[UP_SHIFT],
+        view[FORWARD_X] * x + view[FORWARD_Y] * y + view[FORWARD_Z] * z + view[FORWARD_SHIFT],
     )
 
 
@@ -41,7 +61,7 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
     """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
     scale (S,): factor of each strand's, or None; aside: 1 to have them wider aside of the view's axis, as `wider` says,
     else 0; never under `least`. first, screen, view as in `points`; out (V,) float32."""
-    aslant = view[12] * aside > ZERO
+    aslant = view[PERSPECTIVE] * aside > ZERO
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * ROW, np.float32)
@@ -77,19 +97,19 @@ def widen(work, count, past, view, thickness, per, scale, aslant, least):
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
         x, y, q = load(rows, X + 1 + k), load(rows, Y + 1 + k), load(rows, NUMBER + 1 + k)
-        wide = thickness * (ONE - per * (steps + np.float32(past + k))) * view[13]
+        wide = thickness * (ONE - per * (steps + np.float32(past + k))) * view[FOCAL]
         if scale is not None:
             wide *= scale
-        if view[12] > ZERO:
+        if view[PERSPECTIVE] > ZERO:
             wide *= q
         if aslant:
             before = load(rows, NUMBER + k) > ZERO
             after = load(rows, NUMBER + 2 + k) > ZERO
             dx = where(after, load(rows, X + 2 + k), x) - where(before, load(rows, X + k), x)
             dy = where(after, load(rows, Y + 2 + k), y) - where(before, load(rows, Y + k), y)
-            x -= view[15]
-            y -= view[16]
-            off = (dx * y - dy * x) / (max(sqrt(dx * dx + dy * dy), TINY) * view[13])
+            x -= view[AXIS_X]
+            y -= view[AXIS_Y]
+            off = (dx * y - dy * x) / (max(sqrt(dx * dx + dy * dy), TINY) * view[FOCAL])
             wide *= sqrt(ONE + off * off)
         store(rows, WIDE + k, max(wide, least))
 
@@ -166,7 +186,7 @@ def turn(work, count, view):
         store(rows, X + k, x)
         store(rows, Y + k, y)
         store(rows, NUMBER + k, z)
-        behind |= any_lane((z < view[14]) & (steps < np.float32(count - k)))
+        behind |= any_lane((z < view[NEAR_PLANE]) & (steps < np.float32(count - k)))
     return behind
 
 
@@ -175,11 +195,11 @@ def clip(world, low, stride, count, begin, end, view, work):
     """Move vertices behind the near plane to it where a neighbour is in front, and others to where nothing is seen."""
     for k in range(count):
         x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
-        if z < view[14]:
+        if z < view[NEAR_PLANE]:
             front, x, y = forward(world, view, low + k * stride, stride, begin, end, x, y, z)
             work[X + k] = x
             work[Y + k] = y
-            work[NUMBER + k] = view[14] if front else -INF
+            work[NUMBER + k] = view[NEAR_PLANE] if front else -INF
 
 
 @device
@@ -187,19 +207,19 @@ def throw(work, count, view):
     """From the view to the screen. A vertex so far off that pixels can no longer be told apart is left out, as is what
     is not a number."""
     rows = half_width_pointer(work)
-    focal = view[13]
-    far = ONE / view[19]
+    focal = view[FOCAL]
+    far = ONE / view[DEPTH_RANGE]
     for k in range(0, count, lane_count(rows)):
         x, y, z = load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k)
-        if view[12] > ZERO:
+        if view[PERSPECTIVE] > ZERO:
             q = ONE / z
-            x = view[15] + focal * x * q
-            y = view[16] - focal * y * q
+            x = view[AXIS_X] + focal * x * q
+            y = view[AXIS_Y] - focal * y * q
         else:
-            q = max(ONE - (z - view[14]) * far, ZERO)
-            x = view[15] + focal * x
-            y = view[16] - focal * y
-        seen = (z >= view[14]) & (abs(x) < MOST) & (abs(y) < MOST)
+            q = max(ONE - (z - view[NEAR_PLANE]) * far, ZERO)
+            x = view[AXIS_X] + focal * x
+            y = view[AXIS_Y] - focal * y
+        seen = (z >= view[NEAR_PLANE]) & (abs(x) < MOST) & (abs(y) < MOST)
         store(rows, X + k, where(seen, x, ZERO))
         store(rows, Y + k, where(seen, y, ZERO))
         store(rows, NUMBER + k, where(seen, q, ZERO))
@@ -209,7 +229,7 @@ def throw(work, count, view):
 def forward(world, view, v, stride, begin, end, x, y, z):
     """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
     them crosses that plane."""
-    near = view[14]
+    near = view[NEAR_PLANE]
     for w in (v - stride, v + stride):
         if begin <= w < end:
             x1, y1, z1 = into(world[w, 0], world[w, 1], world[w, 2], view)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene.motion import Pose, rotate, solid_pose
+from ..scene.motion import Pose, rotate, solid_pose
 
 COLUMNS = {"sphere": 5, "capsule": 9, "plane": 4, "box": 16}
 
