@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import RefusedError
 from ...scene.model import DirectionalLight, Light
+from ..common.kernels.view_columns import SIZE
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
@@ -24,6 +25,7 @@ from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, into_bands, to_screen
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps
+from .kernels.shadow_arrays import ShadowArrays
 
 TEXEL = 1.5
 """Strand spacings a texel of an opacity map."""
@@ -36,12 +38,12 @@ LEAST_FALL = 1 / 50
 """Of the groom's size, what h is at least: before a bundle in which light falls within a millimetre stand hairs that
 are centimetres off, and layers that were even no farther than the former are coarse where the bundle begins."""
 TINY = 1e-9
-NO_TEXELS = np.zeros((0, 2), np.float32)
-NO_STACKS = np.zeros(0, np.float32)
 NO_MAPS = np.zeros(0, np.int64)
-NO_VIEWS = np.zeros((0, 24), np.float32)
-"""Of scenes that have none: with None in their place kernels would be compiled once more for each kind of map that a
-scene does without."""
+NO_SHADOWS = ShadowArrays(
+    np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
+)
+"""Arrays of scenes without maps. Empty arrays, not None: None would compile kernels once more for each kind of map that
+a scene does without."""
 
 NO_THICKNESS = Thickness()
 
@@ -52,7 +54,7 @@ class ShadowMaps:
 
     views: list[View]
     packed: NDArray[np.float32]
-    """(M, 24) the views packed."""
+    """(M, `view_columns.SIZE`) the views packed."""
     starts: NDArray[np.int64]
     """Where each map begins: in `texels`, or in `stacks` if it is an opacity map, as `divide` finds."""
     sizes: NDArray[np.int64]
@@ -274,11 +276,10 @@ def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
     return depth / view.focal
 
 
-def map_arrays(maps: ShadowMaps | None) -> tuple[NDArray[Any], ...]:
-    """Maps as kernels read them: texels, stacks, starts, sizes, packed views. Without rows where there are
-    none."""
+def map_arrays(maps: ShadowMaps | None) -> ShadowArrays:
+    """Maps as kernels read them, without rows where there are none."""
     if maps is None:
-        return NO_TEXELS, NO_STACKS, NO_MAPS, NO_MAPS, NO_VIEWS
-    texels = NO_TEXELS if maps.texels is None else maps.texels
-    stacks = NO_STACKS if maps.stacks is None else maps.stacks
-    return texels, stacks, maps.starts, maps.sizes, maps.packed
+        return NO_SHADOWS
+    texels = NO_SHADOWS.texels if maps.texels is None else maps.texels
+    stacks = NO_SHADOWS.stacks if maps.stacks is None else maps.stacks
+    return ShadowArrays(texels, stacks, maps.starts, maps.sizes, maps.packed)
