@@ -57,8 +57,8 @@ def depth(positions, spheres, capsules, planes, boxes, out):
 def deepest(positions, b, spheres, capsules, planes, boxes):
     """That of one block."""
     rows = positions.shape[1]
-    where, balls, pills, flats, cubes = pointer(positions), pointer(spheres), pointer(capsules), pointer(planes),
-    pointer(boxes)
+    where, balls, pills = pointer(positions), pointer(spheres), pointer(capsules)
+    flats, cubes = pointer(planes), pointer(boxes)
     most = broadcast(where, 0.0)
     for i in range(2, rows):
         for k in range(0, W, lane_count(where)):
