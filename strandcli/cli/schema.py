@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
@@ -13,22 +14,29 @@ from . import options
 @click.option(
     "-o", "--output", type=options.PathType(), metavar="FILE", help="Write it there.  [default: stdout]"
 )
+@click.option("--markdown", is_flag=True, help="Print a reference to read, as Markdown, instead.")
 @options.overwrite
 @options.debug
-def command(output: Path | None, overwrite: bool) -> None:
-    """Print the JSON Schema of presets, for editors.
+def command(output: Path | None, markdown: bool, overwrite: bool) -> None:
+    """Print the JSON Schema of presets, for editors, or the reference of all settings as Markdown.
 
     For the YAML language server, write it to strandcli.schema.json and begin a preset with
     '# yaml-language-server: $schema=strandcli.schema.json'.
     """
-    from ..scene import json_schema
     from ..simulate.rules import registry
 
-    schema = json_schema(registry())
+    if markdown:
+        from ..scene.reference import markdown as reference
+
+        text = reference(registry())
+    else:
+        from ..scene import json_schema
+
+        text = json.dumps(json_schema(registry()), indent=2, ensure_ascii=False) + "\n"
     if output is None:
-        options.print_json(schema)
+        click.echo(text, nl=False)
         return
-    from ..output.files import write_json
+    from ..output.files import write_pieces
 
     options.refuse_existing(output, overwrite)
-    write_json(output, schema)
+    write_pieces(output, [text.encode()])

@@ -167,6 +167,13 @@ def test_the_schema_is_json_and_written_where_asked(run: Runner) -> None:
     assert run("schema", "-o", "s.json").code == 2
 
 
+def test_the_reference_is_markdown_on_stdout_or_in_a_file(run: Runner) -> None:
+    printed = run("schema", "--markdown").out
+    assert printed.startswith("# Reference of presets\n")
+    assert run("schema", "--markdown", "-o", "presets.md").code == 0
+    assert Path("presets.md").read_text() == printed
+
+
 def test_the_plan_is_printed_and_given_as_data(run: Runner) -> None:
     words = run("plan", "tiny.yaml").out
     assert "Runs:\n" in words
