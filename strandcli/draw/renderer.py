@@ -13,6 +13,7 @@ from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.emit import Groom
 from ..plan import needs_counts
+from ..solids import Solids
 from . import strand_batches
 from .canvas import Canvas
 from .common.drawing import Drawing
@@ -233,7 +234,7 @@ class Renderer:
         lighting.shade_strands(portion.lines, marks, tones, clear, portion.body, colours)
         return colours
 
-    def solids(self, at: float) -> list[NDArray[np.float32]] | None:
+    def solids(self, at: float) -> Solids | None:
         """Those that are seen, packed; None where there are none."""
         visible = [solid for solid in self.scene.solids if solid.visible]
         return pack_solids(visible, self.scene.emitter, at) if visible else None

@@ -122,12 +122,12 @@ class Children:
         )  # fmt: skip
         return out, rest
 
-    def _solids(self, at: float) -> list[NDArray[np.float32]]:
+    def _solids(self, at: float) -> solids.Solids:
         from ..simulate.rules import collision
 
         uses = [use for use in self.scene.rules if use.name == "collision"]
         met = {id(solid): solid for use in uses for solid in collision.chosen(use.parameters, self.scene)}
-        return [solids.pack(kind, list(met.values()), self.scene.emitter, at) for kind in solids.COLUMNS]
+        return solids.pack_all(list(met.values()), self.scene.emitter, at)
 
     @cached_property
     def every(self) -> Groom:

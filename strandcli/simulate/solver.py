@@ -115,7 +115,7 @@ class Solver(ABC):
         }
         if not touched:
             return None
-        kinds = [solids.pack(kind, list(touched.values()), self.scene.emitter, time) for kind in solids.COLUMNS]
+        packed = solids.pack_all(list(touched.values()), self.scene.emitter, time)
         out = np.zeros(len(self.positions), np.float32)
-        measure.depth(self.positions, *kinds, out)
+        measure.depth(self.positions, *packed, out)
         return float(out.max())

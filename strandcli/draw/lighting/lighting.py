@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solids import Solids
 from ..coverage.width_profiles import Body
 from ..geometry.curves import Polylines
 from ..shadows.shadow import ShadowMaps, map_arrays
@@ -43,7 +44,7 @@ class Lighting:
     """(n, 16) from `strandcli.draw.lighting.shading.pack_lights`."""
     maps: ShadowMaps | None
     occlusion: Occlusion | None
-    solids: list[NDArray[np.float32]] | None
+    solids: Solids | None
     """Those that are seen, packed by `strandcli.solids.pack`."""
 
     @property

@@ -11,14 +11,13 @@ Not in it: light that solids reflect, and that a cell is larger than a strand's 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.model import AmbientOcclusion
-from ...solids import COLUMNS
+from ...solids import COLUMNS, Solids
 from ..common.scratch import Scratch
 from ..geometry.detail import Level
 from ..geometry.extent import Thickness
@@ -55,7 +54,7 @@ class Occlusion:
 
 def build(
     settings: AmbientOcclusion, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64],
-    thickness: Thickness, level: Level | None, packed: Sequence[NDArray[np.float32]] | None, scratch: Scratch,
+    thickness: Thickness, level: Level | None, packed: Solids | None, scratch: Scratch,
 ) -> Occlusion:  # fmt: skip
     """The occlusion by the first ``strands`` of positions (blocks, n + 1, 3 W), whose box is ``bounds`` (2, 3), and by
     solids packed by `strandcli.solids.pack`."""
@@ -97,7 +96,7 @@ def directions(count: int) -> NDArray[np.float32]:
 
 
 def _box(
-    bounds: NDArray[np.float64], packed: Sequence[NDArray[np.float32]] | None
+    bounds: NDArray[np.float64], packed: Solids | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of the box about the strands, and about what of solids is near them."""
     _, radius = ball(bounds)

@@ -9,12 +9,13 @@ pixels, are left as they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solids import Solids
 from ..common.scratch import Scratch
 from ..view.camera import View
 from .kernels import edges as kernel
@@ -61,7 +62,7 @@ def none(hides: NDArray[np.float32]) -> Edges:
 
 
 def find_edges(
-    keys: NDArray[np.uint64], packed: Sequence[NDArray[np.float32]], view: View, size: tuple[int, int], scratch: Scratch
+    keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch
 ) -> Edges:
     """The edges in a z-buffer of solids, (height * width,), packed by `strandcli.solids.pack`."""
     width, height = size

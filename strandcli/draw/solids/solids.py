@@ -10,18 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.motion import solid_pose
-from ...solids import COLUMNS, pack
+from ...solids import COLUMNS, Solids, pack
 from ..view.camera import View
 
-NONE = (np.zeros((0, 1), np.float32),) * len(COLUMNS)
+NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
 """Packed, those of a scene that has none: kernels are the same with them and without."""
 ROOM = 4.0
 """Ways of blending by which a solid that blends may become thicker."""
 
 
-def packed(solids: Sequence[Any], emitter: Any, time: float) -> list[NDArray[np.float32]]:
-    """Solids packed by `strandcli.solids.pack`, an array for each kind, for drawing: of spheres and capsules the way of
-    blending is the last column."""
+def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
+    """Solids packed for drawing: of spheres and capsules the distance over which they blend is the last column."""
     out = []
     for kind in COLUMNS:
         rows = pack(kind, list(solids), emitter, time)
@@ -29,7 +28,7 @@ def packed(solids: Sequence[Any], emitter: Any, time: float) -> list[NDArray[np.
             ways = [solid.blend for solid in solids if solid.kind == kind]
             rows = np.column_stack([rows, np.array(ways, np.float32).reshape(len(rows), 1)]).astype(np.float32)
         out.append(rows)
-    return out
+    return Solids(*out)
 
 
 def _way(kind: str, solid: NDArray[np.float64]) -> float:
@@ -38,7 +37,7 @@ def _way(kind: str, solid: NDArray[np.float64]) -> float:
     return float(solid[COLUMNS[kind]]) if blends else 0.0
 
 
-def frames_of(packed: Sequence[NDArray[np.float32]], view: View) -> NDArray[np.int64]:
+def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
     """(m, 4) left, right, top, bottom in pixels of every solid, right and bottom not included; in the order of
     `COLUMNS`. The whole picture for a plane, and for a solid that reaches behind the eye."""
     width, height = int(view.width), int(view.height)

@@ -125,9 +125,7 @@ class Foil(Solver):
         )
         return np.asarray(1 - wind.gust * 0.5 * (1 - wave))
 
-    def _solids(self, time: float) -> tuple[NDArray[np.float64], ...]:
+    def _solids(self, time: float) -> solids.Solids:
         touched = {id(one): one for use in self.contacts for one in collision_rule.chosen(use, self.scene)}
         now = max(time, 0.0)
-        return tuple(
-            solids.pack(kind, list(touched.values()), self.scene.emitter, now, np.float64) for kind in solids.COLUMNS
-        )
+        return solids.pack_all(list(touched.values()), self.scene.emitter, now, np.float64)

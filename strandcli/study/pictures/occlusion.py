@@ -5,7 +5,6 @@ What is compared is the share of an even sky that reaches the points of strands 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -103,15 +102,15 @@ class OcclusionStudy(Pictures):
         return {"share": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
 
-    def _packed(self) -> list[NDArray[np.float32]] | None:
+    def _packed(self) -> shapes.Solids | None:
         visible = [solid for solid in self.scene.solids if solid.visible]
         if not visible:
             return None
-        return [shapes.pack(kind, visible, self.scene.emitter, self.subject.at) for kind in shapes.COLUMNS]
+        return shapes.pack_all(visible, self.scene.emitter, self.subject.at)
 
 
 def seen_of_sky(
-    lines: Polylines, thickness: Thickness, packed: Sequence[NDArray[np.float32]] | None, points: NDArray[np.float64],
+    lines: Polylines, thickness: Thickness, packed: shapes.Solids | None, points: NDArray[np.float64],
     own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float, ways: int = DIRECTIONS,
 ) -> NDArray[np.float64]:  # fmt: skip
     """(P, 2): the share of an even sky that polylines as cylinders and solids leave points (P, 3) on the strands

@@ -17,8 +17,7 @@ from strandcli.draw.lighting import occlusion
 from strandcli.draw.lighting.kernels import ambient
 from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
-from strandcli.solids import COLUMNS
-from strandcli.solids import pack as pack_solids
+from strandcli.solids import pack_all
 from strandcli.study.pictures.occlusion import seen_of_sky
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
@@ -50,7 +49,7 @@ def thicket(count: int, seed: int = 0) -> NDArray[np.float64]:
 def built(
     points: NDArray[np.float64], width: float, solids: tuple[object, ...] = (), **settings: int
 ) -> occlusion.Occlusion:
-    packed = [pack_solids(kind, list(solids), Emitter(), 0.0) for kind in COLUMNS] if solids else None
+    packed = pack_all(solids, Emitter(), 0.0) if solids else None
     return occlusion.build(
         AmbientOcclusion(**settings), strands(points), len(points), BOX, Thickness(width), None, packed, Scratch()
     )
@@ -103,7 +102,7 @@ def test_parallel_strands_let_light_through_along_them() -> None:
 def test_against_rays_that_meet_cylinders(count: int, width: float, mean: float) -> None:
     points = thicket(count)
     solids = (SphereSolid(radius=0.2, position=(0.0, 0.2, 0.1)),)
-    packed = [pack_solids(kind, list(solids), Emitter(), 0.0) for kind in COLUMNS]
+    packed = pack_all(solids, Emitter(), 0.0)
     lines = Polylines(np.arange(count + 1) * 4, points.reshape(-1, 3).astype(np.float32))
     own = np.random.default_rng(1).permutation(count)[:60]
     own = own[np.linalg.norm(points[own, 2] - [0.0, 0.2, 0.1], axis=1) > 0.22]

@@ -17,7 +17,7 @@ from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import KIND, LIGHT_SIZE
 from strandcli.draw.shadows.kernels import penumbra, soft_shadows
 from strandcli.draw.solids.kernels import solids
-from strandcli.solids import COLUMNS, pack
+from strandcli.solids import Solids, pack_all
 
 SKIN = np.float32(1e-6)
 FAR = np.float32(1e30)
@@ -31,9 +31,9 @@ SCENES = {
 }
 
 
-def packed_of(solid: str) -> list[NDArray[np.float32]]:
+def packed_of(solid: str) -> Solids:
     scene = scene_of(f"emitter: {{strands: 1}}\nrules: []\nsolids: [{solid}]\n")
-    return [pack(kind, list(scene.solids), scene.emitter, 0.0) for kind in COLUMNS]
+    return pack_all(scene.solids, scene.emitter, 0.0)
 
 
 def disc(count: int) -> NDArray[np.float64]:

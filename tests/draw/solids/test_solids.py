@@ -15,7 +15,7 @@ from strandcli.draw.solids.kernels import solids as kernel
 from strandcli.draw.solids.solids import frames_of, paint_of
 from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import BoxSolid, Camera, CapsuleSolid, Emitter, PlaneSolid, PoseKey, Solid, SphereSolid
-from strandcli.solids import COLUMNS, pack
+from strandcli.solids import Solids, pack_all
 
 STILL = Emitter()
 SPHERE = SphereSolid(radius=0.6, position=(0.2, -0.1, 0.3))
@@ -27,8 +27,8 @@ KINDS = pytest.mark.parametrize("solid", EVERY, ids=[solid.kind for solid in EVE
 BOUNDS = np.array([[-2.0, -2, -2], [2, 2, 2]])
 
 
-def packed(solids: list[Any], emitter: Emitter = STILL, time: float = 0.0) -> list[np.ndarray]:
-    return [pack(kind, solids, emitter, time) for kind in COLUMNS]
+def packed(solids: list[Any], emitter: Emitter = STILL, time: float = 0.0) -> Solids:
+    return pack_all(solids, emitter, time)
 
 
 def meets(solid: Solid, origin: np.ndarray, way: np.ndarray) -> float:
