@@ -7,12 +7,15 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 RUN := $(BIN)/strandcli
 
-.PHONY: demo test lint types check figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
+DOCS := .venv-docs
+
+.PHONY: demo test lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
 	@echo "make check      lint, types and tests, as CI does"
+	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
 	@echo "make gallery    the presets large and fine: out/gallery, some minutes"
 	@echo "make claims     what the thesis claims, measured on this machine"
@@ -38,6 +41,16 @@ types: $(READY)
 	$(BIN)/mypy
 
 check: lint types test
+
+docs: $(DOCS)/.ready
+	$(DOCS)/bin/python -m sphinx --fail-on-warning --keep-going --quiet --builder html docs out/docs
+	@echo "See out/docs/index.html"
+
+$(DOCS)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(DOCS)
+	$(DOCS)/bin/python -m pip install --quiet --upgrade pip
+	$(DOCS)/bin/python -m pip install --quiet --group docs
+	@touch $@
 
 FIGURES = $(patsubst presets/%.yaml,%,$(sort $(wildcard presets/figures/*.yaml)))
 
@@ -95,4 +108,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) $(CHECK) out build dist
+	rm -rf $(VENV) $(CHECK) $(DOCS) out build dist

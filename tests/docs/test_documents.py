@@ -1,0 +1,147 @@
+"""README and docs/: links resolve, commands exist, presets load, the README's Python runs."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+
+import strandcli
+from pages import NO_PRESET, PAGES, ROOT, Block, anchors, blocks, prose
+from strandcli.cli.main import cli
+
+MOST_WORDS = 900
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+
+
+def test_the_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= MOST_WORDS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_resolve(page: Path) -> None:
+    wrong = []
+    for target in LINK.findall(prose(page)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        file, _, anchor = target.partition("#")
+        there = page if not file else (page.parent / file).resolve()
+        if not there.exists() or (anchor and anchor not in anchors(there)):
+            wrong.append(target)
+    assert not wrong
+
+
+def test_every_page_and_picture_is_linked() -> None:
+    """Each page from the index and from the README, each picture from the README."""
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for page in (ROOT / "docs").glob("*.md"):
+        if page.stem != "index":
+            assert re.search(rf"^{page.stem}$", index, re.MULTILINE), f"index.md: {page.stem} is missing"
+            assert f"(docs/{page.name})" in readme, f"README.md: {page.name} is missing"
+    for picture in (ROOT / "docs/gallery").iterdir():
+        assert f"(docs/gallery/{picture.name})" in readme
+
+
+def commands(page: Path) -> Iterator[tuple[str, list[str]]]:
+    """Place and words of every command of strandcli or make on a page."""
+    for block in blocks(page):
+        if block.language not in ("", "bash", "console"):
+            continue
+        lines = block.text.replace("\\\n", " ").splitlines()
+        for line in lines:
+            found = re.search(r"(?:^|\s|/)(strandcli|make) (?=[a-z])(.*)", line)
+            if found and not line.lstrip().startswith("#"):
+                yield block.place, [found[1], *words(found[2])]
+    for found in re.finditer(r"`((?:strandcli|make) [a-z][^`]*)`", prose(page)):
+        yield f"{page.name}: {found[1]}", words(found[1])
+
+
+def words(text: str) -> list[str]:
+    """A command line as the shell hands it on, up to what is piped, redirected or chained."""
+    lexer = shlex.shlex(text.replace("…", ""), posix=True, punctuation_chars="|>;&")
+    lexer.whitespace_split = True
+    found: list[str] = []
+    for word in lexer:
+        if word[0] in "|>;&":
+            break
+        found.append(word)
+    return found
+
+
+def options_of(command: click.Command) -> set[str]:
+    return {name for one in command.params for name in one.opts} | {"-h", "--help", "--debug"}
+
+
+def wrong_in(command: Sequence[str]) -> str:
+    """What a command line names that does not exist; "" where all does."""
+    if command[0] == "make":
+        targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+        named = [word for word in command[1:] if "=" not in word]
+        return next((word for word in named if word not in targets), "")
+    context = click.Context(cli)
+    found: click.Command = cli
+    for word in command[1:]:
+        if isinstance(found, click.Group) and re.fullmatch(r"[a-z]+", word):
+            inner = found.get_command(context, word)
+            if inner is None:
+                return word
+            found = inner
+        elif word.startswith("-") and word.partition("=")[0] not in options_of(found):
+            return word
+    return ""
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_commands_and_options_exist(page: Path) -> None:
+    wrong = [(place, missing) for place, command in commands(page) if (missing := wrong_in(command))]
+    assert not wrong
+
+
+def test_wrong_commands_are_found() -> None:
+    assert wrong_in(["strandcli", "rendr", "hair"]) == "rendr"
+    assert wrong_in(["strandcli", "render", "hair", "--no-such"]) == "--no-such"
+    assert wrong_in(["strandcli", "golden", "chekc", "DIR"]) == "chekc"
+    assert wrong_in(["make", "no-such"]) == "no-such"
+
+
+def presets() -> list[Block]:
+    return [
+        block
+        for page in PAGES
+        for block in blocks(page)
+        if block.language == "yaml" and block.above.strip() != NO_PRESET
+    ]
+
+
+@pytest.mark.parametrize("block", presets(), ids=lambda block: block.place)
+def test_presets_load(block: Block, tmp_path: Path) -> None:
+    path = tmp_path / "preset.yaml"
+    path.write_text(block.text, encoding="utf-8")
+    strandcli.load(str(path))
+
+
+def test_the_readmes_python_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a scene of a few strands, of which one frame is drawn."""
+    snippet = next(block.text for block in blocks(ROOT / "README.md") if block.language == "python")
+    load, render = strandcli.load, strandcli.render
+    small = {"emitter.strands": 20, "children.count": 2, "image.size": [40, 30], "time.preroll": 0.0}
+    drawn: list[Any] = []
+
+    def first(scene: Any, frames: Sequence[int]) -> Iterator[Any]:
+        for frame in render(scene, frames=frames[:1]):
+            drawn.append(frame)
+            yield frame
+
+    monkeypatch.setattr(strandcli, "load", lambda name, overrides: load(name, overrides, small))
+    monkeypatch.setattr(strandcli, "render", first)
+    exec(compile(snippet, "README.md", "exec"), {})
+    assert [frame.number for frame in drawn] == [1]
+    assert drawn[0].image.shape == (30, 40, 3)
+    assert drawn[0].positions.shape == (20, 18, 3)
+    assert drawn[0].aovs == {}
