@@ -14,6 +14,7 @@ import pytest
 import strandcli
 from pages import NO_PRESET, PAGES, ROOT, Block, anchors, blocks, prose
 from strandcli.cli.main import cli
+from strandcli.scene.quality import QUALITIES
 
 MOST_WORDS = 900
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -55,8 +56,8 @@ def commands(page: Path) -> Iterator[tuple[str, list[str]]]:
             continue
         lines = block.text.replace("\\\n", " ").splitlines()
         for line in lines:
-            found = re.search(r"(?:^|\s|/)(strandcli|make) (?=[a-z])(.*)", line)
-            if found and not line.lstrip().startswith("#"):
+            found = re.match(r"(?:\S*/)?(strandcli|make) (?=[a-z-])(.*)", line)
+            if found:
                 yield block.place, [found[1], *words(found[2])]
     for found in re.finditer(r"`((?:strandcli|make) [a-z][^`]*)`", prose(page)):
         yield f"{page.name}: {found[1]}", words(found[1])
@@ -145,3 +146,16 @@ def test_the_readmes_python_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert drawn[0].image.shape == (30, 40, 3)
     assert drawn[0].positions.shape == (20, 18, 3)
     assert drawn[0].aovs == {}
+
+
+def test_the_table_of_qualities_is_theirs() -> None:
+    """docs/presets.md has a row a setting, a column a quality; an empty cell is a dash."""
+    page = (ROOT / "docs/presets.md").read_text(encoding="utf-8")
+    table = re.search(r"\| key \| `draft` .*?\n\|[-|]+\n((?:\|.*\n)+)", page)
+    assert table is not None
+    rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in table[1].splitlines()]
+    for column, quality in enumerate(("draft", "default", "best"), 1):
+        told = {row[0]: row[column] for row in rows if row[column] != "–"}
+        told["lights.*.shadow.model"] = told.pop("shadow.model` of lights with a shadow")
+        assert told == {path: f"{value:g}" if isinstance(value, float) else str(value)
+                        for path, value in QUALITIES[quality].items()}  # fmt: skip
