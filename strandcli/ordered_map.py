@@ -1,8 +1,7 @@
-"""Several frames at once: each is begun in its turn and finished on a thread of its own.
+"""Several frames at once: a sequential stage (simulate), then a parallel one (draw) on a pool of threads.
 
 A frame's kernels are many and short, and on two threads each waits for its slower half: frames side by side, one
-thread each, keep every core busy. Begin (simulate) is a relay that one thread runs at a time; finish (draw) is where
-they part.
+thread each, keep every core busy.
 """
 
 from __future__ import annotations
@@ -16,33 +15,33 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-def share_out(threads: int, frames: int, relay: float, rest: float, fits: int) -> int:
+def worker_count(threads: int, frames: int, sequential: float, parallel: float, fits: int) -> int:
     """How many frames to work on at once.
 
-    ``relay``, ``rest``: seconds of a frame that is begun and finished by all threads together; ``fits``: frames that
-    memory has room for. While one frame is in the relay the others are drawn, so there is no use in more than
-    (relay + rest) / relay of them.
+    ``sequential``, ``parallel``: seconds that a frame takes in the two stages, each on all threads; ``fits``: frames
+    that memory has room for. While one frame is in the sequential stage the others are drawn, so there is no use in
+    more than (sequential + parallel) / sequential of them.
     """
-    useful = frames if relay <= 0 else int((relay + rest) / relay)
+    useful = frames if sequential <= 0 else int((sequential + parallel) / sequential)
     return max(min(threads, frames, useful, fits), 1)
 
 
-def in_order(
+def ordered_map(
     items: Iterable[Item],
     begin: Callable[[Item], Job],
     workers: Iterable[Callable[[Job], Result]],
     start: Callable[[], None] = lambda: None,
 ) -> Iterator[Result]:
     """Results in the order of ``items``: ``begin`` sees them one after the other, then whichever worker is free
-    finishes the job. ``start`` is called on each worker's thread first. No more than two frames a worker are begun
+    finishes the job. ``start`` is called on each worker's thread first. No more than two items a worker are begun
     ahead of the caller.
 
     Raises what ``begin`` or a worker raised, when that item's turn comes. Leaving early stops the threads.
     """
-    state = _Relay(iter(items), begin, start)
-    crew = [threading.Thread(target=state.work, args=(worker,), name="crew", daemon=True) for worker in workers]
-    state.ahead = 2 * len(crew)
-    for thread in crew:
+    state = _State(iter(items), begin, start)
+    pool = [threading.Thread(target=state.work, args=(worker,), name="frames", daemon=True) for worker in workers]
+    state.ahead = 2 * len(pool)
+    for thread in pool:
         thread.start()
     try:
         while True:
@@ -52,11 +51,13 @@ def in_order(
             yield value
     finally:
         state.stop()
-        for thread in crew:
+        for thread in pool:
             thread.join()
 
 
-class _Relay:
+class _State:
+    """What the threads of a pool share."""
+
     def __init__(self, items: Iterator[Any], begin: Callable[[Any], Any], start: Callable[[], None]) -> None:
         self._items = items
         self._begin = begin

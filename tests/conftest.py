@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as `one_thread` below; read when NumPy is imported
+os.environ.setdefault("STRANDCLI_COMPILERS", "1")  # none compiles ahead: all cores have tests to run
 
 import numba
 import pytest
@@ -22,15 +22,6 @@ def one_thread() -> None:
     """Tests run side by side: threads that wait for each other's turn would take ten times as long. Whatever is about
     threads asks for them."""
     numba.set_num_threads(1)
-
-
-@pytest.fixture(autouse=True, scope="session")
-def alone() -> Iterator[None]:
-    """No second process compiles ahead of a first frame: all cores have tests to run, and what kernels share would be
-    compiled in it once more."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("strandcli.rehearsal._helps", lambda: False)
-        yield
 
 
 DRAWING = ("draw/", "run/", "study/test_pictures", "study/test_golden")

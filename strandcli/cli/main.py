@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import click
 
-from .. import __version__
+from .. import __version__, runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
 from . import signals
 
@@ -104,6 +104,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - as long as the process
     if isinstance(sys.stdout, io.TextIOWrapper):  # as stderr is: a path's bytes may be no text
         sys.stdout.reconfigure(errors="backslashreplace")
+    if arguments is None:
+        runtime.spin_briefly()
     with signals.handled(last=arguments is None):
         return _main(arguments)
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from ..compiling.interrupts import interrupts
 from ..errors import HUNG_UP, INTERRUPTED, TERMINATED
 
 
@@ -72,7 +73,8 @@ def _handle(number: int, frame: FrameType | None) -> None:
     _when = now
     if number == signal.SIGHUP:
         _leave_terminal()
-    raise _received
+    if not interrupts.wait(_received):
+        raise _received
 
 
 def _ignore(numbers: list[int]) -> None:

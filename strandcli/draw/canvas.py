@@ -47,8 +47,6 @@ class Canvas:
     grids: Sequence[Grid]
     """Of the lights with exact shadows."""
     shade: Shade
-    before: Callable[[str], None]
-    """Called ahead of the parts "coverage" and "light"."""
     recorder: Recorder | None
     workers: int
     drawing: Drawing
@@ -79,7 +77,6 @@ class Canvas:
         """Lay all strands, which are in one portion, over the solids, sorted in each pixel."""
         lines, screen, light = portion.lines, portion.screen, self.lighting
         front = None if self.recorder is None else self.keys.copy()
-        self.before("coverage")
         edges = (
             None if light.solids is None else find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
         )
@@ -88,7 +85,6 @@ class Canvas:
             lines, screen, portion.widths, edges, self.workers, self.scratch, exact, light.view.nearer
         ):
             self.drawing.lap("raster")
-            self.before("light")
             if edges is not None and layer.top == 0:
                 self._surfaces(self.keys, self.image)
                 edges.lay(self._surfaces, self.image, self.backdrop)
@@ -118,7 +114,6 @@ class Canvas:
         if self.recorder is not None:
             self.recorder.strands(lines, screen, self.keys, self._base, portion.begin, self.lighting.view)
         self.drawing.lap("raster")
-        self.before("light")
         marks, seen = mark(self.keys, lines, self._base, self.scratch)
         portion = self._embodied(portion, marks)
         colours = self._shade(portion, marks)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -45,13 +44,10 @@ class Renderer:
     """Whether exact shadows are wanted all about lit vertices, and not only where a sample shows strands."""
 
     def __init__(
-        self, scene: Any, groom: Groom, before: Callable[[str], None] = lambda part: None,
-        children: Children | None = None, combed: Combed | None = None,
+        self, scene: Any, groom: Groom, children: Children | None = None, combed: Combed | None = None
     ) -> None:  # fmt: skip
-        """``before`` is called in each frame ahead of its "coverage", where strands are sorted, and of its "light";
-        ``children``, ``combed``: of this scene and groom, where somebody has them already."""
+        """``children``, ``combed``: of this scene and groom, where somebody has them already."""
         self.scene = scene
-        self._before = before
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(light.shadow.model in ("opacity", "traced") and wants_map(light) for light in scene.lights)
@@ -186,7 +182,7 @@ class Renderer:
         lights = pack_lights(scene.lights, maps, bounds)
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids)
         canvas = Canvas(
-            self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, self._before, recorder,
+            self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, recorder,
             workers, drawing, scratch, self.everywhere,
         )  # fmt: skip
         for portion in feed.seen(1.0 if self.coverage is None else 0.0, lines):

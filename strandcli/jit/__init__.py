@@ -1,18 +1,13 @@
-"""The two ways in which this package compiles a function, decided once.
+"""The decorators with which this package compiles functions.
 
-Importing this module prepares the runtime first, because Numba settles where a function is cached when the function is
-decorated. No fastmath: without it the bits are the same on every thread count, and it gained at most a sixth.
+No fastmath: without it the bits are the same on every thread count, and it gained at most a sixth.
 """
 
 from typing import Any
 
-from .. import runtime
+from numba import config, njit, prange
 
-runtime.start_once()
-
-from numba import njit, prange  # noqa: E402
-
-from .cache import KernelCache  # noqa: E402
+from .dispatcher import KernelDispatcher
 
 __all__ = ["device", "function", "inlined", "parallel", "prange"]
 
@@ -21,9 +16,7 @@ def _cached(**options: Any) -> Any:
     """A decorator that compiles with these options and keeps what was compiled in strandcli's own cache."""
 
     def decorate(function: Any) -> Any:
-        dispatcher = njit(**options)(function)
-        dispatcher._cache = KernelCache(function, options, runtime)
-        return dispatcher
+        return function if config.DISABLE_JIT else KernelDispatcher(function, options)  # type: ignore[attr-defined]
 
     return decorate
 

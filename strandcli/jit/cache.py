@@ -7,11 +7,14 @@ the kernel is made of, the signature, the processor, the versions of Python, Num
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import pickle
 import platform
-import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +25,11 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from ..compiling import folder
+from ..compiling.claims import claims
+from ..compiling.clock import clock
+from ..compiling.interrupts import interrupts
+from ..compiling.service import service
 from . import sources
 
 MAGIC = b"strandcli kernel 1\n"
@@ -31,15 +39,13 @@ SUFFIX = ".kernel"
 class KernelCache(_Cache):
     """The entries of one dispatcher."""
 
-    def __init__(self, function: Any, options: dict[str, Any], store: Any) -> None:
-        """``store``: the folder and what happens there, `strandcli.runtime`."""
+    def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._function = function
         self._options = options
-        self._store = store
 
     @property
     def cache_path(self) -> str:
-        return str(self._store.cache_folder())
+        return str(folder.cache.path)
 
     def enable(self) -> None:
         """Always on."""
@@ -50,19 +56,34 @@ class KernelCache(_Cache):
     def flush(self) -> None:
         """Entries are never stale."""
 
+    @contextmanager
+    def claims(self) -> Iterator[None]:
+        """A block after which no entry is claimed that was not before, however it ends."""
+        before = claims.count()
+        try:
+            yield
+        finally:
+            claims.release(before)
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel for a signature; None where it has to be compiled."""
+        """The kernel for a signature; None where it has to be compiled, by this process, which has claimed it."""
         target_context.refresh()
         path, key = self._entry(sig, target_context.codegen())
-        try:
-            data = path.read_bytes()
-        except OSError:
-            return None
-        try:
-            return CompileResult._rebuild(target_context, *pickle.loads(_checked(data, key)))
-        except Exception as error:
-            self._store.damaged(path, error)
-            return None
+        found = self._load(path, key, target_context)
+        if found is not None:
+            return found
+        clock.missed(self._function.__name__)
+        with interrupts.allowed():
+            if not service.compile(self._function, sig, path.name):
+                claims.take(path.parent, key)
+        # in the meantime another process may have compiled it
+        return self._load(path, key, target_context)
+
+    def entry_name(self, sig: Any) -> str:
+        """The file name of a signature's entry."""
+        from numba.core.registry import cpu_target
+
+        return self._entry(sig, cpu_target.target_context.codegen())[0].name
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel that was compiled, whole or not at all."""
@@ -70,17 +91,19 @@ class KernelCache(_Cache):
             return
         path, key = self._entry(sig, data.codegen)
         payload = dumps(data._reduce())
-        content = MAGIC + hashlib.sha256(key + payload).digest() + payload
-        temporary = None
+        folder.cache.write(path, MAGIC + hashlib.sha256(key + payload).digest() + payload)
+
+    def _load(self, path: Path, key: bytes, target_context: Any) -> Any:
+        """The kernel in a file; None where there is none that is whole."""
         try:
-            handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-            with open(handle, "wb") as out:
-                out.write(content)
-            os.replace(temporary, path)
-        except OSError as error:
-            if temporary is not None:
-                Path(temporary).unlink(missing_ok=True)
-            self._store.unwritable(error)
+            data = _read(path)
+            return CompileResult._rebuild(target_context, *pickle.loads(_checked(data, key)))
+        except FileNotFoundError:
+            return None
+        except Exception as error:
+            clock.tell(f"{path}: cached kernel cannot be loaded ({error}): compiling anew")
+            folder.cache.discard(path)
+            return None
 
     def _entry(self, sig: Any, codegen: Any) -> tuple[Path, bytes]:
         """Where a signature's entry is, and the hash of all that it depends on."""
@@ -88,11 +111,21 @@ class KernelCache(_Cache):
         parts = (
             sources.digest(function.__module__), function.__module__, function.__qualname__,
             function.__code__.co_firstlineno, sorted(self._options.items()), str(sig), codegen.magic_tuple(),
-            numba.__version__, llvmlite.__version__, platform.python_version(), config.OPT, config.BOUNDSCHECK,
+            numba.__version__, llvmlite.__version__, platform.python_version(),
+            str(getattr(config, "OPT", "")), getattr(config, "BOUNDSCHECK", None),
         )  # fmt: skip
         key = hashlib.sha256(repr(parts).encode()).digest()
         name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{key.hex()[:24]}{SUFFIX}"
-        return Path(self._store.cache_folder()) / name, key
+        return folder.cache.path / name, key
+
+
+def _read(path: Path) -> bytes:
+    """The content of an entry, whose time says at least to the day when it was last used."""
+    with open(path, "rb") as entry:
+        if os.fstat(entry.fileno()).st_mtime < time.time() - folder.DAY:
+            with contextlib.suppress(OSError):
+                os.utime(path)
+        return entry.read()
 
 
 def _checked(data: bytes, key: bytes) -> bytes:

@@ -15,8 +15,10 @@ from pathlib import Path
 PACKAGE = __name__.split(".")[0]
 ROOT = Path(__file__).parents[1]
 IMPORT = re.compile(rb"^[ \t]*from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]+)", re.MULTILINE)
-NOT_COMPILED = frozenset({f"{PACKAGE}.jit.cache", f"{PACKAGE}.jit.sources", f"{PACKAGE}.runtime", f"{PACKAGE}.errors"})
-"""Modules that decide where kernels are kept and when they are compiled, not what is in them."""
+NOT_COMPILED = frozenset(
+    f"{PACKAGE}.{name}" for name in ("jit.cache", "jit.dispatcher", "jit.sources", "compiling", "runtime", "errors")
+)
+"""Modules, or all of a package, that decide where kernels are kept and when they are compiled, not what is in them."""
 
 
 @functools.cache
@@ -26,7 +28,7 @@ def digest(module: str) -> str:
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in found or name in NOT_COMPILED:
+        if name in found or name in NOT_COMPILED or name.rpartition(".")[0] in NOT_COMPILED:
             continue
         text = _text(name)
         found[name] = text
@@ -39,6 +41,10 @@ def digest(module: str) -> str:
 
 @functools.cache
 def _text(module: str) -> bytes:
+    """The text of a module: of its file, or, where a generated one could not be written to a file, as it holds it."""
+    held = getattr(sys.modules.get(module), "__strandcli_text__", None)
+    if held is not None:
+        return bytes(held)
     path = _path(module)
     return b"" if path is None else path.read_bytes()
 

@@ -11,13 +11,12 @@ import functools
 import hashlib
 import importlib.util
 import inspect
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..compiling.folder import cache
 from ..errors import UsageError
 from .rules import Pass
 
@@ -127,14 +126,13 @@ def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
 def _load(text: str, folder: Path) -> Callable[..., None]:
     name = f"step_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     path = folder / f"{name}.py"
-    if not path.exists() or path.read_bytes() != text.encode():  # bytes: a damaged file need not be text
-        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".py.part")
-        with open(handle, "wb") as out:
-            out.write(text.encode())
-        os.replace(temporary, path)
+    kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
+    kept = kept or cache.write(path, text.encode())
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     module: Any = importlib.util.module_from_spec(spec)
+    if not kept:
+        module.__strandcli_text__ = text.encode()  # the key of its kernels follows from it
     sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
     exec(compile(text, path, "exec"), module.__dict__)  # not by the loader, whom damaged bytecode beside it would stop
     step: Callable[..., None] = module.step

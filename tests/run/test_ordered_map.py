@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strand_kit import frames_of, need_frames_at_once, scene_of
-from strandcli.ordered_map import in_order, share_out
+from strandcli.ordered_map import ordered_map, worker_count
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 
@@ -25,14 +25,14 @@ def counted(most: int, seen: list[int]) -> Iterator[int]:
 
 
 @given(st.integers(0, 12), st.integers(1, 4), st.randoms(use_true_random=False))
-def test_results_come_in_order_however_long_each_takes(items: int, workers: int, random: object) -> None:
+def test_results_come_ordered_map_however_long_each_takes(items: int, workers: int, random: object) -> None:
     waits = [random.random() * 2e-3 for _ in range(items)]  # type: ignore[attr-defined]
     begun: list[int] = []
     inside: list[int] = []
 
     def begin(item: int) -> int:
         inside.append(1)
-        assert len(inside) == 1, "two in the relay"
+        assert len(inside) == 1, "two in the sequential stage"
         begun.append(item)
         inside.pop()
         return item
@@ -41,7 +41,7 @@ def test_results_come_in_order_however_long_each_takes(items: int, workers: int,
         time.sleep(waits[item])
         return item * item
 
-    assert list(in_order(range(items), begin, [finish] * workers)) == [i * i for i in range(items)]
+    assert list(ordered_map(range(items), begin, [finish] * workers)) == [i * i for i in range(items)]
     assert begun == list(range(items))
 
 
@@ -56,21 +56,21 @@ def test_an_error_comes_after_the_frames_before_it(where: str, bad: int) -> None
 
         return step
 
-    found = in_order(range(10), fail_at("begin"), [fail_at("finish")] * 3)
+    found = ordered_map(range(10), fail_at("begin"), [fail_at("finish")] * 3)
     assert [next(found) for _ in range(bad)] == list(range(bad))
     with pytest.raises(ArithmeticError, match=f"frame {bad}"):
         next(found)
-    assert not [one for one in threading.enumerate() if one.name == "crew"]
+    assert not [one for one in threading.enumerate() if one.name == "frames"]
 
 
 def test_leaving_early_stops_the_threads_and_nobody_runs_far_ahead() -> None:
     seen: list[int] = []
-    found = in_order(counted(1000, seen), lambda item: item, [lambda item: item] * 2)
+    found = ordered_map(counted(1000, seen), lambda item: item, [lambda item: item] * 2)
     assert [next(found), next(found)] == [0, 1]
     time.sleep(0.05)
     found.close()
     assert len(seen) <= 2 + 4
-    assert not [one for one in threading.enumerate() if one.name == "crew"]
+    assert not [one for one in threading.enumerate() if one.name == "frames"]
 
 
 def test_each_worker_is_prepared_on_its_own_thread() -> None:
@@ -81,18 +81,18 @@ def test_each_worker_is_prepared_on_its_own_thread() -> None:
         used.add(threading.get_ident())
         time.sleep(1e-3)
 
-    list(in_order(range(8), lambda item: item, [finish] * 3, start=lambda: prepared.add(threading.get_ident())))
+    list(ordered_map(range(8), lambda item: item, [finish] * 3, start=lambda: prepared.add(threading.get_ident())))
     assert used <= prepared
     assert len(prepared) == 3
 
 
-def test_shares_follow_threads_frames_memory_and_the_relay() -> None:
-    assert share_out(8, 100, 1.0, 31.0, 99) == 8
-    assert share_out(8, 3, 1.0, 31.0, 99) == 3
-    assert share_out(8, 100, 1.0, 31.0, 2) == 2
-    assert share_out(8, 100, 10.0, 22.0, 99) == 3
-    assert share_out(8, 100, 10.0, 1.0, 0) == 1
-    assert share_out(8, 100, 0.0, 1.0, 99) == 8
+def test_the_count_follows_threads_frames_memory_and_the_sequential_stage() -> None:
+    assert worker_count(8, 100, 1.0, 31.0, 99) == 8
+    assert worker_count(8, 3, 1.0, 31.0, 99) == 3
+    assert worker_count(8, 100, 1.0, 31.0, 2) == 2
+    assert worker_count(8, 100, 10.0, 22.0, 99) == 3
+    assert worker_count(8, 100, 10.0, 1.0, 0) == 1
+    assert worker_count(8, 100, 0.0, 1.0, 99) == 8
 
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="this machine has one core")  # type: ignore[attr-defined]
@@ -101,16 +101,16 @@ def test_frames_drawn_side_by_side_are_those_drawn_one_after_the_other(monkeypat
     scene = scene_of(EVERYTHING)
     scene = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, strands=300))
     alone = frames_of(scene, *range(1, 9), threads=1)
-    crews = []
+    counts = []
     import strandcli.pipeline as pipeline
 
     def watched(*arguments: object) -> int:
-        crews.append(2)
+        counts.append(2)
         return 2
 
-    monkeypatch.setattr(pipeline, "share_out", watched)
+    monkeypatch.setattr(pipeline, "worker_count", watched)
     together = frames_of(scene, *range(1, 9), threads=2)
-    assert crews == [2]
+    assert counts == [2]
     for a, b in zip(alone, together, strict=True):
         assert a.number == b.number
         np.testing.assert_array_equal(a.image, b.image)

@@ -110,7 +110,7 @@ def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_onc
             found.append(self.count)
             return super().family
 
-    monkeypatch.setattr("strandcli.pipeline.Children", Counted)
+    monkeypatch.setattr("strandcli.stages.Children", Counted)
     monkeypatch.setattr("strandcli.draw.renderer.Children", Counted)
     monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
     scene = scene_of(UNLIT + "time: {frames: 6}\nchildren: {count: 3}\n")
@@ -124,7 +124,7 @@ def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_an
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
-    monkeypatch.setattr("strandcli.pipeline.in_order", lambda *args, **options: pytest.fail("several at once"))
+    monkeypatch.setattr("strandcli.pipeline.ordered_map", lambda *args, **options: pytest.fail("several at once"))
     monkeypatch.setattr(numba, "threading_layer", lambda: "workqueue")
     told: list[str] = []
     scene = scene_of(UNLIT + "time: {frames: 5}\n")

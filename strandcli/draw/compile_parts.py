@@ -1,4 +1,4 @@
-"""Parts of a frame with nothing to be seen, so that they are compiled (see `strandcli.rehearsal`)."""
+"""Parts of a frame with nothing to be seen, so that they are compiled (see `strandcli.compile_ahead`)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .view.camera import camera_view
 BOUNDS = np.array([[-1.0] * 3, [1.0] * 3])
 
 
-def rehearse(renderer: Renderer, part: str) -> None:
+def compile_part(renderer: Renderer, part: str) -> None:
     """Run a part of a frame: its "light", which is all that comes after the z-buffer, or its "coverage"."""
     {"light": _light, "coverage": _coverage}[part](renderer)
 

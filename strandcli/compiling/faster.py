@@ -95,18 +95,36 @@ def _hear(told: list[Any]) -> None:
         ffi.register_lock_callback(*pair)
 
 
+PATCHES = (
+    "emit_whole_kernels", "wrap_nothing_of_numba", "remember_calls", "compare_flags", "list_variables", "run_passes",
+    "ask_late_for_lives", "copy_sets",
+)  # fmt: skip
+
+
 def spare() -> None:
     """Have Numba do no more than it must; once, before the first kernel is compiled."""
+    import os
+
     import numba
+    from numba.core import event
 
     if numba.__version__.rpartition(".")[0] not in TESTED:
         return
-    for part in (
-        _emit_whole_kernels, _wrap_nothing_of_numba, _remember_calls, _compare_flags, _list_variables, _run_passes,
-        _ask_late_for_lives, _copy_sets,
-    ):  # fmt: skip
+
+    class Compiling(event.Listener):
+        def on_start(self, happening: Any) -> None:
+            kernel.begin()
+
+        def on_end(self, happening: Any) -> None:
+            kernel.end()
+
+    event.register("numba:compile", Compiling())
+    left_out = os.environ.get("STRANDCLI_PATCHES_OFF", "").split(",")
+    for part in PATCHES:
+        if part in left_out:
+            continue
         try:
-            part()
+            globals()[f"_{part}"]()
         except (ImportError, AttributeError):
             continue
 

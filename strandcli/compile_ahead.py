@@ -1,0 +1,40 @@
+"""On an empty cache, worker processes compile a scene's kernels from the frame's end while the frame is begun.
+
+Half of the first frame's wait is for kernels that it needs last. Those that another process is compiling are waited
+for and loaded (see `strandcli.compiling`). Whatever goes wrong here costs time, nothing else.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+from .compiling.folder import cache
+from .compiling.service import service
+
+PARTS = ("light", "coverage")
+"""Of a frame, from its end."""
+
+
+def begin(scene: Any) -> None:
+    """Start the workers where the cache holds no kernel of light."""
+    if service.enabled and next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None:
+        service.ahead(scene, PARTS)
+
+
+def end() -> None:
+    """End what is still compiled ahead."""
+    service.rest()
+
+
+def compile_parts(scene: Any, parts: Sequence[str]) -> None:
+    """Compile the kernels of some of `PARTS`, in a worker."""
+    from .draw.compile_parts import compile_part
+    from .draw.renderer import Renderer
+    from .groom.emit import emit
+
+    small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
+    renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))
+    for part in parts:
+        compile_part(renderer, part)

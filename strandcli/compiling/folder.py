@@ -1,0 +1,162 @@
+"""The folder that holds compiled kernels and generated modules.
+
+``STRANDCLI_CACHE_DIR`` names it, else the user's cache folder. It may be shared: nothing is removed there but files
+that strandcli has named.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import __version__
+
+DAY = 86_400.0
+KEPT_DAYS = 30.0
+"""An entry that no run has loaded for so long is removed."""
+MOST_BYTES = 1 << 30
+"""Beyond this the entries that were not loaded for longest are removed."""
+PART_SECONDS = 600.0
+"""A file being written is renamed within milliseconds; one this old was left by a process that was killed."""
+ENTRY = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.kernel|step_[0-9a-f]{16}\.py")
+PART = re.compile(r"\d+-\w+\.part")
+OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+|\d+\.\d+\.\w+-[0-9a-f]{12}")
+"""Folders of other versions, and of those whose folder's name held a hash of all sources."""
+SWEPT = "swept"
+
+
+class Folder:
+    """Chosen when it is first asked for."""
+
+    def __init__(self) -> None:
+        self._path: Path | None = None
+        self._trouble: str | None = None
+        self.warn: Callable[[str], None] | None = None
+        """Is handed, once, what keeps kernels from being kept."""
+
+    @property
+    def path(self) -> Path:
+        """A private folder of this user; a temporary one of this process where that cannot be written."""
+        if self._path is None:
+            self._path = self._choose()
+        return self._path
+
+    @property
+    def trouble(self) -> str | None:
+        """One line: what keeps kernels from being kept for the next run, and what to do; None where they are kept."""
+        _ = self.path
+        return self._trouble
+
+    def use(self, path: Path) -> None:
+        """Take this folder, which another process has chosen."""
+        self._path = path
+
+    def write(self, path: Path, content: bytes) -> bool:
+        """Write a file of this folder whole or not at all; returns whether it is there.
+
+        The first failure is told to `warn`; no failure is raised.
+        """
+        temporary = None
+        try:
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=f"{os.getpid()}-", suffix=".part")
+            temporary = Path(name)
+            with open(handle, "wb") as out:
+                out.write(content)
+            os.replace(temporary, path)
+            return True
+        except OSError as error:
+            if temporary is not None:
+                with contextlib.suppress(OSError):
+                    temporary.unlink()
+            if self._trouble is None:
+                self._trouble = _advice(path.parent, error)
+                if self.warn is not None:
+                    self.warn(self._trouble)
+            return False
+
+    def discard(self, path: Path) -> None:
+        """Remove an entry that is not what was written, if that can be done; a folder in its place if it is empty."""
+        for remove in (os.unlink, os.rmdir):
+            with contextlib.suppress(OSError):
+                remove(path)
+                return
+
+    def _choose(self) -> Path:
+        import platformdirs
+
+        chosen = os.environ.get("STRANDCLI_CACHE_DIR")
+        base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strandcli", appauthor=False))
+        folder = base / f"kernels-{__version__}"
+        try:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+            with contextlib.suppress(OSError):
+                os.utime(folder)
+                sweep(base, folder)
+            return folder
+        except OSError as error:
+            self._trouble = _advice(folder, error)
+        try:
+            folder = Path(tempfile.mkdtemp(prefix="strandcli-"))
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        except OSError:  # nothing can be written anywhere: every kernel is compiled in this process
+            pass
+        return folder
+
+
+def _advice(folder: Path, error: OSError) -> str:
+    return (
+        f"{folder}: compiled kernels cannot be kept there ({error.strerror or error}): every run will compile "
+        "anew; point STRANDCLI_CACHE_DIR at a folder that can be written"
+    )
+
+
+def sweep(base: Path, folder: Path) -> None:
+    """Remove files that killed processes have left; once a day also old entries, and folders of old versions."""
+    now = time.time()
+    daily = _older(folder / SWEPT, now - DAY)
+    entries: list[tuple[float, int, str]] = []
+    with os.scandir(folder) as found:
+        for one in found:
+            if PART.fullmatch(one.name):
+                if _older(Path(one.path), now - PART_SECONDS):
+                    _remove(one.path)
+            elif daily and ENTRY.fullmatch(one.name) and one.is_file(follow_symlinks=False):
+                status = one.stat(follow_symlinks=False)
+                entries.append((status.st_mtime, status.st_size, one.path))
+    if not daily:
+        return
+    (folder / SWEPT).touch()
+    size = 0
+    for last_use, length, path in sorted(entries, reverse=True):
+        size += length
+        if last_use < now - KEPT_DAYS * DAY or size > MOST_BYTES:
+            _remove(path)
+    for other in base.iterdir():
+        ours = OLD_FOLDER.fullmatch(other.name) is not None
+        if ours and other != folder and other.is_dir() and _older(other, now - KEPT_DAYS * DAY):
+            shutil.rmtree(other, ignore_errors=True)
+
+
+def _older(path: Path, moment: float) -> bool:
+    """Whether a file was last changed before a moment; a file that is not there counts as old."""
+    try:
+        return path.lstat().st_mtime < moment
+    except OSError:
+        return True
+
+
+def _remove(path: str) -> None:
+    with contextlib.suppress(OSError):
+        os.unlink(path)
+
+
+cache = Folder()

@@ -1,0 +1,188 @@
+"""Processes of strandcli's own that compile kernels into the cache, for a process that loads them from there.
+
+Numba compiles on one thread of a process; and what makes compiling faster (`strandcli.compiling.faster`) changes Numba,
+which only processes of our own may do. A worker ends when the process that started it has ended, however that ended,
+and when it has had nothing to do for a while. Whatever goes wrong here costs time, nothing else: the process that asked
+compiles in place.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import json
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from . import folder
+
+PROGRAM = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from strandcli.compiling.worker import main; main(sys.argv[2])"
+)
+FAILURES = 3
+"""So many workers that end unasked, and no more are started."""
+
+
+class Worker:
+    """One process and the pipes to it."""
+
+    def __init__(self, path: Path, preload: bool) -> None:
+        """Start it; ``preload``: it imports all that draws and simulates at once. Raises `OSError`."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path), json.dumps([str(path), preload])],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C is for the process that was started by hand
+        )
+
+    def send(self, *message: Any) -> None:
+        """Hand it a message. Raises `OSError` where it has ended."""
+        pipe = self._process.stdin
+        assert pipe is not None
+        pipe.write(pickle.dumps(message))
+        pipe.flush()
+
+    def answer(self) -> Any:
+        """Wait for what it says. Raises `EOFError` where it has ended."""
+        pipe = self._process.stdout
+        assert pipe is not None
+        return pickle.load(pipe)
+
+    def stop(self) -> None:
+        """End it."""
+        self._process.kill()
+        self._process.wait()
+        self.forget()
+
+    def forget(self) -> None:
+        """Close the pipes."""
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):
+                    pipe.close()
+
+
+class Service:
+    """The workers of this process: one compiles what is asked for, the others what will be."""
+
+    def __init__(self) -> None:
+        self.enabled = True
+        """False: every kernel is compiled in place."""
+        self._lock = threading.RLock()
+        self._first: Worker | None = None
+        self._ahead: list[Worker] = []
+        self._failures = 0
+        self._process = 0
+
+    def compile(self, function: Any, sig: Any, entry: str) -> bool:
+        """Have a kernel compiled into the cache; False where this process has to do it."""
+        try:
+            request = pickle.dumps(sig)
+        except Exception:  # types that only this process has
+            return False
+        module = sys.modules.get(function.__module__)
+        file = getattr(module, "__file__", None)
+        if function.__module__ == "__main__" or "<locals>" in function.__qualname__ or file is None:
+            return False
+        with self._lock:
+            worker = self._asked()
+            if worker is None:
+                return False
+            try:
+                worker.send("compile", function.__module__, file, function.__qualname__, request, entry)
+                told = worker.answer()
+            except BaseException as error:
+                self._first = None
+                worker.stop()
+                if not isinstance(error, Exception):
+                    raise
+                self._fail()
+                return False
+        if told == "differs":  # settings of Numba's that it does not know: what it compiles is never loaded
+            self.enabled = False
+        return bool(told == "done")
+
+    def ahead(self, scene: Any, parts: Sequence[str]) -> None:
+        """Have the kernels of a scene's parts compiled, by as many workers as there are cores but one."""
+        with self._lock:
+            others = most_workers() - 1
+            if not self._usable() or others < 1 or self._ahead:
+                return
+            try:
+                data = pickle.dumps(scene)
+                self._asked(preload=True)
+                for number in range(min(others, len(parts))):
+                    worker = Worker(folder.cache.path, preload=True)
+                    self._ahead.append(worker)
+                    worker.send("ahead", data, list(parts[number::others]))
+            except Exception:  # a scene with rules of this process alone
+                self.rest()
+
+    def rest(self) -> None:
+        """End the workers that compile ahead."""
+        with self._lock:
+            if self._process == os.getpid():
+                for worker in self._ahead:
+                    worker.stop()
+            self._ahead = []
+
+    def stop(self) -> None:
+        """End all workers."""
+        with self._lock:
+            self.rest()
+            if self._first is not None and self._process == os.getpid():
+                self._first.stop()
+            self._first = None
+
+    def _asked(self, preload: bool = False) -> Worker | None:
+        """The worker that compiles what is asked for; None where there can be none."""
+        if not self._usable():
+            return None
+        if self._first is None:
+            try:
+                self._first = Worker(folder.cache.path, preload)
+            except OSError:
+                self._fail()
+        return self._first
+
+    def _usable(self) -> bool:
+        if self._process != os.getpid():  # the first time, or a process forked from the one that had workers
+            self._process = os.getpid()
+            self._first, self._ahead = None, []
+            atexit.register(self.stop)
+        if not self.enabled or most_workers() < 1:
+            return False
+        return "python" in Path(sys.executable or "").name and not getattr(sys, "frozen", False)
+
+    def _fail(self) -> None:
+        self._failures += 1
+        self.enabled = self.enabled and self._failures < FAILURES
+
+
+def most_workers() -> int:
+    """As many as ``STRANDCLI_COMPILERS`` says, else one a core that this process may use."""
+    asked = os.environ.get("STRANDCLI_COMPILERS", "")
+    return int(asked) if asked.isdecimal() else cores()
+
+
+def cores() -> int:
+    """Cores that this process may use: its affinity, within its control group's quota."""
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    try:
+        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
+        if quota != "max":
+            count = min(count, max(int(quota) // int(period), 1))
+    except (OSError, ValueError, ZeroDivisionError):
+        pass
+    return count
+
+
+service = Service()

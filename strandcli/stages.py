@@ -1,0 +1,185 @@
+"""The two stages of a frame: strands are moved to where they belong, in the frames' order; then they are drawn."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .blocks import lanes, pack, unpack
+from .errors import SimulationError
+from .frame import Frame
+from .groom.arrange import arranged
+from .groom.children import Children
+from .groom.combed import Combed
+from .groom.emit import emit
+from .plan import needed_strands
+from .scene.model import Scene
+
+Notify = Callable[[str], None]
+Positions = Callable[[int], NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What a run keeps, what it does when it goes wrong, and whom it tells."""
+
+    draw: bool = True
+    keep_positions: bool = False
+    keep_going: bool = False
+    """Strands that are no numbers are left out, and the run goes on."""
+    notify: Notify | None = None
+    """Is handed what is being done."""
+    warn: Notify | None = None
+    """Is handed what is hardly meant."""
+
+
+@dataclass
+class MovedStrands:
+    """A frame's strands where they belong, to be drawn."""
+
+    frame: Frame
+    positions: NDArray[np.float32]
+    lengths: NDArray[np.float32]
+    tones: NDArray[np.float32]
+    before: NDArray[np.float32] | None
+    """The strands a frame earlier, where the shutter is open."""
+    ids: NDArray[np.int32] | None = None
+    """Of each strand its place in the order of emission, where they do not stand in it."""
+
+
+class SimulationStage:
+    """The strands of a scene, moved from frame to frame."""
+
+    def __init__(
+        self, scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions
+    ) -> None:
+        """``given``: positions that were simulated before, by frame number."""
+        from .simulate import solver_of
+        from .simulate.advice import warnings
+
+        draw = options.draw
+        self.scene = scene
+        self.options = options
+        self.groom = arranged(emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None))
+        self.children = Children(scene, self.groom) if draw and scene.children is not None else None
+        self.combed = None
+        if draw and scene.emitter.tie is not None:
+            self.combed = Combed(scene, self.groom if self.children is None else self.children.every)
+        self.solver = solver_of(scene)(scene, self.groom)
+        self.snapshots = False
+        """Whether strands move on while a frame is drawn."""
+        self._given = given
+        self._done = 0
+        self._wrong = False
+        if given is None:
+            for words in [*warnings(scene, self.groom), *self.solver.warnings]:
+                self._warn(f"{scene.label}: {words}" if scene.label else words)
+
+    def begin(self, number: int) -> MovedStrands:
+        """Move on to a frame. Raises `SimulationError` where it has gone wrong."""
+        solver, draw = self.solver, self.options.draw
+        given = self._given
+        before = None
+        seconds: dict[str, float | None] = {"simulate": None if given is not None else 0.0}
+        # frames that are not drawn are looked at too: a run that has gone wrong stops there
+        for passed in [number] if given is not None else range(self._done + 1, number + 1):
+            began = time.perf_counter()
+            if draw and self.scene.camera.shutter > 0 and passed == number > 1:
+                self._move(number - 1)
+                before = solver.positions.copy()
+            self._move(passed)
+            if given is None:
+                seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
+            error = solver.errors(passed)
+            self._examine(passed, error)
+        self._done = number
+        counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
+        kept = solver.particles() if self.options.keep_positions else None
+        frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
+        if self._wrong and draw:
+            return self._drop_nonfinite(frame, before)
+        positions = solver.positions.copy() if self.snapshots else solver.positions
+        return MovedStrands(frame, positions, solver.lengths, self.groom.tones, before, self.groom.places)
+
+    def _move(self, number: int) -> None:
+        """Bring the solver to a frame."""
+        if self._given is None:
+            self.solver.advance(number)
+        else:
+            self.solver.take(number, self._given(number))
+
+    def _examine(self, number: int, error: dict[str, Any]) -> None:
+        """Stop, or go on, where a frame with these errors has gone wrong."""
+        from .simulate.health import examine
+
+        if self._wrong:
+            return
+        trouble = examine(self.solver, number, error, simulated=self._given is None)
+        if trouble is None:
+            return
+        if not self.options.keep_going:
+            raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
+        self._wrong = True
+        self._warn(f"{trouble.message}; going on")
+
+    def _warn(self, words: str) -> None:
+        if self.options.warn is not None:
+            self.options.warn(words)
+
+    def _drop_nonfinite(self, frame: Frame, before: NDArray[np.float32] | None) -> MovedStrands:
+        """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
+        from .draw.geometry.detail import needed
+        from .simulate.health import drawable
+
+        solver, groom, strands = self.solver, self.groom, self.groom.strands
+        guiding = self.scene.children is not None
+        first = strands if guiding else min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
+        fine = drawable(solver)
+        fine[first:] = False
+        kept = np.flatnonzero(groom.placed(fine))
+        if not len(kept):
+            raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
+        frame.report["counts"]["left_out"] = first - len(kept)
+        if guiding:  # children leave out the strands that follow one that is no number
+            marked = np.full((strands, solver.positions.shape[1], 3), np.nan, np.float32)
+            marked[kept] = unpack(solver.positions, strands)[kept]
+            return MovedStrands(frame, pack(marked), solver.lengths, groom.tones, None)
+        positions = pack(unpack(solver.positions, strands)[kept])
+        lengths = lanes(solver.lengths.reshape(-1)[kept, None])
+        if before is not None:
+            before = pack(unpack(before, strands)[kept])
+            before = before if np.isfinite(before).all() else None
+        ids = kept.astype(np.int32) if groom.places is None else groom.places[kept]
+        return MovedStrands(frame, positions, lengths, groom.tones[kept], before, ids)
+
+
+class FrameRenderer:
+    """Draws frames, with memory of its own."""
+
+    def __init__(self, moved: SimulationStage) -> None:
+        from .draw.renderer import Renderer
+
+        self._fps = moved.scene.time.fps
+        self._renderer = Renderer(moved.scene, moved.groom, moved.children, moved.combed)
+
+    def __call__(self, moved: MovedStrands) -> Frame:
+        """The frame with its picture."""
+        import numba
+
+        frame = moved.frame
+        at = (frame.number - 1) / self._fps
+        self._renderer.tones = moved.tones
+        self._renderer.ids = moved.ids
+        drawing = self._renderer.draw(moved.positions, moved.lengths, at, numba.get_num_threads(), moved.before)
+        frame.image = drawing.image
+        frame.aovs = drawing.aovs
+        frame.report["threads"] = numba.get_num_threads()
+        frame.report["seconds"] |= drawing.seconds
+        frame.report["counts"] |= drawing.counts
+        frame.report["error"]["curve_px_max"] = drawing.curve_px_max
+        return frame
