@@ -56,7 +56,10 @@ def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, ex
         x1 = screen[v, 0]
         y1 = screen[v, 1]
         q1 = screen[v, 2]
-        if max(y0, y1) < np.float32(top) or min(y0, y1) >= np.float32(bottom) or q0 <= ZERO or q1 <= ZERO:
+        # what a piece drops reaches half a texel further than the piece itself, so pieces beside these rows count too
+        if max(y0, y1) < np.float32(top) - ONE or min(y0, y1) > np.float32(bottom) + ONE:
+            continue
+        if q0 <= ZERO or q1 <= ZERO:
             continue
         d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
         d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
