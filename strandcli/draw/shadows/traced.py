@@ -176,6 +176,6 @@ def _list(
     keys: NDArray[np.int64] | None,
 ) -> None:  # fmt: skip
     size, stretch = int(view.width), view.pack()[23]
-    margin = float(stretch * bands[:, 3].max(initial=0.0)) + 1.0
+    margin = float(stretch * bands[:, 3].max(initial=0.0, where=bands[:, 2] > 0)) + 1.0
     rows = into_bands(lines.first, bands, size, margin, workers, scratch)
     cells.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

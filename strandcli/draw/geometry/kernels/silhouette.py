@@ -82,7 +82,7 @@ def rim(world, v, low, high, view, reach, screen):
     dot = tx * ex + ty * ey + tz * ez
     aside = math.sqrt(max(size * (ex * ex + ey * ey + ez * ez) - dot * dot, TINY * size))
     size = math.sqrt(max(size, TINY))
-    tangent = min(max(dot / aside, -STEEPEST), STEEPEST)
+    tangent = min(max(dot / aside, -STEEPEST), STEEPEST) if aside > ZERO else ZERO  # an end piece may have no length
     by = -min(max(reach * tangent / size, -HALF), HALF)
     x = world[v, 0] + by * tx
     y = world[v, 1] + by * ty

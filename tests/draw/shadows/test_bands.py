@@ -1,0 +1,135 @@
+"""Maps are drawn in bands of rows, one owner each: neither the bands nor their owners may show in what is drawn."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.extent import Thickness
+from strandcli.draw.shadows import traced
+from strandcli.draw.shadows.kernels import opacity
+from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
+from strandcli.draw.shadows.traced import grid_of
+from strandcli.draw.zbuffer.raster import ROWS, to_screen
+from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
+
+BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
+WIDE = Thickness(0.01, 0.5)
+LAYERS = 5
+
+
+def lights_of(size: int) -> tuple[Light, ...]:
+    """One light of each kind under each kind of map, with several bands."""
+    deep, flat = Shadow(model="opacity", size=size, layers=LAYERS, texel=1e-9), Shadow(size=size)
+    return tuple(
+        light
+        for shadow in (deep, flat)
+        for light in (
+            DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=shadow),
+            PointLight(position=(2.0, 4.0, 1.0), shadow=shadow),
+            PointLight(position=(0.1, 0.05, -0.1), shadow=shadow),
+        )
+    )
+
+
+def walks(count: int, seed: int) -> Polylines:
+    """Polylines that stay in the box, of long pieces and short ones."""
+    rng = np.random.default_rng(seed)
+    step = rng.choice([0.005, 0.03, 0.2], (count, 1, 1))
+    world = np.clip(rng.uniform(-1, 1, (count, 1, 3)) + (step * rng.normal(size=(count, 8, 3))).cumsum(1), -1, 1)
+    return Polylines(np.arange(count + 1) * 8, world.astype(np.float32).reshape(-1, 3))
+
+
+def built(lights: tuple[Light, ...], lines: Polylines, workers: int) -> ShadowMaps:
+    maps = plan_maps(lights, BOX, Scratch(), WIDE)
+    assert maps is not None
+    maps.build(lines, workers, Scratch())
+    return maps
+
+
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), size=st.integers(ROWS + 2, 5 * ROWS))
+def test_maps_have_the_same_bits_in_any_number_of_bands(seed: int, size: int) -> None:
+    lines, lights = walks(150, seed), lights_of(size)
+    alone = built(lights, lines, 1)
+    assert alone.stacks is not None
+    assert alone.texels is not None
+    for workers in (2, 3, 4, 5):
+        maps = built(lights, lines, workers)
+        np.testing.assert_array_equal(maps.stacks, alone.stacks)
+        np.testing.assert_array_equal(maps.texels, alone.texels)
+
+
+@pytest.mark.parametrize("light", lights_of(4 * ROWS)[:3], ids=["sun", "lamp", "inside"])
+def test_lists_of_exact_shadows_have_the_same_bits_in_any_number_of_bands(
+    light: Light, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(traced, "LIST", 0.3)  # finer cells, so that there are several bands of them
+    lines = walks(3000, 1)
+    lines.world[:] = lines.world[np.repeat(lines.first[:-1], 8)] * 0.98 + 0.02 * lines.world
+    alone = grid_of(light, lines, WIDE, 1.0, BOX, 1, Scratch())
+    assert alone.sizes[0] > ROWS
+    for workers in (2, 3, 5):
+        grid = grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch())
+        for name in ("begin", "keys", "rows"):
+            np.testing.assert_array_equal(getattr(grid, name), getattr(alone, name))
+
+
+@pytest.mark.parametrize("light", lights_of(4 * ROWS)[:3], ids=["sun", "lamp", "inside"])
+def test_an_end_piece_without_length_takes_no_strand_out_of_the_lists(light: Light) -> None:
+    lines = walks(300, 2)
+    lines.world[1], lines.world[14] = lines.world[0], lines.world[15]
+    one, two = (grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch()) for workers in (1, 2))
+    for grid in (one, two):
+        assert set(np.unique(grid.keys & 0xFFFFFFFF) // 8) == set(range(300))
+    np.testing.assert_array_equal(one.keys, two.keys)
+
+
+def weights(maps: ShadowMaps) -> np.ndarray:
+    """(size, size): τ of all strands in each texel of the first map."""
+    assert maps.stacks is not None
+    size, half = int(maps.sizes[0]), int(maps.sizes[0]) // 2
+    rows = maps.stacks[half * half :].reshape(-1, opacity.stride_for(LAYERS))
+    ends = rows[maps.stacks[: half * half].astype(int), -5:-1].reshape(half, half, 2, 2)
+    return ends.transpose(0, 2, 1, 3).reshape(size, size)
+
+
+def twin(maps: ShadowMaps, lines: Polylines) -> np.ndarray:
+    """The same in double precision, piece by piece and spot by spot, over a whole map of a directional light."""
+    view, size = maps.views[0], int(maps.sizes[0])
+    screen = to_screen(lines, view, Scratch()).astype(np.float64)
+    out = np.zeros((size, size))
+    for a, end in zip(lines.first[:-1], lines.first[1:], strict=True):
+        for v in range(a + 1, end):
+            (x0, y0, q0), (x1, y1, q1) = screen[v - 1 : v + 1]
+            rise = abs(q1 - q0) * (view.far - view.near) * view.focal
+            length = max(abs(x1 - x0), abs(y1 - y0), rise)
+            spots = int(length) + 1 if length > 1.5 else 1
+            width = WIDE.width * (1 - WIDE.taper * (v - a - 0.5) / (end - a - 1)) * view.focal
+            share = width * math.hypot(x1 - x0, y1 - y0) / spots
+            t = (np.arange(spots) + 0.5) / spots
+            u, w = x0 + t * (x1 - x0) - 0.5, y0 + t * (y1 - y0) - 0.5
+            column, row = np.floor(u).astype(int), np.floor(w).astype(int)
+            for right in (0, 1):
+                for lower in (0, 1):
+                    part = np.abs(1 - right - (u - column)) * np.abs(1 - lower - (w - row))
+                    np.add.at(out, (row + lower, column + right), share * part)
+    return out
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_no_weight_is_lost_at_the_edge_of_a_band(workers: int) -> None:
+    lines, sun = walks(400, 3), lights_of(4 * ROWS)[0]
+    maps = built((sun,), lines, workers)
+    assert maps.sizes[0] == 4 * ROWS
+    expected, found = twin(maps, lines), weights(maps)
+    assert expected[ROWS - 1 : ROWS + 1].sum() > 0.005 * expected.sum()
+    assert found.sum(dtype=np.float64) == pytest.approx(expected.sum(), rel=1e-4)
+    # a spot at the edge of a texel may be on its other side in single precision
+    np.testing.assert_allclose(found.sum(1, dtype=np.float64), expected.sum(1), atol=2e-3 * expected.sum(1).max())
