@@ -24,7 +24,7 @@ from .geometry.curves import Polylines
 from .lighting.lighting import NO_SPOTS, Lighting
 from .shadows.traced import Grid
 from .solids.edges import find_edges
-from .solids.kernels import solids
+from .solids.kernels import rasterise
 from .solids.solids import frames_of
 from .strand_batches import Portion
 from .zbuffer import raster
@@ -184,7 +184,7 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
         keys.fill(EMPTY)
     else:
         view = lighting.view
-        solids.draw(*lighting.solids, frames_of(lighting.solids, view), view.pack(), *size, keys)
+        rasterise.draw(lighting.solids, frames_of(lighting.solids, view), view.pack(), *size, keys)
 
 
 def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:

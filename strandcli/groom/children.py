@@ -118,7 +118,7 @@ class Children:
         kernel.grow(
             guides, rests, own, family.parents, family.weights, roots, family.shares, family.middles, family.pulls,
             ramps, waves, family.radii, family.turns, family.phases, (family.across @ rotation.T).astype(np.float32),
-            *self._solids(at), out, rest,
+            self._solids(at), out, rest,
         )  # fmt: skip
         return out, rest
 

@@ -65,12 +65,4 @@ def warnings(scene: Any, groom: Groom) -> list[str]:
 def depth(points: NDArray[np.float64], solid: Any, emitter: Any) -> NDArray[np.float64]:
     """(k,) depth of points (k, 3) below the nearest surface of a solid at time 0; not positive outside."""
     row = solids.pack(solid.kind, [solid], emitter, 0.0, np.float64)[0]
-    if solid.kind == "sphere":
-        return np.asarray(row[3] - np.linalg.norm(points - row[:3], axis=1))
-    if solid.kind == "capsule":
-        along = np.clip((points - row[:3]) @ row[3:6] * row[7], 0, 1)
-        return np.asarray(row[6] - np.linalg.norm(points - row[:3] - along[:, None] * row[3:6], axis=1))
-    if solid.kind == "plane":
-        return np.asarray(row[3] - points @ row[:3])
-    own = np.abs((points - row[:3]) @ row[3:12].reshape(3, 3))
-    return np.asarray((row[12:15] - own).min(1))
+    return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

@@ -117,5 +117,5 @@ class Solver(ABC):
             return None
         packed = solids.pack_all(list(touched.values()), self.scene.emitter, time)
         out = np.zeros(len(self.positions), np.float32)
-        measure.depth(self.positions, *packed, out)
+        measure.depth(self.positions, packed, out)
         return float(out.max())

@@ -1,4 +1,8 @@
-"""Solids at one moment, packed as the numbers that kernels take."""
+"""Solids that drawing, grooming and simulation share.
+
+`Solids` holds all of them at one moment as the numbers that kernels take. What belongs to one shape stands in one file
+in `shapes` (rows, bounds) and one in `kernels` (rays, normals, depth, contact). Nothing imported here is compiled.
+"""
 
 from __future__ import annotations
 
@@ -8,36 +12,35 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.motion import Pose, rotate, solid_pose
+from ..scene.motion import Pose, solid_pose
+from .shapes import box, capsule, plane, sphere
 
-COLUMNS = {"sphere": 5, "capsule": 9, "plane": 4, "box": 16}
-"""Numbers of a packed solid of each kind, in the order of the fields of `Solids`."""
+SHAPES: dict[str, Any] = {"sphere": sphere, "capsule": capsule, "plane": plane, "box": box}
+"""By the `kind` that presets write, in the order of the fields of `Solids`."""
+COLUMNS: dict[str, int] = {kind: shape.COLUMNS for kind, shape in SHAPES.items()}
+"""Numbers of a packed solid of each kind."""
 
 
 class Solids(NamedTuple):
     """All solids at one moment, packed in world units, metres: (m, columns) of each kind, float32 where they are drawn.
 
-    Solids are numbered through in the order of the fields. For drawing, spheres and capsules have one more column: the
-    distance over which they blend. The last of the columns below is `TINY` but for planes.
+    Columns have their names in `strandcli.solids.shapes`. Solids are numbered through in the order of the fields. For
+    drawing, spheres and capsules have one more column: the distance over which they blend.
     """
 
     spheres: NDArray[Any]
-    """(m, 5) centre, radius."""
+    """(m, 5) centre, radius, least squared length."""
     capsules: NDArray[Any]
-    """(m, 9) first end, vector to the other end, radius, 1 / the vector's squared length."""
+    """(m, 9) first end, vector to the other end, radius, 1 / the vector's squared length, least squared length."""
     planes: NDArray[Any]
     """(m, 4) unit normal, its distance from the origin."""
     boxes: NDArray[Any]
-    """(m, 16) centre, the rotation by rows, half extents."""
-
-
-TINY = 1e-30
-"""The last column of all but planes: a squared length below which a direction counts as none."""
+    """(m, 16) centre, the rotation by rows, half extents, least squared length."""
 
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
     """Solids of every kind packed at a time in seconds."""
-    return Solids(*(pack(kind, list(solids), emitter, time, dtype) for kind in COLUMNS))
+    return Solids(*(pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES))
 
 
 def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = np.float32) -> NDArray[Any]:
@@ -48,16 +51,5 @@ def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = n
 
 def numbers(solid: Any, pose: Pose) -> list[float]:
     """The row of one solid that has a pose."""
-    if solid.kind == "sphere":
-        return [*pose.translation, solid.radius, TINY]
-    if solid.kind == "box":
-        a, b, c = pose.rotation
-        return [*pose.translation, *a, *b, *c, *(side / 2 for side in solid.size), TINY]
-    x, y, z = rotate(pose.rotation, (0.0, 1.0, 0.0))
-    u, v, w = pose.translation
-    if solid.kind == "plane":
-        return [x, y, z, x * u + y * v + z * w]
-    size = solid.length
-    axis = x * size, y * size, z * size
-    first = u - axis[0] / 2, v - axis[1] / 2, w - axis[2] / 2
-    return [*first, *axis, solid.radius, 1 / max(size**2, TINY), TINY]
+    row: list[float] = SHAPES[solid.kind].numbers(solid, pose)
+    return row

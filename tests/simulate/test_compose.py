@@ -90,8 +90,8 @@ def test_a_rule_that_is_not_listed_or_has_nothing_to_do_is_not_in_the_source() -
 
 def test_a_collision_holds_only_the_kinds_of_solid_that_there_are() -> None:
     text = text_of("collision")
-    assert "collision_shapes import sphere" in text
-    assert "collision_shapes import box" in text
+    assert "kernels.sphere import collide" in text
+    assert "kernels.box import collide" in text
     assert "capsule" not in text
     assert "plane" not in text
     assert "collision_segments" not in text

@@ -87,7 +87,7 @@ class Recorder:
         point = np.empty((*shape, 3), np.float32)
         solids = lighting.solids or NONE
         kernel.depths(
-            keys, self._shares, self._samples, lighting.view.pack(), *solids, depth, mask, point,
+            keys, self._shares, self._samples, lighting.view.pack(), solids, depth, mask, point,
             self._found["strand_id"],
         )  # fmt: skip
         self._found |= {"depth": depth, "mask": mask}
@@ -95,7 +95,7 @@ class Recorder:
             through = np.ones(shape, np.float32)
             kernel.shadows(
                 self._found["strand_id"], keys, self._samples, point, lighting.lights, *map_arrays(lighting.maps),
-                *solids, lighting.skin, lighting.sized, through,
+                solids, lighting.skin, lighting.sized, through,
             )  # fmt: skip
             self._found["shadow"] = through
 

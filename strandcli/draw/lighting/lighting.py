@@ -70,7 +70,7 @@ class Lighting:
         shade_strands.strands(
             lines.first, lines.world, marks, tones, self.view.pack(), p.colour, given(p.tint, 0, 6),
             p.diffuse, *self._sky(), p.lobes, p.fibre, p.nodes, given(p.paths, 0, 2), p.dual, p.dual_scale, self.lights,
-            given(clear, 0), *map_arrays(self.maps), *(self.solids or NONE), self.skin, self.sized, *wide, colours,
+            given(clear, 0), *map_arrays(self.maps), self.solids or NONE, self.skin, self.sized, *wide, colours,
         )  # fmt: skip
 
     def shade_surfaces(
@@ -86,7 +86,7 @@ class Lighting:
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, given(self.palette.veil, 3),
-            *map_arrays(self.maps), *self.solids, paint, given(finish_of(seen), 4), self.skin, self.sized, spots, image,
+            *map_arrays(self.maps), self.solids, paint, given(finish_of(seen), 4), self.skin, self.sized, spots, image,
         )  # fmt: skip
 
     def _sky(self) -> tuple[Any, ...]:

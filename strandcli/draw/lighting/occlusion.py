@@ -73,7 +73,7 @@ def build(
     left = scratch.take("occlusion_left", (len(ways), total), np.uint8)
     kernel.sweep(cells, counts, sides, ways, left)
     volume = scratch.take("occlusion", (total, 4), np.float32)
-    kernel.combine(cells, counts, sides, box, ways, left, *(packed or NONE), volume)
+    kernel.combine(cells, counts, sides, box, ways, left, packed or NONE, volume)
     return Occlusion(volume, box)
 
 

@@ -75,7 +75,7 @@ def find_edges(
     found = _edges(hides, np.zeros(int(begin[-1]), np.int64))
     kernel.collect(ends, width, begin, found.pixels)
     kernel.sample(
-        found.pixels, width, view.pack(), *packed, frames_of(packed, view), found.keys, found.spots, found.counts
+        found.pixels, width, view.pack(), packed, frames_of(packed, view), found.keys, found.spots, found.counts
     )
     kernel.part(found.pixels, found.keys, found.counts, hides, found.depth, found.cover)
     return found

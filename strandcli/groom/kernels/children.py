@@ -19,7 +19,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
-from .outside import outside
+from ...solids.kernels.outside import count as count_solids
+from ...solids.kernels.outside import outside
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -113,7 +114,7 @@ def refine(positions, steps, out):
 @parallel
 def grow(
     guides, rests, own, parents, weights, roots, shares, middles, pulls, ramps, waves, radii, turns, phases, across,
-    spheres, capsules, planes, boxes, out, lengths,
+    solids, out, lengths,
 ):  # fmt: skip
     """Place children.
 
@@ -160,7 +161,7 @@ def grow(
                     g = parents[i, p]
                     back += weights[i, p] * (guides[g, 0, c] - guides[g, 1, c])
                 path[0, c] = back
-            lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane)
+            lay(path, i, rest, waves, radii, turns, phases, across, solids, out, b, lane)
             lengths[b, lane] = rest
 
 
@@ -214,10 +215,10 @@ def straighten(path, rest):
 
 
 @device
-def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, planes, boxes, out, b, lane):
+def lay(path, i, rest, waves, radii, turns, phases, across, solids, out, b, lane):
     """Wind the waves about a path, root to tip, give its segments their length, and write it."""
     m = path.shape[0] - 1
-    solid = spheres.shape[0] + capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0
+    solid = count_solids(solids) > 0
     clear = CLEAR * rest
     # where the wound path was, and where the strand is
     wx = px = path[1, 0]
@@ -263,7 +264,7 @@ def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, p
         pz += rest * ez
         if solid:
             for _ in range(ROUNDS):  # out of one solid may be into another, and off the segment's length
-                qx, qy, qz = outside(px, py, pz, clear, spheres, capsules, planes, boxes)
+                qx, qy, qz = outside(px, py, pz, clear, solids)
                 if qx == px and qy == py and qz == pz:
                     break
                 ox = out[b, j - 1, lane]
@@ -271,7 +272,7 @@ def lay(path, i, rest, waves, radii, turns, phases, across, spheres, capsules, p
                 oz = out[b, j - 1, 2 * W + lane]
                 ex, ey, ez = unit(qx - ox, qy - oy, qz - oz)
                 px, py, pz = outside(
-                    ox + rest * ex, oy + rest * ey, oz + rest * ez, clear, spheres, capsules, planes, boxes
+                    ox + rest * ex, oy + rest * ey, oz + rest * ez, clear, solids
                 )
         out[b, j, lane] = px
         out[b, j, W + lane] = py

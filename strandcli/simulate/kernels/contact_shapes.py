@@ -15,68 +15,18 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
+from ...solids import COLUMNS
+from ...solids.kernels import box, capsule, plane, sphere
+from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
 from .rod import FOUND, SEGMENT, E
 
 TINY = 1e-20
 LEAST = 1e-6
-SPHERE, CAPSULE, PLANE, BOX = 17, 21, 16, 28
-"""Numbers of a packed solid and its motion."""
-
-
-@inlined
-def on_axis(capsules, m, x, y, z):
-    """Point of a capsule's axis that is nearest to (x, y, z)."""
-    ax, ay, az = capsules[m + 3], capsules[m + 4], capsules[m + 5]
-    t = (x - capsules[m]) * ax + (y - capsules[m + 1]) * ay + (z - capsules[m + 2]) * az
-    t = min(max(t * capsules[m + 7], 0.0), 1.0)
-    return capsules[m] + t * ax, capsules[m + 1] + t * ay, capsules[m + 2] + t * az
-
-
-@inlined
-def in_ball(dx, dy, dz, r):
-    """Depth in a ball of a point that is (dx, dy, dz) away from its centre."""
-    return r - sqrt(dx * dx + dy * dy + dz * dz)
-
-
-@device
-def in_capsule(capsules, m, x, y, z):
-    """Depth of a point in a capsule."""
-    ox, oy, oz = on_axis(capsules, m, x, y, z)
-    return in_ball(x - ox, y - oy, z - oz, capsules[m + 6])
-
-
-@device
-def under_plane(planes, m, x, y, z):
-    """Depth of a point under a plane."""
-    return planes[m + 3] - (x * planes[m] + y * planes[m + 1] + z * planes[m + 2])
-
-
-@device
-def across(boxes, m, k, x, y, z):
-    """Coordinate of a direction along an axis of a box."""
-    return boxes[m + 3 + k] * x + boxes[m + 6 + k] * y + boxes[m + 9 + k] * z
-
-
-@device
-def face(boxes, m, x, y, z):
-    """Depth in a box below its nearest face, and that face's normal in the world."""
-    dx = x - boxes[m]
-    dy = y - boxes[m + 1]
-    dz = z - boxes[m + 2]
-    best = broadcast(x, 1.0 / TINY)
-    nx = broadcast(x, 0.0)
-    ny = broadcast(x, 1.0)
-    nz = nx
-    for k in range(3):
-        u = across(boxes, m, k, dx, dy, dz)
-        under = boxes[m + 12 + k] - abs(u)
-        nearer = under < best
-        best = where(nearer, under, best)
-        sign = where(u >= 0.0, broadcast(x, 1.0), -1.0)
-        nx = where(nearer, sign * boxes[m + 3 + k], nx)
-        ny = where(nearer, sign * boxes[m + 6 + k], ny)
-        nz = where(nearer, sign * boxes[m + 9 + k], nz)
-    return best, nx, ny, nz
+MOTION = 12
+"""Columns that follow a packed solid's: the rotation by rows and the translation that took it through this step."""
+OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
+SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
+"""Columns of a packed solid without its motion, and with it."""
 
 
 @device
@@ -93,9 +43,9 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     ax, ay, az = zero, zero, zero
     bx, by, bz = zero, zero, zero
     for k in range(3):
-        half = boxes[m + 12 + k]
-        q = across(boxes, m, k, x - boxes[m], y - boxes[m + 1], z - boxes[m + 2])
-        d = across(boxes, m, k, dx, dy, dz)
+        half = boxes[m + HALF + k]
+        q = box.own(boxes, m, k, x - boxes[m + box.X], y - boxes[m + box.Y], z - boxes[m + box.Z])
+        d = box.own(boxes, m, k, dx, dy, dz)
         size = max(abs(d), TINY)
         way = where(d < 0.0, broadcast(x, -1.0), 1.0)
         begin = -(half + way * q) / size
@@ -103,15 +53,15 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         later = begin > enter
         enter = max(enter, begin)
         f = where(later, size, f)
-        ax = where(later, -way * boxes[m + 3 + k], ax)
-        ay = where(later, -way * boxes[m + 6 + k], ay)
-        az = where(later, -way * boxes[m + 9 + k], az)
+        ax = where(later, -way * boxes[m + ROW_X + k], ax)
+        ay = where(later, -way * boxes[m + ROW_Y + k], ay)
+        az = where(later, -way * boxes[m + ROW_Z + k], az)
         sooner = end < leave
         leave = min(leave, end)
         g = where(sooner, size, g)
-        bx = where(sooner, way * boxes[m + 3 + k], bx)
-        by = where(sooner, way * boxes[m + 6 + k], by)
-        bz = where(sooner, way * boxes[m + 9 + k], bz)
+        bx = where(sooner, way * boxes[m + ROW_X + k], bx)
+        by = where(sooner, way * boxes[m + ROW_Y + k], by)
+        bz = where(sooner, way * boxes[m + ROW_Z + k], bz)
     inside = leave > enter
     if not any_lane(inside | ((f > 0.0) & (g > 0.0))):
         return broadcast(x, -1.0 / TINY), zero, zero, zero
@@ -127,7 +77,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
     nz *= over
     if any_lane(inside & ~edge):
         t = where(g > 0.0, 0.5 * (enter + leave), leave)
-        d, ax, ay, az = face(boxes, m, x + t * dx, y + t * dy, z + t * dz)
+        d, ax, ay, az = box.depth(boxes, m, x + t * dx, y + t * dy, z + t * dz)
         depth = where(edge, depth, d)
         nx = where(edge, nx, ax)
         ny = where(edge, ny, ay)
@@ -169,7 +119,7 @@ def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
         behind = back > on
         back = where(behind, back, 0.0)
         on = where(behind, 0.0, on)
-        ox, oy, oz = on_axis(
+        ox, oy, oz = capsule.on_axis(
             capsules, m, x - back * edge[0] + on * next[0], y - back * edge[1] + on * next[1],
             z - back * edge[2] + on * next[2],
         )  # fmt: skip
@@ -187,8 +137,8 @@ def deeper(one, other):
 
 @device
 def past_edge(boxes, m, x, y, z, under, edge, next, lever, length, far):
-    """`face`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges are, if
-    no further away than ``far``."""
+    """`box.depth`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges
+    are, if no further away than ``far``."""
     out = under[0] <= 0.0
     back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
     depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
@@ -212,38 +162,39 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
         lever = length if first else 0.5 * length
     for m in range(0, last_sphere, SPHERE):
         dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
-        far = spheres[m + 3] + lever - most
+        far = spheres[m + sphere.RADIUS] + lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
-            r = kept_from(dx, dy, dz, spheres[m + 3], edge, next, length, whole, first)
-            d = in_ball(dx, dy, dz, r)
+            r = kept_from(dx, dy, dz, spheres[m + sphere.RADIUS], edge, next, length, whole, first)
+            d = sphere.under(dx, dy, dz, r)
             place = broadcast(x, spheres[m]), broadcast(x, spheres[m + 1]), broadcast(x, spheres[m + 2])
-            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + 5, positions, here)
+            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + OF_SPHERE, positions, here)
             most = max(most, d)
     for m in range(0, last_capsule, CAPSULE):
-        ox, oy, oz = on_axis(capsules, m, x, y, z)
+        ox, oy, oz = capsule.on_axis(capsules, m, x, y, z)
         dx, dy, dz = x - ox, y - oy, z - oz
-        far = capsules[m + 6] + lever - most
+        far = capsules[m + capsule.RADIUS] + lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
             if whole:
                 ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
-            r = kept_from(x - ox, y - oy, z - oz, capsules[m + 6], edge, next, length, whole, first)
-            d = in_ball(x - ox, y - oy, z - oz, r)
-            found, other = find(s, found, other, d > most, 1.0, (ox, oy, oz), r, capsules, m + 9, positions, here)
+            r = kept_from(x - ox, y - oy, z - oz, capsules[m + capsule.RADIUS], edge, next, length, whole, first)
+            d = sphere.under(x - ox, y - oy, z - oz, r)
+            place = ox, oy, oz
+            found, other = find(s, found, other, d > most, 1.0, place, r, capsules, m + OF_CAPSULE, positions, here)
             most = max(most, d)
     for m in range(0, last_plane, PLANE):
-        d = under_plane(planes, m, x, y, z)
+        d = plane.depth(planes, m, x, y, z)
         if any_lane(d > most):
             way = broadcast(x, planes[m]), broadcast(x, planes[m + 1]), broadcast(x, planes[m + 2])
-            level = broadcast(x, planes[m + 3])
-            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + 4, positions, here)
+            level = broadcast(x, planes[m + plane.HEIGHT])
+            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + OF_PLANE, positions, here)
             most = max(most, d)
     for m in range(0, last_box, BOX):
-        d, ox, oy, oz = face(boxes, m, x, y, z)
+        d, ox, oy, oz = box.depth(boxes, m, x, y, z)
         if any_lane(d + lever > most):
             if whole:
                 d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length, reach)
             level = d + x * ox + y * oy + z * oz
-            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + 16, positions, here)
+            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + OF_BOX, positions, here)
             most = max(most, d)
     return most, found
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...constants import W
 from ...jit import function, parallel, prange
 from ...simd import broadcast, lane_count, load3, pointer, reduce_max
-from . import contact_shapes as shapes
+from ...solids.kernels import box, capsule, plane, sphere
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
@@ -44,31 +44,32 @@ def strands(positions, lengths, out):
 
 
 @parallel
-def depth(positions, spheres, capsules, planes, boxes, out):
+def depth(positions, solids, out):
     """Greatest depth of a particle inside a solid, roots left out, metres.
 
-    positions as above; solids as packed by `strandcli.solids.pack`, (m, columns) each; out (blocks,) float32.
+    positions as above; solids: `strandcli.solids.Solids`; out (blocks,) float32.
     """
     for b in prange(positions.shape[0]):
-        out[b] = deepest(positions, np.int64(b), spheres, capsules, planes, boxes)
+        out[b] = deepest(positions, np.int64(b), solids)
 
 
 @function
-def deepest(positions, b, spheres, capsules, planes, boxes):
+def deepest(positions, b, solids):
     """That of one block."""
     rows = positions.shape[1]
-    where, balls, pills = pointer(positions), pointer(spheres), pointer(capsules)
-    flats, cubes = pointer(planes), pointer(boxes)
+    where, balls, pills = pointer(positions), pointer(solids.spheres), pointer(solids.capsules)
+    flats, cubes = pointer(solids.planes), pointer(solids.boxes)
     most = broadcast(where, 0.0)
     for i in range(2, rows):
         for k in range(0, W, lane_count(where)):
             x, y, z = load3(where, (b * rows + i) * 3 * W + k, W)
-            for m in range(0, spheres.size, spheres.shape[1]):
-                most = max(most, shapes.in_ball(x - balls[m], y - balls[m + 1], z - balls[m + 2], balls[m + 3]))
-            for m in range(0, capsules.size, capsules.shape[1]):
-                most = max(most, shapes.in_capsule(pills, m, x, y, z))
-            for m in range(0, planes.size, planes.shape[1]):
-                most = max(most, shapes.under_plane(flats, m, x, y, z))
-            for m in range(0, boxes.size, boxes.shape[1]):
-                most = max(most, shapes.face(cubes, m, x, y, z)[0])
+            for m in range(0, solids.spheres.size, solids.spheres.shape[1]):
+                dx, dy, dz = x - balls[m], y - balls[m + 1], z - balls[m + 2]
+                most = max(most, sphere.under(dx, dy, dz, balls[m + sphere.RADIUS]))
+            for m in range(0, solids.capsules.size, solids.capsules.shape[1]):
+                most = max(most, capsule.depth(pills, m, x, y, z))
+            for m in range(0, solids.planes.size, solids.planes.shape[1]):
+                most = max(most, plane.depth(flats, m, x, y, z))
+            for m in range(0, solids.boxes.size, solids.boxes.shape[1]):
+                most = max(most, box.depth(cubes, m, x, y, z)[0])
     return reduce_max(most)

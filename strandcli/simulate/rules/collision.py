@@ -52,10 +52,10 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
     from ...solids import pack
+    from ...solids.kernels import box, capsule, plane, sphere
     from . import collision_segments as segments
-    from . import collision_shapes as shapes
 
-    points = {"sphere": shapes.sphere, "capsule": shapes.capsule, "plane": shapes.plane, "box": shapes.box}
+    points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
 
     def prepare(kind: str) -> Any:

@@ -15,7 +15,7 @@ from ...draw.common.scratch import Scratch
 from ...draw.geometry.curves import Polylines, flatten
 from ...draw.geometry.extent import Thickness
 from ...draw.lighting import occlusion
-from ...draw.solids.kernels import solids
+from ...draw.solids.kernels import rays
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
 from ..axes import Axis
@@ -120,7 +120,7 @@ def seen_of_sky(
         left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-way)), points, own, jitter)
         if packed is not None:
             for p, point in enumerate(points.astype(np.float32)):
-                left[p] *= solids.lit(*packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
+                left[p] *= rays.lit(packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
         found += left / ways
     return found
 

@@ -18,12 +18,14 @@ from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, silhouette
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
-from strandcli.draw.solids.kernels import solids, sphere_tracing
+from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
 from strandcli.draw.view.kernels.project import into
 from strandcli.draw.zbuffer.kernels import raster
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
+from strandcli.solids import Solids
+from strandcli.solids.kernels import box, capsule, plane, sphere
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 ONE = np.float32(1)
@@ -34,7 +36,7 @@ WORK = np.ones(project.ROWS * project.ROW, np.float32)
 LIT = np.ones(surface_batch.ROWS * W, np.float32)
 BLOCK = np.ones((5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
-SOLIDS = (TABLE, TABLE, TABLE, TABLE)
+SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (curves.difference, (BLOCK, 0, 1, 4)),
@@ -83,18 +85,18 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
     "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
     "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
-    "sphere": (solids.sphere, (TABLE, 1, *[ONE] * 6)),
-    "capsule": (solids.capsule, (TABLE, 1, *[ONE] * 6)),
-    "plane": (solids.plane, (TABLE, 1, *[ONE] * 6)),
-    "box": (solids.box, (TABLE, 1, *[ONE] * 6)),
-    "normal": (solids.normal, (*SOLIDS, 1, ONE, ONE, ONE)),
-    "penumbra": (penumbra.lit, (*SOLIDS, *[ONE] * 10)),
+    "sphere": (sphere.meet, (TABLE, 1, *[ONE] * 6)),
+    "capsule": (capsule.meet, (TABLE, 1, *[ONE] * 6)),
+    "plane": (plane.meet, (TABLE, 1, *[ONE] * 6)),
+    "box": (box.meet, (TABLE, 1, *[ONE] * 6)),
+    "normal": (rays.normal, (SOLIDS, 1, ONE, ONE, ONE)),
+    "penumbra": (penumbra.lit, (SOLIDS, *[ONE] * 10)),
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, *[ONE] * 9)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
-    "lit solids": (solids.lit, (*SOLIDS, *[ONE] * 8)),
-    "soften": (soft_shadows.soften, (LIT, 1, TABLE, 1, *SOLIDS, ONE)),
+    "lit solids": (rays.lit, (SOLIDS, *[ONE] * 8)),
+    "soften": (soft_shadows.soften, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
     "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
-    "ray": (solids.ray, (ROW, ONE, ONE)),
+    "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (
         marschner.marschner,

@@ -16,7 +16,7 @@ from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import KIND, LIGHT_SIZE
 from strandcli.draw.shadows.kernels import penumbra, soft_shadows
-from strandcli.draw.solids.kernels import solids
+from strandcli.draw.solids.kernels import rays as cast
 from strandcli.solids import Solids, pack_all
 
 SKIN = np.float32(1e-6)
@@ -51,7 +51,7 @@ def by_rays(packed: Any, where: Any, middle: Any, radius: float, rays: int = 600
     free = 0.0
     for u, v in disc(rays) * radius:
         way = (math.sqrt(1 - u * u - v * v) * middle + u * side + v * up).astype(np.float32)
-        free += float(solids.lit(*packed, *where.astype(np.float32), *way, FAR, SKIN))
+        free += float(cast.lit(packed, *where.astype(np.float32), *way, FAR, SKIN))
     return free / rays
 
 
@@ -67,7 +67,7 @@ def test_a_round_light_is_hidden_as_much_as_rays_find(name: str) -> None:
     for x in np.linspace(-1.6, 1.6, 65):
         where = np.array([x, -1.2, 0.05])
         one = penumbra.lit(
-            *packed, *where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN, np.float32(radius), np.float32(0)
+            packed, *where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN, np.float32(radius), np.float32(0)
         )
         found.append(float(one))
         right.append(by_rays(packed, where, middle, radius))
@@ -90,8 +90,8 @@ def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
         middle -= where  # often enough toward the solid
         middle /= np.linalg.norm(middle)
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        tiny = penumbra.lit(*packed, *numbers, np.float32(1e-4), np.float32(0))
-        differ += abs(tiny - solids.lit(*packed, *numbers)) > 0.01
+        tiny = penumbra.lit(packed, *numbers, np.float32(1e-4), np.float32(0))
+        differ += abs(tiny - cast.lit(packed, *numbers)) > 0.01
     assert differ <= 2
 
 
@@ -105,7 +105,7 @@ def test_a_lamp_is_as_wide_as_it_is_near() -> None:
     reach = np.linalg.norm(lamp - where)
     way = (lamp - where) / reach
     found = penumbra.lit(
-        *packed, *where.astype(np.float32), *way.astype(np.float32), np.float32(reach), SKIN, np.float32(radius),
+        packed, *where.astype(np.float32), *way.astype(np.float32), np.float32(reach), SKIN, np.float32(radius),
         np.float32(1),
     )  # fmt: skip
     x = height / radius
@@ -148,7 +148,7 @@ def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
         middle /= np.linalg.norm(middle)
         radius = math.sin(math.radians(generator.uniform(0.1, 30)))
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        clear = penumbra.lit(*packed, *numbers, np.float32(radius), np.float32(0)) == 1
+        clear = penumbra.lit(packed, *numbers, np.float32(radius), np.float32(0)) == 1
         share = by_rays(packed, where, middle, radius, 60)
         assert share == 1 or not clear
         told += clear
@@ -177,9 +177,9 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
         lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
-        soft_shadows.soften(work.reshape(-1), count, lights, 0, *packed, SKIN)
+        soft_shadows.soften(work.reshape(-1), count, lights, 0, packed, SKIN)
         alone = [
-            penumbra.lit(*packed, *where[k], *ways[k], reach[k], SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
+            penumbra.lit(packed, *where[k], *ways[k], reach[k], SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
             for k in range(count)
         ]  # fmt: skip
         shares += alone

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strand_kit import frames_of, scene_of
 from strandcli.constants import W
-from strandcli.draw.solids.kernels import smooth_union, solids, sphere_tracing
+from strandcli.draw.solids.kernels import rays, smooth_union, sphere_tracing
 from strandcli.draw.solids.solids import packed
 from strandcli.scene.model import CapsuleSolid, Emitter, SphereSolid
 
@@ -120,7 +120,7 @@ def test_solids_without_the_column_do_not_blend() -> None:
     assert not smooth_union.blends.py_func(*plain[:2], np.int64(0))
     bare = [rows[:, :-1].copy() for rows in plain[:2]]
     assert not smooth_union.blends.py_func(*bare, np.int64(1))
-    assert solids.meet(*plain, np.int64(0), *np.array([-3, 0, 0, 1, 0, 0], np.float32)) == pytest.approx(2.1)
+    assert rays.meet(plain, np.int64(0), *np.array([-3, 0, 0, 1, 0, 0], np.float32)) == pytest.approx(2.1)
 
 
 def crease(blend: str, kind: str = "") -> float:

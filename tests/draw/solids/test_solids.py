@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from reference.rules import depth
 from strandcli.draw.common.kernels.keys import EMPTY, FIRST
-from strandcli.draw.solids.kernels import solids as kernel
+from strandcli.draw.solids.kernels import rasterise
+from strandcli.draw.solids.kernels import rays as kernel
 from strandcli.draw.solids.solids import frames_of, paint_of
 from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import BoxSolid, Camera, CapsuleSolid, Emitter, PlaneSolid, PoseKey, Solid, SphereSolid
@@ -33,7 +34,7 @@ def packed(solids: list[Any], emitter: Emitter = STILL, time: float = 0.0) -> So
 
 def meets(solid: Solid, origin: np.ndarray, way: np.ndarray) -> float:
     o, d = np.asarray(origin, np.float32), np.asarray(way, np.float32)
-    return float(kernel.meet(*packed([solid]), 0, *o, *d))
+    return float(kernel.meet(packed([solid]), 0, *o, *d))
 
 
 def inside(solid: Solid, points: np.ndarray) -> np.ndarray:
@@ -124,7 +125,7 @@ def test_normals_are_unit_and_point_outward(solid: Solid) -> None:
         if inside(solid, origin) > 0 or not 0 < t < np.inf:
             continue
         point = origin + t * way
-        normal = np.array(kernel.normal(*packed([solid]), 0, *point.astype(np.float32)))
+        normal = np.array(kernel.normal(packed([solid]), 0, *point.astype(np.float32)))
         assert np.linalg.norm(normal) == pytest.approx(1, abs=1e-6)
         away = inside(solid, point + 1e-3 * normal) - inside(solid, point)
         if solid.kind != "box" or np.sort(np.abs(np.array(solid.size) / 2 - np.abs(_local(solid, point))))[1] > 2e-3:  # type: ignore[union-attr]
@@ -145,7 +146,7 @@ def picture(solids: list[Any], view: View, frames: np.ndarray | None = None) -> 
     if frames is None:
         frames = np.array([[0, width, 0, height]] * len(solids), np.int64).reshape(-1, 4)
     keys = np.zeros(width * height, np.uint64)
-    kernel.draw(*numbers, frames, view.pack(), width, height, keys)
+    rasterise.draw(numbers, frames, view.pack(), width, height, keys)
     return keys.reshape(height, width)
 
 
@@ -243,7 +244,7 @@ def test_a_point_is_in_shadow_where_a_solid_is_between_it_and_the_light(solid: S
     share = np.linspace(0, 1, 3001)[:, None]
     deepest = depth(point + share * (lamp - point), solid, STILL, 0.0).max()
     numbers = [x.astype(np.float32) for x in (*point, *way)]
-    lit = kernel.lit(*packed([solid]), *numbers, np.float32(reach), np.float32(skin))
+    lit = kernel.lit(packed([solid]), *numbers, np.float32(reach), np.float32(skin))
     if deepest > 2 * skin:
         assert lit == 0
     elif deepest < -1e-4:
@@ -261,7 +262,7 @@ def test_a_lamp_close_to_a_ball_is_hidden_only_by_what_is_before_it() -> None:
         reach = np.linalg.norm(lamp - point)
         nearest = inside(ball, point + np.linspace(0, 1, 2001)[:, None] * (lamp - point)).max()
         numbers = [x.astype(np.float32) for x in (*point, *(lamp - point) / reach)]
-        found = kernel.lit(*packed([ball]), *numbers, np.float32(reach), np.float32(0.001))
+        found = kernel.lit(packed([ball]), *numbers, np.float32(reach), np.float32(0.001))
         if abs(nearest) > 3e-3:
             assert found == (nearest < 0)
             lit += nearest < 0
@@ -279,6 +280,6 @@ def test_a_root_on_a_solid_is_not_shaded_by_the_skin_that_it_grows_from() -> Non
             numbers = (*root, *light.astype(np.float32), np.float32(1e30), np.float32(0.01))
             cosine = float(normal @ light)
             if cosine > 0.02:
-                assert kernel.lit(*packed([ball]), *numbers) == 1
+                assert kernel.lit(packed([ball]), *numbers) == 1
             elif cosine < -0.3:
-                assert kernel.lit(*packed([ball]), *numbers) == 0
+                assert kernel.lit(packed([ball]), *numbers) == 0

@@ -31,7 +31,7 @@ from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, corner
 from ...lighting.kernels.light import toward
 from ...shadows.kernels import opacity, penumbra
 from ...shadows.kernels.minmax import transmittance
-from ...solids.kernels import solids
+from ...solids.kernels import rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -163,10 +163,10 @@ def unit(x, y, z):
 
 
 @parallel
-def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth, mask, point, ids):
+def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
     """Depth of the nearest sample in metres along the view, and the point itself; the share of strands in its samples:
     the mean of shares (samples² · height · width,), or of samples with a strand where that is None; ids −2 where a
-    solid is nearest. Solids packed as in `solids.draw`; point (height, width, 3), 0 where nothing is."""
+    solid is nearest. Solids packed as in `rasterise.draw`; point (height, width, 3), 0 where nothing is."""
     height, width = depth.shape
     share = ONE / np.float32(samples * samples)
     for y in prange(height):
@@ -187,13 +187,13 @@ def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth,
                 continue
             right = (np.float32(column) + HALF - view[AXIS_X]) / view[FOCAL]
             up = (view[AXIS_Y] - np.float32(row) - HALF) / view[FOCAL]
-            ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+            ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
             q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
             t = ONE / q if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - q) * view[DEPTH_RANGE]
             if (key & LOW) >= FIRST:
                 which = np.int64((key & LOW) - FIRST)
                 if view[PERSPECTIVE] == ZERO:  # a key ends with the depth range, a solid does not
-                    far = solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+                    far = rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
                     t = far if far < INF else t
                 ids[y, x] = -2
             depth[y, x] = t
@@ -204,7 +204,7 @@ def depths(keys, shares, samples, view, spheres, capsules, planes, boxes, depth,
 
 @parallel
 def shadows(
-    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, solids, skin,
     sized, out,
 ):  # fmt: skip
     """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
@@ -225,7 +225,7 @@ def shadows(
             sz = pz
             if ids[y, x] == -2:
                 which = np.int64((nearest(keys, samples, width, y, x)[0] & LOW) - FIRST)
-                nx, ny, nz = solids.normal(spheres, capsules, planes, boxes, which, px, py, pz)
+                nx, ny, nz = rays.normal(solids, which, px, py, pz)
                 sx += nx * skin
                 sy += ny * skin
                 sz += nz * skin
@@ -236,7 +236,7 @@ def shadows(
                 power = falloff * (RED * lights[i, POWER_R] + GREEN * lights[i, POWER_G] + BLUE * lights[i, POWER_B])
                 whole += power
                 power *= penumbra.past(
-                    spheres, capsules, planes, boxes, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
+                    solids, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
                 )
                 if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)

@@ -14,10 +14,12 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....groom.kernels.outside import outside
 from ....jit import device, function, parallel, prange
+from ....solids.kernels import capsule, sphere
+from ....solids.kernels.outside import count as count_solids
+from ....solids.kernels.outside import outside
 from ...common.kernels.approximations import exp
-from ...solids.kernels import solids
+from ...solids.kernels import rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -172,7 +174,7 @@ def mixed(plane, at, row, f, g):
 
 
 @parallel
-def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, boxes, volume):
+def combine(cells, counts, sides, box, ways, left, solids, volume):
     """Of what strands and solids leave of each direction, the mean and thrice the mean times the direction.
 
     As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear fit. A middle inside of a solid
@@ -182,7 +184,7 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
     per = ONE / (LEVELS * np.float32(ways.shape[0]))
-    solid = spheres.shape[0] + capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0
+    solid = count_solids(solids) > 0
     for slab in prange(counts[0]):
         i = np.int64(slab)
         work = np.zeros(ROWS * W, np.float32)
@@ -194,10 +196,10 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
                 z = box[2] + np.float32(k) * sides[2]
                 near = False
                 if solid:
-                    ox, oy, oz = outside(x, y, z, wide, spheres, capsules, planes, boxes)
+                    ox, oy, oz = outside(x, y, z, wide, solids)
                     near = (ox != x) | (oy != y) | (oz != z) | occupied(cells, counts, i, j, k)
                     if near:
-                        x, y, z = outside(x, y, z, skin + skin, spheres, capsules, planes, boxes)
+                        x, y, z = outside(x, y, z, skin + skin, solids)
                 mean = ZERO
                 vx = ZERO
                 vy = ZERO
@@ -210,7 +212,7 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
                         work[LZ + d] = ways[low + d, 2]
                         work[LIGHT + d] = np.float32(left[low + d, cell])
                     if near:
-                        hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin)
+                        hide(work, n, x, y, z, solids, skin)
                     for d in range(n):
                         light = work[LIGHT + d]
                         mean += light
@@ -224,28 +226,30 @@ def combine(cells, counts, sides, box, ways, left, spheres, capsules, planes, bo
 
 
 @device
-def hide(work, n, x, y, z, spheres, capsules, planes, boxes, skin):
-    """No light from the first n directions where a solid stands between: `solids.lit` of each, row by row."""
-    for s in range(spheres.shape[0]):
+def hide(work, n, x, y, z, solids, skin):
+    """No light from the first n directions where a solid stands between: `rays.lit` of each, row by row."""
+    for s in range(solids.spheres.shape[0]):
         for d in range(n):
-            work[LIGHT + d] *= solids.past_sphere(
-                spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            work[LIGHT + d] *= sphere.past(
+                solids.spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
             )
-    for s in range(capsules.shape[0]):
+    for s in range(solids.capsules.shape[0]):
         beside = np.int64(0)
         for d in range(n):
             ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            free = solids.passes(capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+            free = capsule.passes(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
             beside += np.int64(free | (work[LIGHT + d] == ZERO))
         if beside < n:
             for d in range(n):
                 ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-                t = solids.capsule(capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+                t = capsule.meet(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
                 work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
+    others = count_solids(solids) - solids.spheres.shape[0] - solids.capsules.shape[0]
     for d in range(n):
-        if planes.shape[0] + boxes.shape[0] > 0 and work[LIGHT + d] > ZERO:
-            work[LIGHT + d] *= solids.past_others(
-                capsules[:0], planes, boxes, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+        if others > 0 and work[LIGHT + d] > ZERO:
+            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+            work[LIGHT + d] *= rays.past_flat(
+                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
             )
 
 

@@ -12,6 +12,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
+from ....solids.kernels import sphere
+from ....solids.kernels.outside import count as count_solids
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     ARRIVES,
@@ -58,7 +60,7 @@ from ...fibre.kernels.marschner import kajiya_diffuse
 from ...fibre.kernels.width_highlights import width_highlights
 from ...shadows.kernels.soft_shadows import soften
 from ...shadows.kernels.strand_shadows import beyond, shade, sink
-from ...solids.kernels import solids
+from ...solids.kernels import rays
 from .ambient import ambient_light
 from .light import toward
 
@@ -73,7 +75,7 @@ STRANDS = 128
 @parallel
 def strands(
     first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths,
-    twice, scale, lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, sized,
+    twice, scale, lights, clear, maps, stacks, starts, sizes, views, solids, skin, sized,
     slots, columns, profile, out,
 ):  # fmt: skip
     """Radiance toward the camera at the marked vertices.
@@ -118,14 +120,14 @@ def strands(
                 if n == W:
                     batch(
                         work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale,
-                        lights, clear, maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+                        lights, clear, maps, stacks, starts, sizes, views, solids, skin,
                         sized, which, slots, columns, profile,
                     )  # fmt: skip
                     scatter(work, which, n, out)
                     n = np.int64(0)
         batch(
             work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-            maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin,
+            maps, stacks, starts, sizes, views, solids, skin,
             sized, which, slots, columns, profile,
         )  # fmt: skip
         scatter(work, which, n, out)
@@ -160,7 +162,7 @@ def scatter(work, which, n, out):
 @device
 def batch(
     work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-    maps, stacks, starts, sizes, views, spheres, capsules, planes, boxes, skin, sized, which, slots,
+    maps, stacks, starts, sizes, views, solids, skin, sized, which, slots,
     columns, profile,
 ):  # fmt: skip
     """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
@@ -169,9 +171,9 @@ def batch(
     for i in range(lights.shape[0]):
         aim(work, n, lights, i)
         if sized is None:
-            hide(work, n, spheres, capsules, planes, boxes, skin)
+            hide(work, n, solids, skin)
         else:
-            soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
+            soften(work, n, lights, i, solids, skin)
         if lights[i, MAP_LAYERS] == ZERO:
             for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
                 shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, BIAS])
@@ -260,19 +262,19 @@ def aim(work, n, lights, i):
 
 
 @device
-def hide(work, n, spheres, capsules, planes, boxes, skin):
+def hide(work, n, solids, skin):
     """No light where a solid stands between."""
-    for s in range(spheres.shape[0]):
+    for s in range(solids.spheres.shape[0]):
         for k in range(n):
-            work[ARRIVES + k] *= solids.past_sphere(
-                spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[ARRIVES + k] *= sphere.past(
+                solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[REACH + k], skin,
             )  # fmt: skip
-    if capsules.shape[0] + planes.shape[0] + boxes.shape[0] > 0:
+    if count_solids(solids) > solids.spheres.shape[0]:
         for k in range(n):
             if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= solids.past_others(
-                    capsules, planes, boxes, work[X + k], work[Y + k], work[Z + k],
+                work[ARRIVES + k] *= rays.past_others(
+                    solids, work[X + k], work[Y + k], work[Z + k],
                     work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
                 )  # fmt: skip
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ....solids.kernels import sphere
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE, MAP_LAYERS, POWER_R
 from ...common.kernels.surface_batch import (
@@ -35,7 +36,7 @@ from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from ...shadows.kernels.soft_shadows import soften
-from ...solids.kernels import coat, smooth_union, solids
+from ...solids.kernels import coat, rays, smooth_union
 from ...solids.kernels.surface_pixels import average, gather, scatter
 from . import occlusion
 from .light import around
@@ -52,7 +53,7 @@ PIXELS = 4096
 @parallel
 def surfaces(
     keys, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, paint, coats, skin, sized, spots, image,
+    solids, paint, coats, skin, sized, spots, image,
 ):  # fmt: skip
     """Radiance of the solids that are seen: Lambertian, under a coat where there is one.
 
@@ -75,12 +76,12 @@ def surfaces(
         which = np.empty(W, np.int64)
         while p < end:
             p, n, solid, fine = gather(
-                keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which
+                keys, p, end, width, view, solids, spots, work, which
             )  # fmt: skip
             if n > 0:
                 batch(
                     work, n, solid, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes,
-                    views, spheres, capsules, planes, boxes, paint, coats, skin, sized,
+                    views, solids, paint, coats, skin, sized,
                 )  # fmt: skip
                 if fine:
                     average(work, n)
@@ -101,11 +102,11 @@ def surroundings(ambient, sky, x, y, z):
 @device
 def batch(
     work, n, which, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    spheres, capsules, planes, boxes, paint, coats, skin, sized,
+    solids, paint, coats, skin, sized,
 ):  # fmt: skip
     """Radiance of the first n points of a batch, which are on solid number `which`."""
     look(work, n, view)
-    face(work, n, spheres, capsules, planes, boxes, which)
+    face(work, n, solids, which)
     surround(work, n, ambient, sky, volume, box, bounce)
     fade(work, n, paint, which)
     if coats.shape[0] > 0:
@@ -114,9 +115,9 @@ def batch(
         aim(work, n, lights, i)
         rise(work, n, skin)
         if sized is None:
-            hide(work, n, spheres, capsules, planes, boxes, skin)
+            hide(work, n, solids, skin)
         else:
-            soften(work, n, lights, i, spheres, capsules, planes, boxes, skin)
+            soften(work, n, lights, i, solids, skin)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
         if lights[i, MAP_LAYERS] == ZERO:
@@ -154,7 +155,7 @@ def look(work, n, view):
     for k in range(n):
         right = (work[SX + k] - view[AXIS_X]) / focal
         up = (view[AXIS_Y] - work[SY + k]) / focal
-        ox, oy, oz, dx, dy, dz = solids.ray(view, right, up)
+        ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
         t = work[DISTANCE + k]
         far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
         work[X + k] = ox + t * dx
@@ -167,22 +168,20 @@ def look(work, n, view):
 
 
 @device
-def face(work, n, spheres, capsules, planes, boxes, which):
+def face(work, n, solids, which):
     """Unit normals."""
-    if which < spheres.shape[0] and not smooth_union.blends(spheres, capsules, which):
+    if which < solids.spheres.shape[0] and not smooth_union.blends(solids.spheres, solids.capsules, which):
         for k in range(n):
-            x = work[X + k] - spheres[which, 0]
-            y = work[Y + k] - spheres[which, 1]
-            z = work[Z + k] - spheres[which, 2]
-            size = ONE / math.sqrt(max(x * x + y * y + z * z, solids.TINY))
+            x = work[X + k] - solids.spheres[which, sphere.X]
+            y = work[Y + k] - solids.spheres[which, sphere.Y]
+            z = work[Z + k] - solids.spheres[which, sphere.Z]
+            size = ONE / math.sqrt(max(x * x + y * y + z * z, rays.TINY))
             work[NX + k] = x * size
             work[NY + k] = y * size
             work[NZ + k] = z * size
     else:
         for k in range(n):
-            x, y, z = solids.normal(
-                spheres, capsules, planes, boxes, which, work[X + k], work[Y + k], work[Z + k]
-            )  # fmt: skip
+            x, y, z = rays.normal(solids, which, work[X + k], work[Y + k], work[Z + k])
             work[NX + k] = x
             work[NY + k] = y
             work[NZ + k] = z

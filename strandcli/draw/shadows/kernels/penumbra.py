@@ -20,7 +20,7 @@ import numpy as np
 from ....jit import device, function, inlined
 from ...common.kernels.approximations import asin
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
-from ...solids.kernels import solids
+from ...solids.kernels import rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -40,40 +40,43 @@ ALONG = np.int64(16)
 
 
 @device
-def past(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights, i, sized):
-    """What solids leave of light number i at a point: `solids.lit`, or `lit` where any light has a size."""
+def past(solids, x, y, z, lx, ly, lz, reach, skin, lights, i, sized):
+    """What solids leave of light number i at a point: `rays.lit`, or `lit` where any light has a size."""
     if sized is None:
-        return solids.lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin)
-    return lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, lights[i, LIGHT_SIZE], lights[i,
+        return rays.lit(solids, x, y, z, lx, ly, lz, reach, skin)
+    return lit(solids, x, y, z, lx, ly, lz, reach, skin, lights[i, LIGHT_SIZE], lights[i,
     KIND])
 
 
 @function
-def lit(spheres, capsules, planes, boxes, x, y, z, lx, ly, lz, reach, skin, size, point):
-    """Share of a light that a point sees past all solids, packed by `strandcli.solids.pack`.
+def lit(solids, x, y, z, lx, ly, lz, reach, skin, size, point):
+    """Share of a light that a point sees past all solids, a `strandcli.solids.Solids`.
 
     l: unit direction to its middle, at ``reach``; size: sine of its angular radius, or where ``point`` is 1 its radius
-    in metres; skin: as in `solids.lit`.
+    in metres; skin: as in `rays.lit`.
     """
     radius = seen_from(size, point, reach)
     x += skin * lx
     y += skin * ly
     z += skin * lz
     least = radius
-    for m in range(spheres.shape[0]):
-        r = spheres[m, 3] - skin
-        least = min(least, ball(r, spheres[m, 0] - x, spheres[m, 1] - y, spheres[m, 2] - z, lx, ly, lz, reach))
-    for m in range(capsules.shape[0]):
+    for m in range(solids.spheres.shape[0]):
+        r = solids.spheres[m, 3] - skin
+        cx = solids.spheres[m, 0] - x
+        cy = solids.spheres[m, 1] - y
+        cz = solids.spheres[m, 2] - z
+        least = min(least, ball(r, cx, cy, cz, lx, ly, lz, reach))
+    for m in range(solids.capsules.shape[0]):
         if least > -radius:
-            least = min(least, capsule(capsules, m, x, y, z, lx, ly, lz, reach, skin, radius))
-    for m in range(planes.shape[0]):
-        over = planes[m, 0] * x + planes[m, 1] * y + planes[m, 2] * z - planes[m, 3]
-        up = planes[m, 0] * lx + planes[m, 1] * ly + planes[m, 2] * lz
+            least = min(least, capsule(solids.capsules, m, x, y, z, lx, ly, lz, reach, skin, radius))
+    for m in range(solids.planes.shape[0]):
+        over = solids.planes[m, 0] * x + solids.planes[m, 1] * y + solids.planes[m, 2] * z - solids.planes[m, 3]
+        up = solids.planes[m, 0] * lx + solids.planes[m, 1] * ly + solids.planes[m, 2] * lz
         if over >= ZERO:
             least = min(least, over / reach + up)
-    for m in range(boxes.shape[0]):
+    for m in range(solids.boxes.shape[0]):
         if least > -radius:
-            least = min(least, box(boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
+            least = min(least, box(solids.boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
     return share(least, radius)
 
 

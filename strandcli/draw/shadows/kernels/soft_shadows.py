@@ -32,10 +32,10 @@ MOVED = 8
 
 
 @function
-def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
+def soften(work, n, lights, i, solids, skin):
     """Take from what of light number i arrives at the first n points of a batch what solids hide.
 
-    Rows of `batch`; solids packed by `strandcli.solids.pack`; skin: as in `penumbra.lit`.
+    Rows of `batch`; solids a `strandcli.solids.Solids`; skin: as in `penumbra.lit`.
     """
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
@@ -44,19 +44,21 @@ def soften(work, n, lights, i, spheres, capsules, planes, boxes, skin):
         work[RADIUS + k] = radius
         # where nothing arrives all is hidden already
         work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
-    for m in range(spheres.shape[0]):
-        by_ball(work, n, spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3] - skin, skin)
-    for m in range(capsules.shape[0]):
-        by_capsule(work, n, capsules, m, skin)
-    for m in range(planes.shape[0]):
-        by_plane(work, n, planes[m, 0], planes[m, 1], planes[m, 2], planes[m, 3], skin)
-    for m in range(boxes.shape[0]):
+    for m in range(solids.spheres.shape[0]):
+        x, y, z = solids.spheres[m, 0], solids.spheres[m, 1], solids.spheres[m, 2]
+        by_ball(work, n, x, y, z, solids.spheres[m, 3] - skin, skin)
+    for m in range(solids.capsules.shape[0]):
+        by_capsule(work, n, solids.capsules, m, skin)
+    for m in range(solids.planes.shape[0]):
+        by_plane(work, n, solids.planes[m, 0], solids.planes[m, 1], solids.planes[m, 2], solids.planes[m, 3], skin)
+    for m in range(solids.boxes.shape[0]):
         for k in range(n):
             if work[LEAST + k] > -work[RADIUS + k]:
                 x, y, z = lifted(work, k, skin)
                 least = penumbra.box(
-                    boxes, m, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin, work[RADIUS + k]
-                )
+                    solids.boxes, m, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
+                    work[RADIUS + k],
+                )  # fmt: skip
                 work[LEAST + k] = min(work[LEAST + k], least)
     for k in range(n):
         work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])

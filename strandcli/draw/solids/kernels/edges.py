@@ -9,7 +9,8 @@ from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from . import smooth_union, sphere_tracing
-from .solids import HALF, INF, ONE, ZERO, aim, key_at, meet, ray
+from .rasterise import key_at
+from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
 SAMPLES = 4
 """Along each side of a pixel."""
@@ -80,7 +81,7 @@ def collect(ends, width, begin, pixels):
 
 
 @parallel
-def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, spots, counts):
+def sample(pixels, width, view, solids, frames, keys, spots, counts):
     """Which solids the samples of each of these pixels show.
 
     frames: as in `solids.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
@@ -101,16 +102,17 @@ def sample(pixels, width, view, spheres, capsules, planes, boxes, frames, keys, 
                 aim(work, j, view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL])
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
-            if smooth_union.blends(spheres, capsules, m) and any_inside(pixels, width, begin, end, frames, m):
-                sphere_tracing.meet(work, (end - begin) * WHOLE, spheres, capsules)
+            blends = smooth_union.blends(solids.spheres, solids.capsules, m)
+            if blends and any_inside(pixels, width, begin, end, frames, m):
+                sphere_tracing.meet(work, (end - begin) * WHOLE, solids.spheres, solids.capsules)
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
                     for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
-                        t = meet_one(work, j, spheres, capsules, planes, boxes, m)
+                        t = meet_one(work, j, solids, m)
                         best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
         for e in range(begin, end):
             count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
-            settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts)
+            settle(e, view, flat, far, solids, keys, spots, counts)
 
 
 @device
@@ -140,12 +142,12 @@ def any_inside(pixels, width, begin, end, frames, m):
 
 
 @device
-def meet_one(work, j, spheres, capsules, planes, boxes, m):
+def meet_one(work, j, solids, m):
     """Where ray number j of a batch meets solid number m: what blends has been met."""
-    if smooth_union.blends(spheres, capsules, m):
+    if smooth_union.blends(solids.spheres, solids.capsules, m):
         return work[sphere_tracing.MET + j]
     return meet(
-        spheres, capsules, planes, boxes, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j],
+        solids, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j],
         work[sphere_tracing.OZ + j],
         work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
     )  # fmt: skip
@@ -173,7 +175,7 @@ def count_samples(pixels, width, e, best, at, keys, spots, counts):
 
 
 @device
-def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, counts):
+def settle(e, view, flat, far, solids, keys, spots, counts):
     """The middle of the samples that show each of a pixel's solids, and its key there."""
     for slot in range(SLOTS):
         if counts[e, slot] > 0:
@@ -185,7 +187,7 @@ def settle(e, view, flat, far, spheres, capsules, planes, boxes, keys, spots, co
             (view[AXIS_Y] - row) / view[FOCAL])
             which = np.int64((keys[e, slot] & LOW) - FIRST)
             # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
-            t = meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+            t = meet(solids, which, ox, oy, oz, dx, dy, dz)
             if t < INF:
                 keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
 

@@ -10,7 +10,7 @@ from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import smooth_union, solids
+from . import rays, smooth_union
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -22,7 +22,7 @@ FINE = 4
 
 
 @device
-def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, work, which):
+def gather(keys, p, end, width, view, solids, spots, work, which):
     """Put pixels of one solid into a batch, from pixel number p on, or the rays of one where that ends in front of
     itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
     n = np.int64(0)
@@ -38,7 +38,7 @@ def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, w
             return at, n, solid, False
         if own != solid:
             solid = own
-            blends = spots.shape[0] == 0 and smooth_union.blends(spheres, capsules, own)
+            blends = spots.shape[0] == 0 and smooth_union.blends(solids.spheres, solids.capsules, own)
         while at >= (row + 1) * width:
             row += 1
         column = at - row * width
@@ -46,38 +46,38 @@ def gather(keys, p, end, width, view, spheres, capsules, planes, boxes, spots, w
             if n > 0:
                 return at, n, solid, False
             which[0] = at
-            return at + 1, rays(work, column, row, view, spheres, capsules, planes, boxes, own), solid, True
+            return at + 1, fine_rays(work, column, row, view, solids, own), solid, True
         which[n] = at
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
         if view[PERSPECTIVE] > ZERO:  # the key tells: one over the depth
             work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
         else:
-            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, spheres, capsules, planes, boxes, own)
+            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
         n += 1
     return end, n, solid, False
 
 
 @device
-def rays(work, column, row, view, spheres, capsules, planes, boxes, which):
+def fine_rays(work, column, row, view, solids, which):
     """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
     n = np.int64(0)
     for sample in range(FINE * FINE):
         x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
         y = np.float32(row) + (np.float32(sample // FINE) + HALF) / np.float32(FINE)
-        t = distance(x, y, view, spheres, capsules, planes, boxes, which)
+        t = distance(x, y, view, solids, which)
         work[SX + n] = x
         work[SY + n] = y
         work[DISTANCE + n] = t
-        n += np.int64(t != solids.INF)
+        n += np.int64(t != rays.INF)
     return n
 
 
 @device
-def distance(x, y, view, spheres, capsules, planes, boxes, which):
+def distance(x, y, view, solids, which):
     """How far off solid number `which` is at a place on the screen."""
-    ox, oy, oz, dx, dy, dz = solids.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
-    return solids.meet(spheres, capsules, planes, boxes, which, ox, oy, oz, dx, dy, dz)
+    ox, oy, oz, dx, dy, dz = rays.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
+    return rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 
 @device

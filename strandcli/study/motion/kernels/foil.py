@@ -10,12 +10,15 @@ import math
 
 from ....constants import W
 from ....jit import function, parallel, prange
-from ....simulate.rules import collision_shapes
+from ....solids.kernels import box as box_kernel
+from ....solids.kernels import capsule as capsule_kernel
+from ....solids.kernels import plane as plane_kernel
+from ....solids.kernels import sphere as sphere_kernel
 
-sphere = function(collision_shapes.sphere)
-capsule = function(collision_shapes.capsule)
-plane = function(collision_shapes.plane)
-box = function(collision_shapes.box)
+sphere = function(sphere_kernel.collide)
+capsule = function(capsule_kernel.collide)
+plane = function(plane_kernel.collide)
+box = function(box_kernel.collide)
 
 
 @parallel

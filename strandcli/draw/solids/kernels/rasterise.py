@@ -1,0 +1,72 @@
+"""The z-buffer of solids: of each pixel the one in front, by the ray through the pixel's middle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device, parallel, prange
+from ....solids.kernels import capsule, sphere
+from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
+from . import smooth_union, sphere_tracing
+from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
+
+
+@parallel
+def draw(solids, frames, view, width, height, keys):
+    """Fill the z-buffer with solids, and with `keys.EMPTY` where there are none.
+
+    frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
+    included); keys (height * width,) uint64.
+    """
+    # a row of a sphere or a capsule is one loop without branches, which becomes vector code
+    spheres, capsules = solids.spheres, solids.capsules
+    flat = ONE - view[PERSPECTIVE]
+    far = ONE / view[DEPTH_RANGE]
+    for y in prange(height):
+        row = keys[y * width : (y + 1) * width]
+        row[:] = EMPTY
+        up = (view[AXIS_Y] - np.float32(y) - HALF) / view[FOCAL]
+        for m in range(frames.shape[0]):
+            if y < frames[m, 2] or y >= frames[m, 3]:
+                continue
+            identity = FIRST + np.uint64(m)
+            part = row[frames[m, 0] : frames[m, 1]]
+            begin = np.float32(frames[m, 0]) + HALF - view[AXIS_X]
+            if smooth_union.blends(spheres, capsules, m):
+                work = np.zeros(sphere_tracing.ROWS * W, np.float32)
+                for low in range(0, part.shape[0], W):
+                    count = min(part.shape[0] - low, W)
+                    for x in range(count):
+                        aim(work, x, view, (begin + np.float32(low + x)) / view[FOCAL], up)
+                    sphere_tracing.meet(work, count, spheres, capsules)
+                    for x in range(count):
+                        key = key_at(work[sphere_tracing.MET + x], view, flat, far, identity)
+                        part[low + x] = min(part[low + x], key)
+            elif m < spheres.shape[0]:
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
+                    key = key_at(sphere.meet(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    part[x] = min(part[x], key)
+            elif m < spheres.shape[0] + capsules.shape[0]:
+                own = m - spheres.shape[0]
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
+                    key = key_at(capsule.meet(capsules, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    part[x] = min(part[x], key)
+            else:
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
+                    t = meet(solids, m, ox, oy, oz, dx, dy, dz)
+                    part[x] = min(part[x], key_at(t, view, flat, far, identity))
+
+
+@device
+def key_at(t, view, flat, far, identity):
+    """The z-buffer's key of a solid at depth t, `keys.EMPTY` where t is not in front of the eye; flat: 1 for an
+    orthographic view, far: one over its depth range."""
+    # what lies behind an orthographic view's range is as far as its end
+    q = (ONE - flat) / t + flat * max(ONE - (t - view[NEAR_PLANE]) * far, ZERO)
+    key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
+    return key if view[NEAR_PLANE] < t < INF else EMPTY

@@ -1,0 +1,143 @@
+"""Rays against all solids, `strandcli.solids.Solids`: where one meets them, the normal there, and what hides a light.
+
+Solids are numbered through: spheres first, then capsules, planes and boxes. Each shape's own part is in
+`strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import device, function
+from ....solids.kernels import box, capsule, plane, sphere
+from ...common.kernels.view_columns import (
+    EYE_X,
+    EYE_Y,
+    EYE_Z,
+    FORWARD_X,
+    FORWARD_Y,
+    FORWARD_Z,
+    PERSPECTIVE,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGHT_Z,
+    UP_X,
+    UP_Y,
+    UP_Z,
+)
+from . import smooth_union, sphere_tracing
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-20)
+INF = np.float32(np.inf)
+
+
+@function
+def meet(solids, which, ox, oy, oz, dx, dy, dz):
+    """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
+    m = which
+    if smooth_union.blends(solids.spheres, solids.capsules, m):
+        return smooth_union.meet(solids.spheres, solids.capsules, ox, oy, oz, dx, dy, dz)
+    if m < solids.spheres.shape[0]:
+        return sphere.meet(solids.spheres, m, ox, oy, oz, dx, dy, dz)
+    m -= solids.spheres.shape[0]
+    if m < solids.capsules.shape[0]:
+        return capsule.meet(solids.capsules, m, ox, oy, oz, dx, dy, dz)
+    m -= solids.capsules.shape[0]
+    if m < solids.planes.shape[0]:
+        return plane.meet(solids.planes, m, ox, oy, oz, dx, dy, dz)
+    return box.meet(solids.boxes, m - solids.planes.shape[0], ox, oy, oz, dx, dy, dz)
+
+
+@function
+def normal(solids, which, x, y, z):
+    """Unit outward normal of solid number `which` at a point of its surface."""
+    m = which
+    if smooth_union.blends(solids.spheres, solids.capsules, m):
+        return smooth_union.normal(solids.spheres, solids.capsules, x, y, z)
+    if m < solids.spheres.shape[0]:
+        nx, ny, nz = sphere.normal(solids.spheres, m, x, y, z)
+    elif m < solids.spheres.shape[0] + solids.capsules.shape[0]:
+        nx, ny, nz = capsule.normal(solids.capsules, m - solids.spheres.shape[0], x, y, z)
+    elif m < solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0]:
+        nx, ny, nz = plane.normal(solids.planes, m - solids.spheres.shape[0] - solids.capsules.shape[0], x, y, z)
+    else:
+        m -= solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0]
+        nx, ny, nz = box.normal(solids.boxes, m, x, y, z)
+    size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
+    return nx * size, ny * size, nz * size
+
+
+@function
+def lit(solids, x, y, z, lx, ly, lz, reach, skin):
+    """1 where nothing solid stands between a point and a light at `reach` along the unit direction l, else 0.
+
+    Points within `skin` under a surface count as on it, so that a root is not shaded by the solid that it grows from:
+    only what a ray meets or is inside of after `skin` hides the light.
+    """
+    for s in range(solids.spheres.shape[0]):
+        if sphere.past(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+            return ZERO
+    return past_others(solids, x, y, z, lx, ly, lz, reach, skin)
+
+
+@device
+def past_others(solids, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for all that are not spheres."""
+    px = x + skin * lx
+    py = y + skin * ly
+    pz = z + skin * lz
+    for s in range(solids.capsules.shape[0]):
+        if capsule.past(solids.capsules, s, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
+            return ZERO
+    return past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
+
+
+@device
+def past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
+    """`lit` for all that are neither spheres nor capsules, from a point that has been moved by `skin` along l."""
+    for s in range(solids.planes.shape[0]):
+        t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
+        if skin < t < reach:
+            return ZERO
+    for s in range(solids.boxes.shape[0]):
+        t = box.meet(solids.boxes, s, x, y, z, lx, ly, lz)
+        if skin < t < reach:
+            return ZERO
+    return ONE
+
+
+@device
+def aim(work, j, view, right, up):
+    """`ray`, as number j of a batch of `sphere_tracing`."""
+    ox, oy, oz, dx, dy, dz = ray(view, right, up)
+    work[sphere_tracing.OX + j] = ox
+    work[sphere_tracing.OY + j] = oy
+    work[sphere_tracing.OZ + j] = oz
+    work[sphere_tracing.DX + j] = dx
+    work[sphere_tracing.DY + j] = dy
+    work[sphere_tracing.DZ + j] = dz
+
+
+@device
+def ray(view, right, up):
+    """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
+    direction's length is such that its parameter is the depth. No branch: view[PERSPECTIVE] is 1 for perspective,
+    else 0."""
+    ax = view[RIGHT_X] * right + view[UP_X] * up
+    ay = view[RIGHT_Y] * right + view[UP_Y] * up
+    az = view[RIGHT_Z] * right + view[UP_Z] * up
+    spread = view[PERSPECTIVE]
+    shift = ONE - spread
+    return (
+        view[EYE_X] + shift * ax,
+        view[EYE_Y] + shift * ay,
+        view[EYE_Z] + shift * az,
+        view[FORWARD_X] + spread * ax,
+        view[FORWARD_Y] + spread * ay,
+        view[FORWARD_Z] + spread * az,
+    )

@@ -1,0 +1,137 @@
+"""A cuboid in kernels: rays, normals, depth and contact.
+
+`p` holds packed boxes, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...constants import W
+from ...jit import device
+from ...simd import broadcast, where
+from ..shapes.box import HALF, ROW_X, ROW_Y, ROW_Z, X, Y, Z
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+INF = np.float32(np.inf)
+TINY = np.float32(1e-20)
+DEEPEST = 1e20
+"""More than any depth."""
+
+
+@device
+def meet(p, m, ox, oy, oz, dx, dy, dz):
+    """As `sphere.meet`, by slabs (Kay & Kajiya 1986)."""
+    cx = ox - p[m, X]
+    cy = oy - p[m, Y]
+    cz = oz - p[m, Z]
+    enter = -INF
+    leave = INF
+    for k in range(3):
+        o = p[m, ROW_X + k] * cx + p[m, ROW_Y + k] * cy + p[m, ROW_Z + k] * cz
+        d = p[m, ROW_X + k] * dx + p[m, ROW_Y + k] * dy + p[m, ROW_Z + k] * dz
+        if abs(d) < TINY:
+            if abs(o) > p[m, HALF + k]:
+                return INF
+            continue
+        near = (-p[m, HALF + k] - o) / d
+        far = (p[m, HALF + k] - o) / d
+        enter = max(enter, min(near, far))
+        leave = min(leave, max(near, far))
+    if enter > leave:
+        return INF
+    return enter
+
+
+@device
+def normal(p, m, x, y, z):
+    """Outward normal of the face on which a point is."""
+    cx = x - p[m, X]
+    cy = y - p[m, Y]
+    cz = z - p[m, Z]
+    face = 0
+    most = -INF
+    side = ONE
+    for k in range(3):
+        u = p[m, ROW_X + k] * cx + p[m, ROW_Y + k] * cy + p[m, ROW_Z + k] * cz
+        over = abs(u) - p[m, HALF + k]
+        if over > most:
+            most = over
+            face = k
+            side = ONE if u > ZERO else -ONE
+    return side * p[m, ROW_X + face], side * p[m, ROW_Y + face], side * p[m, ROW_Z + face]
+
+
+@device
+def outside(p, m, x, y, z, clear):
+    """A point, moved to `clear` metres off the nearest face where it is nearer or inside."""
+    least = INF
+    face = 0
+    side = ONE
+    for k in range(3):
+        u = p[m, ROW_X + k] * (x - p[m, X]) + p[m, ROW_Y + k] * (y - p[m, Y])
+        u += p[m, ROW_Z + k] * (z - p[m, Z])
+        under = p[m, HALF + k] + clear - abs(u)
+        if under < least:
+            least = under
+            face = k
+            side = ONE if u >= ZERO else -ONE
+    deep = side * max(least, ZERO)
+    return x + deep * p[m, ROW_X + face], y + deep * p[m, ROW_Y + face], z + deep * p[m, ROW_Z + face]
+
+
+@device
+def own(p, m, k, x, y, z):
+    """Coordinate of directions along axis k of a box; vectors of lanes."""
+    return p[m + ROW_X + k] * x + p[m + ROW_Y + k] * y + p[m + ROW_Z + k] * z
+
+
+@device
+def depth(p, m, x, y, z):
+    """Depth of points in a box below its nearest face, and that face's normal in the world; vectors of lanes."""
+    dx = x - p[m + X]
+    dy = y - p[m + Y]
+    dz = z - p[m + Z]
+    best = broadcast(x, DEEPEST)
+    nx = broadcast(x, 0.0)
+    ny = broadcast(x, 1.0)
+    nz = nx
+    for k in range(3):
+        u = own(p, m, k, dx, dy, dz)
+        under = p[m + HALF + k] - abs(u)
+        nearer = under < best
+        best = where(nearer, under, best)
+        sign = where(u >= 0.0, broadcast(x, 1.0), -1.0)
+        nx = where(nearer, sign * p[m + ROW_X + k], nx)
+        ny = where(nearer, sign * p[m + ROW_Y + k], ny)
+        nz = where(nearer, sign * p[m + ROW_Z + k], nz)
+    return best, nx, ny, nz
+
+
+def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Put particles inside of a box onto its nearest face, as `sphere.collide`."""
+    for s in range(p.shape[0]):
+        for k in range(W):
+            dx = x[k] - p[s, X]
+            dy = x[W + k] - p[s, Y]
+            dz = x[2 * W + k] - p[s, Z]
+            u = p[s, ROW_X] * dx + p[s, ROW_Y] * dy + p[s, ROW_Z] * dz
+            v = p[s, ROW_X + 1] * dx + p[s, ROW_Y + 1] * dy + p[s, ROW_Z + 1] * dz
+            w = p[s, ROW_X + 2] * dx + p[s, ROW_Y + 2] * dy + p[s, ROW_Z + 2] * dz
+            du = p[s, HALF] - abs(u)
+            dv = p[s, HALF + 1] - abs(v)
+            dw = p[s, HALF + 2] - abs(w)
+            least = min(du, min(dv, dw))
+            inside = max(least, ZERO)
+            by_u = inside if du <= least else ZERO
+            by_v = inside if (dv <= least) and (du > least) else ZERO
+            by_w = inside - by_u - by_v
+            by_u = by_u if u >= ZERO else -by_u
+            by_v = by_v if v >= ZERO else -by_v
+            by_w = by_w if w >= ZERO else -by_w
+            x[k] += p[s, ROW_X] * by_u + p[s, ROW_X + 1] * by_v + p[s, ROW_X + 2] * by_w
+            x[W + k] += p[s, ROW_Y] * by_u + p[s, ROW_Y + 1] * by_v + p[s, ROW_Y + 2] * by_w
+            x[2 * W + k] += p[s, ROW_Z] * by_u + p[s, ROW_Z + 1] * by_v + p[s, ROW_Z + 2] * by_w

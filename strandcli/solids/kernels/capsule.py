@@ -1,0 +1,170 @@
+"""A rounded cylinder in kernels: rays, normals, depth and contact.
+
+`p` holds packed capsules, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ...constants import W
+from ...jit import device, inlined
+from ..shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, LEAST, PER_SQUARE, RADIUS, X, Y, Z
+from . import sphere
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+INF = np.float32(np.inf)
+TINY = np.float32(1e-20)
+
+
+@inlined
+def meet(p, m, ox, oy, oz, dx, dy, dz):
+    """As `sphere.meet`: the open cylinder, then its two ends; without branches."""
+    cx = ox - p[m, X]
+    cy = oy - p[m, Y]
+    cz = oz - p[m, Z]
+    bx = p[m, AXIS_X]
+    by = p[m, AXIS_Y]
+    bz = p[m, AXIS_Z]
+    r = p[m, RADIUS]
+    bb = bx * bx + by * by + bz * bz
+    dd = dx * dx + dy * dy + dz * dz
+    bd = bx * dx + by * dy + bz * dz
+    bo = bx * cx + by * cy + bz * cz
+    a = bb * dd - bd * bd
+    askew = max(a, TINY)
+    # from the ray's nearest point to the axis, as for a sphere
+    t = (bo * bd - bb * (cx * dx + cy * dy + cz * dz)) / askew
+    y = (bo + t * bd) / max(bb, TINY)
+    ex = cx + t * dx - y * bx
+    ey = cy + t * dy - y * by
+    ez = cz + t * dz - y * bz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    t -= math.sqrt(max(left, ZERO) * bb / askew)
+    along = bo + t * bd
+    side = t if (left >= ZERO) & (bb > TINY) & (a > TINY) & (along > ZERO) & (along < bb) else INF
+    begin = meet_end(r, cx, cy, cz, dx, dy, dz, dd)
+    return min(side, min(begin, meet_end(r, cx - bx, cy - by, cz - bz, dx, dy, dz, dd)))
+
+
+@inlined
+def meet_end(r, cx, cy, cz, dx, dy, dz, dd):
+    """Distance to a capsule's end, a ball from whose centre the ray begins at c; dd: d · d."""
+    t = -(cx * dx + cy * dy + cz * dz) / dd
+    ex = cx + t * dx
+    ey = cy + t * dy
+    ez = cz + t * dz
+    left = r * r - (ex * ex + ey * ey + ez * ez)
+    return t - math.sqrt(max(left, ZERO) / dd) if left >= ZERO else INF
+
+
+@inlined
+def passes(p, m, x, y, z, lx, ly, lz):
+    """Whether a ray passes the ball about a capsule for sure; without a root."""
+    hx = HALF * p[m, AXIS_X]
+    hy = HALF * p[m, AXIS_Y]
+    hz = HALF * p[m, AXIS_Z]
+    cx = p[m, X] + hx - x
+    cy = p[m, Y] + hy - y
+    cz = p[m, Z] + hz - z
+    t = cx * lx + cy * ly + cz * lz
+    # (a + b)² <= 2 (a² + b²)
+    square = hx * hx + hy * hy + hz * hz + p[m, RADIUS] * p[m, RADIUS]
+    return cx * cx + cy * cy + cz * cz - t * t > square + square
+
+
+@device
+def past(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """As `sphere.past`, from a point that has been moved by `skin` along l; without branches but where all is far."""
+    if passes(p, m, x, y, z, lx, ly, lz):
+        return ONE
+    t = meet(p, m, x, y, z, lx, ly, lz)
+    return ZERO if (skin < t) & (t < reach) else ONE
+
+
+@device
+def normal(p, m, x, y, z):
+    """Outward normal at a point of the surface, not of unit length: from the nearest point of the axis."""
+    nx = x - p[m, X]
+    ny = y - p[m, Y]
+    nz = z - p[m, Z]
+    t = min(max((nx * p[m, AXIS_X] + ny * p[m, AXIS_Y] + nz * p[m, AXIS_Z]) * p[m, PER_SQUARE], ZERO), ONE)
+    return nx - t * p[m, AXIS_X], ny - t * p[m, AXIS_Y], nz - t * p[m, AXIS_Z]
+
+
+@device
+def outside(p, m, x, y, z, clear):
+    """A point, moved to `clear` metres off the surface where it is nearer or inside."""
+    t = (x - p[m, X]) * p[m, AXIS_X] + (y - p[m, Y]) * p[m, AXIS_Y]
+    t = min(max((t + (z - p[m, Z]) * p[m, AXIS_Z]) * p[m, PER_SQUARE], ZERO), ONE)
+    return sphere.off(
+        x, y, z, p[m, X] + t * p[m, AXIS_X], p[m, Y] + t * p[m, AXIS_Y], p[m, Z] + t * p[m, AXIS_Z],
+        p[m, RADIUS] + clear,
+    )  # fmt: skip
+
+
+@inlined
+def on_axis(p, m, x, y, z):
+    """Point of a capsule's axis that is nearest to (x, y, z); vectors of lanes."""
+    ax, ay, az = p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
+    t = (x - p[m + X]) * ax + (y - p[m + Y]) * ay + (z - p[m + Z]) * az
+    t = min(max(t * p[m + PER_SQUARE], 0.0), 1.0)
+    return p[m + X] + t * ax, p[m + Y] + t * ay, p[m + Z] + t * az
+
+
+@device
+def depth(p, m, x, y, z):
+    """Depth of points in a capsule; vectors of lanes."""
+    ox, oy, oz = on_axis(p, m, x, y, z)
+    return sphere.under(x - ox, y - oy, z - oz, p[m + RADIUS])
+
+
+def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Put particles inside of a capsule onto its surface, as `sphere.collide`. One on the axis leaves across it."""
+    for s in range(p.shape[0]):
+        ax = p[s, X]
+        ay = p[s, Y]
+        az = p[s, Z]
+        bx = p[s, AXIS_X]
+        by = p[s, AXIS_Y]
+        bz = p[s, AXIS_Z]
+        r = p[s, RADIUS]
+        per = p[s, PER_SQUARE]
+        tiny = p[s, LEAST]
+        # a ball about the capsule: where no lane is in it, there is nothing to do
+        mx = ax + HALF * bx
+        my = ay + HALF * by
+        mz = az + HALF * bz
+        reach = HALF * math.sqrt(bx * bx + by * by + bz * bz) + r
+        reach *= reach
+        near = 0
+        for k in range(W):
+            dx = x[k] - mx
+            dy = x[W + k] - my
+            dz = x[2 * W + k] - mz
+            near += 1 if dx * dx + dy * dy + dz * dz <= reach else 0
+        if near == 0:
+            continue
+        # a direction across the axis, for particles on it
+        flat = bx * bx + bz * bz
+        size = math.sqrt(max(flat, tiny))
+        ux = r * bz / size if flat > tiny else r
+        uz = -r * bx / size if flat > tiny else ZERO
+        for k in range(W):
+            dx = x[k] - ax
+            dy = x[W + k] - ay
+            dz = x[2 * W + k] - az
+            t = min(max((dx * bx + dy * by + dz * bz) * per, ZERO), ONE)
+            dx -= t * bx
+            dy -= t * by
+            dz -= t * bz
+            square = dx * dx + dy * dy + dz * dz
+            f = max(r / math.sqrt(max(square, tiny)) - ONE, ZERO) if square > tiny else ZERO
+            x[k] += dx * f if square > tiny else ux
+            x[W + k] += dy * f
+            x[2 * W + k] += dz * f if square > tiny else uz

@@ -1,0 +1,60 @@
+"""Everything below a plane in kernels: rays, depth and contact.
+
+`p` holds packed planes, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...constants import W
+from ...jit import device
+from ..shapes.plane import HEIGHT, X, Y, Z
+
+ZERO = np.float32(0.0)
+INF = np.float32(np.inf)
+
+
+@device
+def meet(p, m, ox, oy, oz, dx, dy, dz):
+    """As `sphere.meet`, for the upper side of a plane."""
+    down = p[m, X] * dx + p[m, Y] * dy + p[m, Z] * dz
+    over = p[m, X] * ox + p[m, Y] * oy + p[m, Z] * oz - p[m, HEIGHT]
+    if down >= ZERO or over < ZERO:
+        return INF
+    return -over / down
+
+
+@device
+def normal(p, m, x, y, z):
+    """Outward normal."""
+    return p[m, X], p[m, Y], p[m, Z]
+
+
+@device
+def outside(p, m, x, y, z, clear):
+    """A point, moved to `clear` metres off the surface where it is nearer or inside."""
+    deep = max(p[m, HEIGHT] + clear - (x * p[m, X] + y * p[m, Y] + z * p[m, Z]), ZERO)
+    return x + deep * p[m, X], y + deep * p[m, Y], z + deep * p[m, Z]
+
+
+@device
+def depth(p, m, x, y, z):
+    """Depth of points under a plane; vectors of lanes."""
+    return p[m + HEIGHT] - (x * p[m + X] + y * p[m + Y] + z * p[m + Z])
+
+
+def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Put particles below a plane onto it, as `sphere.collide`."""
+    for s in range(p.shape[0]):
+        nx = p[s, X]
+        ny = p[s, Y]
+        nz = p[s, Z]
+        c = p[s, HEIGHT]
+        for k in range(W):
+            out = max(c - (x[k] * nx + x[W + k] * ny + x[2 * W + k] * nz), ZERO)
+            x[k] += nx * out
+            x[W + k] += ny * out
+            x[2 * W + k] += nz * out
