@@ -64,7 +64,7 @@ def left(
 def leave(points: NDArray[np.float64], veil: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
     """(n, 3) What strands leave each of a batch of points that light arrives at."""
     work = np.zeros((surface_batch.ROWS, W), np.float32)
-    work[:3, : len(points)] = points.T
+    work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
     percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], given(veil, 3), *numbers[2:])
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)

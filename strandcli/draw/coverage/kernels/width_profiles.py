@@ -15,6 +15,7 @@ from ....constants import W
 from ....jit import device, function, parallel, prange
 from ...common.kernels.approximations import clamp
 from ...common.kernels.batch import (
+    ADDED,
     BEFORE,
     EX,
     EY,
@@ -23,7 +24,6 @@ from ...common.kernels.batch import (
     LY,
     LZ,
     RADIANCE,
-    TEXELS,
     TX,
     TY,
     TZ,
@@ -102,12 +102,12 @@ def darken(work, n, which, slots, profile, row, clear):
     for c in range(3):
         for k in range(n):
             before = work[BEFORE + c * W + k]
-            work[TEXELS + k] = work[RADIANCE + c * W + k] - before
-            work[RADIANCE + c * W + k] = before + clear[row - 1, which[k]] * work[TEXELS + k]
+            work[ADDED + k] = work[RADIANCE + c * W + k] - before
+            work[RADIANCE + c * W + k] = before + clear[row - 1, which[k]] * work[ADDED + k]
         for k in range(n):
             slot = slots[which[k]]
             if slot >= 0:
-                light = work[TEXELS + k]
+                light = work[ADDED + k]
                 left = clear[row - 1, which[k]] * light
                 for i in range(COLUMNS):
                     profile[row, slot, i + 1, c] += light

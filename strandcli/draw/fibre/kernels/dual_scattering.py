@@ -16,6 +16,7 @@ from ...common.kernels.batch import (
     EX,
     EY,
     EZ,
+    FORWARD,
     LEFT,
     LX,
     LY,
@@ -23,15 +24,14 @@ from ...common.kernels.batch import (
     PASSED,
     PLACE,
     RADIANCE,
+    RETURNED,
     SIN_L,
     SIN_V,
     TABLE,
     TX,
     TY,
     TZ,
-    WHOLE,
-    U,
-    V,
+    UNBLOCKED,
 )
 from ...common.kernels.light_columns import POWER_R
 from . import dual
@@ -39,8 +39,7 @@ from . import dual
 
 @device
 def glow(work, n, lights, one, twice, scale):
-    """Light that comes by way of other strands. What reaches a vertex with no strand in the way is in the row `WHOLE`,
-    what does with them in `ARRIVES`."""
+    """Add the light that comes by way of other strands, from rows of `batch`."""
     nodes = twice.shape[0]
     for k in range(n):
         sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
@@ -64,18 +63,19 @@ def glow(work, n, lights, one, twice, scale):
             work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
             work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.OWN * W + k],
         )  # fmt: skip
-        work[U + k] = back
-        work[V + k] = through
+        work[RETURNED + k] = back
+        work[FORWARD + k] = through
     for c in range(3):
         power = lights[one, POWER_R + c]
         per = scale[c]
         for k in range(n):
             s = dual.scattered(
-                work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k], work[U + k], work[V + k],
+                work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k],
+                work[RETURNED + k], work[FORWARD + k],
                 work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
                 work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
                 work[TABLE + (dual.BACK + c) * W + k],
                 work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip
-            work[RADIANCE + c * W + k] += work[WHOLE + k] * power * s
+            work[RADIANCE + c * W + k] += work[UNBLOCKED + k] * power * s

@@ -6,7 +6,26 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ...common.kernels.batch import ARRIVES, EX, EXTRA, EY, EZ, LX, LY, LZ, RADIANCE, REST, TRT, TT, TX, TY, TZ, R, U, V
+from ...common.kernels.batch import (
+    ARRIVES,
+    EX,
+    EXTRA,
+    EY,
+    EZ,
+    LX,
+    LY,
+    LZ,
+    NODE_X,
+    NODE_Y,
+    RADIANCE,
+    REST,
+    TRT,
+    TT,
+    TX,
+    TY,
+    TZ,
+    R,
+)
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from . import chiang, marschner
 from .lobes import azimuthal
@@ -24,8 +43,8 @@ def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
                 work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[EX + k], work[EY + k], work[EZ + k], lobes,
             )  # fmt: skip
-            work[U + k] = x
-            work[V + k] = y
+            work[NODE_X + k] = x
+            work[NODE_Y + k] = y
             work[R + k] = r
             work[TT + k] = tt
             work[TRT + k] = trt
@@ -35,8 +54,8 @@ def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
                 work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[EX + k], work[EY + k], work[EZ + k], fibre,
             )  # fmt: skip
-            work[U + k] = x
-            work[V + k] = y
+            work[NODE_X + k] = x
+            work[NODE_Y + k] = y
             work[R + k] = r
             work[TT + k] = tt
             work[TRT + k] = trt
@@ -45,7 +64,7 @@ def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
         arrives = work[ARRIVES + k]
         if arrives > ZERO:
             r, g, b = azimuthal(
-                work[U + k], work[V + k], work[R + k], work[TT + k], work[TRT + k],
+                work[NODE_X + k], work[NODE_Y + k], work[R + k], work[TT + k], work[TRT + k],
                 None if fibre is None else work[REST + k], nodes, paths,
                 work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
             )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ...common.kernels.batch import ARRIVES, EXTRA, TRT, TT, R, U, V
+from ...common.kernels.batch import ARRIVES, EXTRA, NODE_X, NODE_Y, TRT, TT, R
 from ...common.kernels.light_columns import POWER_R
 from ...coverage.kernels.column_light import COLUMNS
 from ...coverage.kernels.width_profiles import azimuth
@@ -30,15 +30,15 @@ def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, 
         arrives = work[ARRIVES + k]
         if slot < 0 or arrives <= ZERO:
             continue
-        x = work[U + k] * per_x
-        y = work[V + k] * per_y
+        x = work[NODE_X + k] * per_x
+        y = work[NODE_Y + k] * per_y
         i = min(np.int64(x), columns.shape[0] - 2)
         j = min(np.int64(y), columns.shape[1] - 2)
         x -= np.float32(i)
         y -= np.float32(j)
         _, sine = azimuth(work, k)
-        a = np.int64(work[U + k])
-        b = np.int64(work[V + k])
+        a = np.int64(work[NODE_X + k])
+        b = np.int64(work[NODE_Y + k])
         for c in range(3):
             light = arrives * lights[one, POWER_R + c]
             m_r = light * work[R + k]

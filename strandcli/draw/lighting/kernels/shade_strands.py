@@ -34,7 +34,7 @@ from ...common.kernels.batch import (
     TX,
     TY,
     TZ,
-    WHOLE,
+    UNBLOCKED,
     X,
     Y,
     Z,
@@ -102,7 +102,7 @@ def strands(
     count = first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * W, np.float32)
-        work[EXTRA:RADIANCE] = ZERO
+        work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
         n = np.int64(0)  # a literal would have everything below compiled twice
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
@@ -189,7 +189,7 @@ def batch(
                 if twice is not None:
                     beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, BIAS], width)
             for k in range(n):
-                work[WHOLE + k] = work[ARRIVES + k]
+                work[UNBLOCKED + k] = work[ARRIVES + k]
             if clear.shape[0] == 0 or lights[i, CLEAR_ROW] == ZERO:
                 for k in range(n):
                     work[ARRIVES + k] *= exp(-work[PASSED + k])

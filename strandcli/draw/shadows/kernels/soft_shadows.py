@@ -12,21 +12,33 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, TEXELS, X, Y, Z
+from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
+from ...common.kernels.soft_rows import (
+    ASKED,
+    AT_FAR,
+    AT_NEAR,
+    DX,
+    DY,
+    DZ,
+    END,
+    FAR,
+    HIGH,
+    LEAST,
+    LIST,
+    LOW,
+    NEAR,
+    RADIUS,
+    WX,
+    WY,
+    WZ,
+)
 from . import penumbra
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 
-# Rows that neither strands nor surfaces need yet. Of a point: sine of the light's angular radius, that of the least
-# angle from the light's middle to an edge, and whether a solid is asked. Of one that is listed: its number, the way
-# from it to the beginning of the axis, direction and distance of the light; of a search, its ends, the places between,
-# and what is found there.
-RADIUS, LEAST, ASKED, LIST = (TEXELS + i * W for i in range(13, 17))
-WX, WY, WZ, DX, DY, DZ, END = (TEXELS + i * W for i in range(17, 24))
-LOW, HIGH, NEAR, FAR, AT_NEAR, AT_FAR = (TEXELS + i * W for i in range(24, 30))
 MOVED = 8
 """Rows from `LIST` on that a point takes along."""
 
