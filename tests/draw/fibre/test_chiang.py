@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -22,8 +22,9 @@ from strandcli.scene.model import Material
 from strandcli.study import chiang_reference as reference
 from strandcli.study.chiang_reference import Hair
 
-SHARED = Path(os.environ.get("STRANDCLI_REFERENCE", Path(__file__).parents[4] / "shared/reference"))
-TABLE = SHARED / "hair_bsdf_table.csv"
+TABLE = Path(__file__).parents[2] / "reference/hair_bsdf.csv"
+MEASURED = Hair(0.3, 0.3, -2.0, 0.3)
+"""The hair of the table, whose tangent points to the root, so that the tilt has the other sign."""
 ZERO = np.float32(0)
 AXIS = np.array([1.0, 0.0, 0.0])
 
@@ -68,56 +69,75 @@ def tables(hair: Hair) -> tables_of.ChiangTables:
     return found
 
 
-def table_rows() -> list[dict[str, str]]:
-    if not TABLE.exists():
-        pytest.skip(f"{TABLE} is not there; STRANDCLI_REFERENCE names its folder")
+class Value(NamedTuple):
+    """A value of the table: where (angles in degrees, offset or None for the mean over all), and how much."""
+
+    view: float
+    light: float
+    phi: float
+    offset: float | None
+    value: float
+
+    @property
+    def angles(self) -> tuple[float, float, float]:
+        """Radians, as the reference takes them."""
+        return math.radians(self.light), math.radians(self.view), math.radians(self.phi)
+
+
+def table_of(mean: bool) -> list[Value]:
+    """The values averaged over the width, or those at single offsets."""
+    found = []
     with TABLE.open(newline="") as lines:
-        return list(csv.DictReader(lines))
+        for row in csv.DictReader(lines):
+            if (row["h"] == "mean") == mean:
+                where = float(row["theta_view"]), float(row["theta_light"])
+                offset = None if mean else float(row["h"])
+                found += [
+                    Value(*where, float(name[5:]), offset, float(text))
+                    for name, text in row.items()
+                    if name.startswith("dphi_")
+                ]
+    return found
 
 
-def of_row(row: dict[str, str]) -> tuple[Hair, float, float, float]:
-    """The table's tangent points to the root, so its tilt has the other sign."""
-    hair = Hair(float(row["beta_m"]), float(row["beta_n"]), -float(row["alpha_deg"]), float(row["sigma_a"]))
-    return hair, *(math.radians(float(row[name])) for name in ("theta_light", "theta_view", "dphi_deg"))
-
-
-def apart(rows: list[dict[str, str]], values: list[float]) -> float:
+def apart(table: list[Value], values: list[float]) -> float:
     """Greatest relative difference from the table where it is above 1 % of the peak of its row: of one pair of
     inclinations and one offset."""
-    peaks: dict[tuple[str, ...], float] = {}
-    keys = [(row["theta_view"], row["theta_light"], row["h_or_avg"]) for row in rows]
-    wanted = [float(row["sum_MAN"]) for row in rows]
-    for key, value in zip(keys, wanted, strict=True):
-        peaks[key] = max(peaks.get(key, 0.0), value)
-    return max(abs(v / w - 1.0) for key, v, w in zip(keys, values, wanted, strict=True) if w > 0.01 * peaks[key])
+    peaks: dict[tuple[float | None, ...], float] = {}
+    for one in table:
+        key = (one.view, one.light, one.offset)
+        peaks[key] = max(peaks.get(key, 0.0), one.value)
+    return max(
+        abs(value / one.value - 1.0)
+        for one, value in zip(table, values, strict=True)
+        if one.value > 0.01 * peaks[one.view, one.light, one.offset]
+    )
 
 
 def test_the_reference_agrees_with_an_independent_renderer_offset_by_offset() -> None:
-    rows = [row for row in table_rows() if row["h_or_avg"] != "avg512"]
-    values = []
-    for row in rows:
-        hair, *angles = of_row(row)
-        values.append(float(reference.at_offset(hair, *angles, float(row["h_or_avg"]))))
+    table = table_of(mean=False)
+    values = [float(reference.at_offset(MEASURED, *one.angles, one.offset)) for one in table]
     assert len(values) == 1200
-    assert apart(rows, values) < 0.025
+    assert apart(table, values) < 0.025
 
 
 def test_tables_and_kernel_agree_with_an_independent_renderer() -> None:
     """The plain average over 512 offsets misses some of R's light that grazes past (φ = 180°, 1 − h < .001): by the
     float64 reference up to 3.2 % in three of the 240 rows. That is taken off before they are compared."""
-    rows = [row for row in table_rows() if row["h_or_avg"] == "avg512"]
-    found = tables(of_row(rows[0])[0])
+    table = table_of(mean=True)
+    found = tables(MEASURED)
     plain = (np.arange(512) + 0.5) / 256.0 - 1.0
     values, as_averaged = [], []
-    for hair, light, view, phi in map(of_row, rows):
+    for one in table:
+        light, view, phi = one.angles
         values.append(float(drawn(found, light, view, np.array([phi]))[0]))
-        average = reference.at_offset(hair, light, view, phi, plain).mean()
-        as_averaged.append(values[-1] * float(average / reference.scattering(hair, light, view, phi)))
+        average = reference.at_offset(MEASURED, light, view, phi, plain).mean()
+        as_averaged.append(values[-1] * float(average / reference.scattering(MEASURED, light, view, phi)))
     assert len(values) == 240
-    assert apart(rows, as_averaged) < 0.025
-    assert apart(rows, values) < 0.033
-    others = [i for i, row in enumerate(rows) if row["dphi_deg"] != "180"]
-    assert apart([rows[i] for i in others], [values[i] for i in others]) < 0.025
+    assert apart(table, as_averaged) < 0.025
+    assert apart(table, values) < 0.033
+    others = [i for i, one in enumerate(table) if one.phi != 180]
+    assert apart([table[i] for i in others], [values[i] for i in others]) < 0.025
 
 
 @pytest.mark.parametrize("x", [0.0, 1e-3, 0.1, 1.0, 3.75, 11.9, 12.1, 100.0, 1e4, 1e7])
