@@ -213,10 +213,8 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     held = f"at most {FRAGMENTS:,} fragments at once, {_fragment_bytes(scene) / 1e6:,.0f} MB"
     if resolver == "zbuffer":
         skip(Stage("coverage", "each sample shows the nearest strand"))
-    elif resolver == "sorted":
-        use(Stage("coverage", f"all strands of a pixel by depth; {held}"))
     else:
-        use(Stage("coverage", f"the {scene.image.nearest} nearest fragments of a pixel by depth; {held}"))
+        use(Stage("coverage", f"all strands of a pixel by depth; {held}"))
     if scene.material.width == 0:
         skip(Stage("body", "material.width is zero: lines are a pixel wide"))
     else:

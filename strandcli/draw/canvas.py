@@ -16,7 +16,7 @@ from .common.drawing import Drawing
 from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage
-from .coverage.width_profiles import body_of
+from .coverage.width_profiles import add_to_zbuffer, profiles_of
 from .film import haze
 from .film.aovs import Recorder
 from .film.kernels import film
@@ -82,10 +82,10 @@ class Canvas:
         )
         exact = bool(self.grids)
         for layer in coverage.layers(
-            lines, screen, portion.widths, edges, self.workers, self.scratch, exact, light.view.nearer
+            lines, screen, portion.widths, edges, self.workers, self.scratch, exact, light.view.depth_slope
         ):
             self.drawing.lap("raster")
-            if edges is not None and layer.top == 0:
+            if edges is not None and layer.fragments.top == 0:
                 self._surfaces(self.keys, self.image)
                 edges.lay(self._surfaces, self.image, self.backdrop)
             portion = self._embodied(portion, layer.marks)
@@ -95,9 +95,9 @@ class Canvas:
             colours = self._shade(portion, layer.marks, shown)
             layer.compose(colours, self.image)
             if portion.body is not None:
-                layer.round_off(portion.body, self.image)
+                layer.add_departures(portion.body, self.image)
             if self.recorder is not None and front is not None:
-                self.recorder.layer(layer, lines, screen, self.size[0], front)
+                self.recorder.layer(layer, lines, screen, front)
             self.drawing.lap("film")
         if self.recorder is not None and front is not None:
             self.recorder.strands(lines, screen, front, 0, portion.begin, light.view)
@@ -109,7 +109,7 @@ class Canvas:
         lines, screen = portion.lines, portion.screen
         raster.draw(
             lines, screen, portion.widths, self._base, self.size, self.workers, self.scratch, self.keys,
-            self.lighting.view.nearer,
+            self.lighting.view.depth_slope,
         )  # fmt: skip
         if self.recorder is not None:
             self.recorder.strands(lines, screen, self.keys, self._base, portion.begin, self.lighting.view)
@@ -119,7 +119,7 @@ class Canvas:
         colours = self._shade(portion, marks)
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
         if portion.body is not None:
-            portion.body.over_seen(self.keys, self._base, lines, self.image)
+            add_to_zbuffer(portion.body, self.keys, self._base, lines, self.image)
         self.drawing.lap("film")
         self.fragments = seen
         self.segments += lines.segments
@@ -140,7 +140,7 @@ class Canvas:
         if not self.grids or not self.lighting.scene.material.rounded:
             return portion
         lines, screen, widths = portion.lines, portion.screen, portion.widths
-        body = body_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
+        body = profiles_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
         return replace(portion, body=body)
 
     def _shade(

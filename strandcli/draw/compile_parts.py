@@ -59,5 +59,5 @@ def _coverage(renderer: Renderer) -> None:
     if edges is not None:
         edges.lay(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
     widths = np.zeros(2, np.float32) if renderer.scene.material.width > 0 else None
-    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, renderer.scratch, False, view.nearer):
+    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, renderer.scratch, False, view.depth_slope):
         pass

@@ -65,10 +65,7 @@ class Renderer:
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.traced = [light for light in scene.lights if is_traced(light)]
         self._counts = needs_counts(scene)
-        nearest = scene.image.nearest if scene.image.resolver == "kbuffer" else None
-        self.coverage = (
-            None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity, nearest)
-        )
+        self.coverage = None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity)
         # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
         self._thins = self.coverage is not None and not any(
             light.shadow.model == "minmax" and wants_map(light) for light in scene.lights

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..constants import PORTION, W
 from .common.drawing import Drawing
 from .common.scratch import Scratch
-from .coverage.width_profiles import Body, body_of
+from .coverage.kernels.width_profiles import Profiles
+from .coverage.width_profiles import profiles_of
 from .geometry.curves import Polylines, flatten, greatest_pieces
 from .geometry.detail import Level
 from .geometry.extent import widths_of
@@ -32,7 +33,7 @@ class Portion:
     """(V, 3) see `strandcli.draw.zbuffer.raster.to_screen`."""
     widths: NDArray[np.float32] | None
     """(V,) pixels; None: lines a pixel wide."""
-    body: Body | None
+    body: Profiles | None
     """None also where shadows are exact: it is made when it is known what is seen."""
 
 
@@ -81,7 +82,7 @@ class Portions:
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             body = None
             if scene.material.rounded and not self.traced:
-                body = body_of(here, screen, widths, scene.image.supersample, scratch)
+                body = profiles_of(here, screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
             yield Portion(begin, end, here, screen, widths, body)
 

@@ -9,7 +9,7 @@ import pytest
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli import compile_ahead
 from strandcli.draw.compile_parts import compile_part
-from strandcli.draw.coverage.kernels import resolve, tile_binning
+from strandcli.draw.coverage.kernels import resolve, strand_extents, tile_binning
 from strandcli.draw.film.kernels import film
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
@@ -29,8 +29,8 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.compose, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, tile_binning.spans,
-        tile_binning.share_out,
+        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, strand_extents.spans,
+        tile_binning.bin_segments,
         resolve.resolve,
     ),
 }  # fmt: skip

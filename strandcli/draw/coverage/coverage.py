@@ -1,10 +1,8 @@
-"""What strands cover of each pixel, and in which order: the resolvers `sorted` and `kbuffer`.
+"""What strands cover of each pixel, and in which order: the resolver `sorted`.
 
-A picture goes through in bands of rows, as few as keep the fragments within `FRAGMENTS`. Each band is a `Layer`: parts
-of strands are shared out to tiles, and the fragments of each tile found and sorted; then the light is computed where
-they can be seen; then they are laid over the picture. `kbuffer` goes the same way and keeps the nearest fragments of a
-pixel alone, so that fewer places are lit and laid over the picture: the last one kept has the opacity of all behind it
-too.
+A picture goes through in bands of rows, as few as keep the fragments within `FRAGMENTS`. Each band is a `Layer`:
+segments of strands are binned into tiles, and the fragments of each tile found and sorted; then the light is computed
+where they can be seen; then they are laid over the picture.
 """
 
 from __future__ import annotations
@@ -21,90 +19,69 @@ from ...constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SO
 from ...errors import RefusedError
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
+from ..geometry.kernels.screen_lines import ScreenLines
 from ..solids.edges import Edges
-from ..view.camera import FLAT, Nearer
-from .kernels import resolve, tile_binning
+from ..view.kernels.depth_slope import FLAT, DepthSlope
+from .kernels import resolve, strand_extents, tile_binning
 from .kernels.column_light import BYTES, LINES
 from .kernels.composite import MASKED
 from .kernels.exposed import expose
-from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH
-from .kernels.width_profiles import over_fragments
+from .kernels.fragments import SolidPixels
+from .kernels.tile_binning import TileSegments
+from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH, Fragments
+from .kernels.width_profiles import Profiles, add_to_fragments
 from .masks import sides
-from .width_profiles import Body
 
 TASKS_A_WORKER = 16
-NONE = np.zeros((0, 3), np.float32)
+NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
-NOWHERE = np.zeros(0, np.int64)
 NO_BITS = np.zeros(0, np.uint64)
-LAST = 1 << 40
-"""A fragment that no pixel has."""
+NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
 BROAD = 16.0
 """Samples. No picture has been seen that takes minutes with strands that are no wider than that."""
-PLACES_AT_MOST = 4e9
-"""Pixels that wide pieces may be held against: some ten seconds of a core."""
+WIDE_PIXELS_AT_MOST = 4e9
+"""Pixels that wide segments may be tested against: some ten seconds of a core."""
 
 
 @dataclass(frozen=True)
 class Layer:
-    """The strands in the rows top <= y < bottom of a picture, without their light, as `kernels.resolve` leaves them."""
+    """The strands in some rows of a picture, without their light."""
 
-    begin: NDArray[np.int64]
-    kept: NDArray[np.uint32]
-    place: NDArray[np.uint32]
-    weight: NDArray[np.float32]
-    along: NDArray[np.float32]
-    seen: NDArray[np.uint64] | None
-    """(F,) points of its sample that each fragment shows, where that is asked for."""
+    fragments: Fragments
     light: NDArray[np.float32]
     """(E, 3) radiance of solids at their edges."""
-    top: int
-    bottom: int
-    width: int
-    stride: int
     tasks: int
     marks: NDArray[np.uint8]
     """(V,) not zero at the vertices that the light has to be known at and is not yet."""
 
     def compose(self, colours: NDArray[np.float32], image: NDArray[np.float32]) -> None:
         """Lay it over the picture (height, width, 3), with the radiance (V, 3) of all vertices marked so far."""
-        resolve.compose(
-            self.begin, self.kept, self.place, self.weight, self.along, self.stride, colours, self.light, self.top,
-            self.bottom, self.tasks, image,
-        )  # fmt: skip
+        resolve.compose(self.fragments, colours, self.light, self.tasks, image)
 
-    def shown(self, body: Body, scratch: Scratch) -> NDArray[np.uint64]:
+    def shown(self, profiles: Profiles, scratch: Scratch) -> NDArray[np.uint64]:
         """(n, LINES): which places it shows of the pieces after the vertices that have a profile (see
         `kernels.traced.visibility`)."""
-        bytes_ = scratch.take("shown", (body.profile.shape[1], LINES, BYTES), np.uint8)
+        bytes_ = scratch.take("shown", (profiles.profile.shape[1], LINES, BYTES), np.uint8)
         bytes_.fill(0)
-        expose(
-            self.begin, self.kept, self.place, self.along, *self._bits(),
-            body.screen, body.widths, body.slots, self.top, self.width, bytes_,
-        )  # fmt: skip
+        expose(self.fragments, self._table(), profiles, bytes_)
         return bytes_.view(np.uint64)[..., 0]
 
-    def _bits(self) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
-        """Which points of its sample each fragment shows, and the table that tells; without points, all of them."""
-        return (NO_BITS, NO_BITS) if self.seen is None else (self.seen, sides())
+    def _table(self) -> NDArray[np.uint64]:
+        """What the points of a sample that a fragment shows are read by; anything where it shows all."""
+        return sides() if len(self.fragments.seen) else NO_BITS
 
-    def round_off(self, body: Body, image: NDArray[np.float32]) -> None:
+    def add_departures(self, profiles: Profiles, image: NDArray[np.float32]) -> None:
         """Add how the light of wide strands departs from its average over their width."""
-        over_fragments(
-            self.begin, self.kept, self.place, self.weight, self.along, *self._bits(), self.stride, body.screen,
-            body.widths, body.samples, body.start, body.full, body.slots, body.profile, body.shades, self.top, image,
-        )  # fmt: skip
+        add_to_fragments(self.fragments, self._table(), profiles, image)
 
 
 class Coverage:
     """Resolves frame after frame; expects the next one to hold about as many fragments as the last."""
 
-    def __init__(self, size: tuple[int, int], opacity: float, nearest: int | None, room: int = FRAGMENTS) -> None:
-        """``size`` in samples; ``opacity`` of the material; ``nearest``: greatest number of fragments a pixel keeps, or
-        None for all of them; ``room``: fragments that memory has room for."""
+    def __init__(self, size: tuple[int, int], opacity: float, room: int = FRAGMENTS) -> None:
+        """``size`` in samples; ``opacity`` of the material; ``room``: fragments that memory has room for."""
         self.size = size
         self.opacity = np.float32(opacity)
-        self.nearest = nearest
         self.room = room
         self._rows = np.zeros(size[1])
         """Fragments in each row of the last frame."""
@@ -113,12 +90,15 @@ class Coverage:
         self._tasks = TASKS_A_WORKER
         """For each worker: fewer where strands crowd, for each task has an equal share of the room."""
         self.most = 0
-        """Bytes that the fragments of its fullest layer took, with the parts of strands that they come from."""
+        """Bytes that the fragments of its fullest layer took, with the rows of segments that they come from."""
 
     def nothing(self) -> Layer:
         """A layer of one row without a fragment."""
-        return Layer(np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
-                     None, NONE, 0, 1, 1, 1, 1, np.zeros(1, np.uint8))  # fmt: skip
+        fragments = Fragments(
+            np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
+            1, PLACES, 0, 1, 1,
+        )  # fmt: skip
+        return Layer(fragments, NO_LIGHT, 1, np.zeros(1, np.uint8))
 
     def layers(
         self,
@@ -129,14 +109,14 @@ class Coverage:
         workers: int,
         scratch: Scratch,
         exact: bool = False,
-        nearer: Nearer = FLAT,
+        depth_slope: DepthSlope = FLAT,
     ) -> Iterator[Layer]:
         """The picture's layers from top to bottom, each to be used before the next is asked for.
 
         screen (V, 3); widths (V,) pixels, or None for lines one pixel wide; edges: of the solids, where there are any;
         exact: whether light is wanted in each layer at all that it shows, and of wide opaque strands the points of a
-        sample that each shows (see `kernels.masks`); nearer: of the view, for the depth of wide
-        strands, which are round.
+        sample that each shows (see `kernels.masks`); depth_slope: of the view, for the depth of wide strands, which
+        are round.
         Raises `RefusedError` where one row of pixels holds more fragments than there is room for, or strands are so
         wide that to see which pixels they cover would take minutes.
         """
@@ -144,21 +124,20 @@ class Coverage:
         marks = scratch.take("marks", len(screen), np.uint8)
         lit = None
         widest = 1.0 if widths is None or not len(widths) else float(widths.max())
+        drawn = ScreenLines(lines.first, screen, widths)
         if widths is not None and widest > BROAD:
-            self._require_time(lines, screen, widths, widest)
-        # what lets light through hides no point, and a k-buffer's last fragment stands for several
-        wide = exact and widths is not None and widest > float(MASKED)
-        masked = wide and self.nearest is None and float(self.opacity) == 1.0
+            self._require_time(drawn, widest)
+        # what lets light through hides no point
+        masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         margin = 2.0 + widest  # a mitre reaches out by the square root of two
         rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
-        tile_binning.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
+        strand_extents.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
+        picture = _Picture(drawn, rows, lines.stride, edges, depth_slope, masked, scratch)
         ahead = self._cuts()[::-1]
         while ahead:
             top, bottom = ahead.pop()
             marks.fill(0)
-            layer, found = self._layer(
-                lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer, masked
-            )
+            layer, found = self._layer(picture, top, bottom, workers, marks)
             if layer is None:
                 ahead += self._finer(top, bottom, found)[::-1]
                 continue
@@ -172,18 +151,16 @@ class Coverage:
             self.fragments += found
             yield layer
 
-    def _require_time(
-        self, lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32], widest: float
-    ) -> None:
+    def _require_time(self, lines: ScreenLines, widest: float) -> None:
         """Refuse what would take minutes: many strands that each cover much of the picture."""
-        toil = np.empty(len(lines.first) - 1, np.float32)
-        tile_binning.toil(lines.first, screen, widths, *self.size, toil)
-        places = float(toil.sum(dtype=np.float64))
-        if places > PLACES_AT_MOST:
+        pixels = np.empty(len(lines.first) - 1, np.float32)
+        strand_extents.count_wide_pixels(lines, *self.size, pixels)
+        total = float(pixels.sum(dtype=np.float64))
+        if total > WIDE_PIXELS_AT_MOST:
             raise RefusedError(
                 f"material.width: strands are up to {widest:,.0f} samples wide in the picture, and their pieces cover "
-                f"about {places:.1e} pixels one by one, more than {PLACES_AT_MOST:.0e}: use a smaller material.width, "
-                "or fewer --strands"
+                f"about {total:.1e} pixels one by one, more than {WIDE_PIXELS_AT_MOST:.0e}: use a smaller "
+                "material.width, or fewer --strands"
             )
 
     def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
@@ -212,75 +189,81 @@ class Coverage:
             self._rows[here] = count / (here.stop - here.start)
 
     def _layer(
-        self,
-        lines: Polylines,
-        screen: NDArray[np.float32],
-        widths: NDArray[np.float32] | None,
-        rows: NDArray[np.float32],
-        edges: Edges | None,
-        top: int,
-        bottom: int,
-        workers: int,
-        scratch: Scratch,
-        marks: NDArray[np.uint8],
-        nearer: Nearer,
-        masked: bool,
+        self, picture: _Picture, top: int, bottom: int, workers: int, marks: NDArray[np.uint8]
     ) -> tuple[Layer | None, int]:
         """The rows top <= y < bottom, or None where they hold too much, and about how many fragments they hold."""
         blocks = self.room // tile_binning.BLOCK + 1
         # where it is one row that has to fit, one worker has all the room
         workers = 1 if bottom - top == 1 else min(workers, max(blocks // 4, 1))
-        tiles = -(-self.size[0] // TILE_WIDTH) * -(-(bottom - top) // TILE_HEIGHT)
-        pool = scratch.take("parts", (blocks * tile_binning.BLOCK, 2), np.int64)
-        links = scratch.take("links", blocks, np.int64)
-        heads = scratch.take("heads", (workers, tiles), np.int64)
-        fills = scratch.take("fills", (workers, tiles), np.int64)
-        used = np.zeros(workers, np.int64)
-        fills.fill(0)
-        tile_binning.share_out(
-            lines.first, screen, widths, rows, top, bottom, self.size[0], workers, pool, links, heads, fills, used
-        )
+        segments = self._bins(picture, top, bottom, workers, blocks)
+        used = segments.used
         if used.max() >= blocks // workers:
             return None, max(int(used.sum()), int(used.max()) * workers) * tile_binning.BLOCK
         # tasks that come to less than others leave room unused, which is never touched
         tasks = 1 if workers == 1 else self._tasks * workers
-        room = self.room if workers == 1 else 2 * self.room
-        begin = scratch.take("tiles_begin", tiles, np.int64)
-        kept = scratch.take("kept", tiles * PIXELS, np.uint32)
-        found = scratch.take("found", tiles, np.int64)
-        place = scratch.take("fragment_places", room, np.uint32)
-        weight = scratch.take("fragment_weights", room, np.float32)
-        along = scratch.take("fragment_along", room, np.float32)
-        table = sides() if masked else None
-        seen = scratch.take("fragment_points", room, np.uint64) if masked else None
-        hides, pixels, depth, cover = NOTHING, NOWHERE, NOTHING, NOTHING
-        if edges is not None:
-            hides, pixels, depth, cover = edges.hides, edges.pixels, edges.depth, edges.cover
+        fragments = self._fragments(picture, top, bottom, self.room if workers == 1 else 2 * self.room)
+        found = picture.scratch.take("found", len(fragments.begin), np.int64)
+        edges, table = picture.edges, sides() if picture.masked else None
+        solids = SolidPixels(edges.hides, edges.pixels, edges.depth, edges.cover) if edges is not None else NO_SOLIDS
         resolve.resolve(
-            lines.first, screen, widths, self.opacity, nearer, lines.stride, _bits(lines), hides, pixels, depth,
-            cover, pool, links, heads, fills, self.nearest or LAST, table, top, bottom, self.size[0], tasks,
-            begin, kept, found, place, weight, along, seen, marks,
-        )  # fmt: skip
+            picture.lines, self.opacity, picture.depth_slope, solids, segments, table, tasks, fragments, found, marks
+        )
         held = int(np.abs(found).sum())
         if found.min() < 0:
             if tasks > workers and held < self.room:  # there is room, but not for each alike
                 self._tasks = max(self._tasks // 4, 1)
                 marks.fill(0)
-                return self._layer(
-                    lines, screen, widths, rows, edges, top, bottom, workers, scratch, marks, nearer, masked
-                )
+                return self._layer(picture, top, bottom, workers, marks)
             return None, held
-        marks[lines.stride :] |= marks[: -lines.stride]  # light comes from the lit vertex after a fragment as well
+        stride = picture.stride
+        marks[stride:] |= marks[:-stride]  # light comes from the lit vertex after a fragment as well
         self._note(found, top, bottom)
-        each = SORTED_BYTES + (POINTS_BYTES if masked else 0)
+        each = SORTED_BYTES + (POINTS_BYTES if picture.masked else 0)
         self.most = max(self.most, held * each + int(used.sum()) * tile_binning.BLOCK * PART_BYTES)
-        light = NONE if edges is None else edges.light
-        return Layer(
-            begin, kept, place, weight, along, seen, light, top, bottom, self.size[0], lines.stride,
-            TASKS_A_WORKER * workers, marks,
-        ), held  # fmt: skip
+        light = NO_LIGHT if edges is None else edges.light
+        return Layer(fragments, light, TASKS_A_WORKER * workers, marks), held
+
+    def _bins(self, picture: _Picture, top: int, bottom: int, workers: int, blocks: int) -> TileSegments:
+        """The segments in each tile of the rows top <= y < bottom."""
+        tiles, take = self._tiles(top, bottom), picture.scratch.take
+        segments = TileSegments(
+            take("tile_segments", (blocks * tile_binning.BLOCK, 2), np.int64), take("links", blocks, np.int64),
+            take("heads", (workers, tiles), np.int64), take("fills", (workers, tiles), np.int64),
+            np.zeros(workers, np.int64),
+        )  # fmt: skip
+        segments.fills.fill(0)
+        tile_binning.bin_segments(picture.lines, picture.rows, top, bottom, self.size[0], workers, segments)
+        return segments
+
+    def _fragments(self, picture: _Picture, top: int, bottom: int, room: int) -> Fragments:
+        """Room for so many fragments in the rows top <= y < bottom; what they hold is anything."""
+        tiles, take = self._tiles(top, bottom), picture.scratch.take
+        # so many of the bits that tell the place from a lit vertex to the next tell the place along a segment
+        place_bits = PLACES - (picture.stride.bit_length() - 1)
+        return Fragments(
+            take("tiles_begin", tiles, np.int64), take("kept", tiles * PIXELS, np.uint32),
+            take("fragment_places", room, np.uint32), take("fragment_weights", room, np.float32),
+            take("fragment_along", room, np.float32),
+            take("fragment_points", room, np.uint64) if picture.masked else NO_BITS,
+            picture.stride, place_bits, top, bottom, self.size[0],
+        )  # fmt: skip
+
+    def _tiles(self, top: int, bottom: int) -> int:
+        """Tiles of the rows top <= y < bottom."""
+        return -(-self.size[0] // TILE_WIDTH) * -(-(bottom - top) // TILE_HEIGHT)
 
 
-def _bits(lines: Polylines) -> int:
-    """Bits that tell the place along a piece, of those that tell it from a lit vertex to the next."""
-    return PLACES - (lines.stride.bit_length() - 1)
+@dataclass(frozen=True)
+class _Picture:
+    """What all layers of a picture are made of."""
+
+    lines: ScreenLines
+    rows: NDArray[np.float32]
+    """(S, 2) as from `kernels.strand_extents.spans`."""
+    stride: int
+    """Every so-manieth vertex is lit."""
+    edges: Edges | None
+    depth_slope: DepthSlope
+    masked: bool
+    """Whether it is asked which points of a sample each fragment shows."""
+    scratch: Scratch

@@ -19,8 +19,8 @@ def points() -> NDArray[np.float64]:
 
 @functools.cache
 def sides() -> NDArray[np.uint64]:
-    """((WAYS + 1) * (DISTANCES + 1),): of lines with the normal n, in the order of `kernels.masks.turned`, at so many
-    distances d from the middle, a bit for each point p with p · n < d."""
+    """((WAYS + 1) * (DISTANCES + 1),): of lines with the normal n, in the order of `kernels.masks.table_row`, at
+    so many distances d from the middle, a bit for each point p with p · n < d."""
     way = np.arange(WAYS + 1) * (2.0 / WAYS)
     x, y = 1 - way, np.minimum(way, 2 - way)
     normal = np.column_stack([x, y]) / np.hypot(x, y)[:, None]

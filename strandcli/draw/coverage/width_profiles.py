@@ -1,4 +1,4 @@
-"""The body of strands near the camera: light that varies across their width.
+"""Width profiles of strands near the camera: light that varies across their width.
 
 Everywhere else a strand's light is the average over its width, which is all that a pixel shows of a thin strand. Where
 strands are wider than two pixels the average is resolved: into columns of the offset h ∈ [−1, 1], each with its own
@@ -19,9 +19,6 @@ the part of the width and of the length that it shows. With dual scattering shad
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,9 +26,7 @@ from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from .kernels import width_profiles as kernel
 from .kernels.column_light import LINES
-
-if TYPE_CHECKING:
-    pass
+from .kernels.width_profiles import Profiles
 
 START, FULL = 2.0, 4.0
 """Widths in pixels from which profiles count, and count fully;"""
@@ -39,39 +34,21 @@ EXACT = 0.03, 0.06
 """where shadows are exact: there they vary across the width."""
 
 
-@dataclass(frozen=True)
-class Body:
-    """The vertices of some strands that are wide."""
-
-    screen: NDArray[np.float32]
-    widths: NDArray[np.float32]
-    slots: NDArray[np.int32]
-    """(V,) number of the vertex' profile, or −1."""
-    profile: NDArray[np.float32]
-    """(1 + lights, n, columns + 1, 3)"""
-    samples: np.float32
-    """Along each side of a pixel."""
-    start: np.float32
-    full: np.float32
-    """Widths in pixels from which profiles count, and count fully."""
-    shades: NDArray[np.uint64] | None
-    """(lights, n, LINES) what exact shadows darken of the piece after each; None without such lights."""
-
-    def over_seen(self, keys: NDArray[np.uint64], base: int, lines: Polylines, image: NDArray[np.float32]) -> None:
-        """Add departures where the z-buffer ``keys`` shows these polylines, whose vertices are numbered from
-        ``base``."""
-        kernel.over_seen(
-            keys, base, lines.per, lines.stride, self.screen, self.widths, self.samples, self.start, self.full,
-            self.slots, self.profile, self.shades, image,
-        )  # fmt: skip
+def add_to_zbuffer(
+    profiles: Profiles, keys: NDArray[np.uint64], base: int, lines: Polylines, image: NDArray[np.float32]
+) -> None:
+    """Add departures from the average where the z-buffer ``keys`` shows these polylines, whose vertices are numbered
+    from ``base``."""
+    kernel.add_to_zbuffer(keys, base, lines.per, lines.stride, profiles, image)
 
 
-def body_of(
+def profiles_of(
     lines: Polylines, screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch,
     traced: int = 0, marks: NDArray[np.uint8] | None = None,
-) -> Body | None:  # fmt: skip
-    """What is wide of polylines (V,) with these widths in samples; None where nothing is. ``traced``: lights with exact
-    shadows, under which only the vertices with ``marks`` (V,) matter: they are many."""
+) -> Profiles | None:  # fmt: skip
+    """Empty profiles of what is wide of polylines (V,) with these widths in samples; None where nothing is.
+
+    ``traced``: lights with exact shadows, under which only the vertices with ``marks`` (V,) matter: they are many."""
     start, full = EXACT if traced else (START, FULL)
     if widths is None or not len(widths) or not float(widths.max()) > start * samples:
         return None
@@ -86,4 +63,5 @@ def body_of(
     slots[wide] = np.arange(count, dtype=np.int32)
     profile = scratch.take("profile", (1 + traced, count, kernel.COLUMNS + 1, 3), np.float32)
     shades = scratch.take("shades", (traced, count, LINES), np.uint64) if traced else None
-    return Body(screen, widths, slots, profile, np.float32(samples), np.float32(start), np.float32(full), shades)
+    sizes = (np.float32(samples), np.float32(start), np.float32(full))
+    return Profiles(screen, widths, *sizes, slots, profile, shades)

@@ -57,16 +57,15 @@ class Recorder:
         self._shares: NDArray[np.float32] | None = None
 
     def layer(
-        self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], width: int, keys: NDArray[np.uint64]
+        self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]
     ) -> None:
         """Note what a layer of sorted strands shows most into ``keys`` (samples · samples · height · width,), which
-        hold the solids before; call `strands` after the last one. ``width`` of the picture in samples."""
+        hold the solids before; call `strands` after the last one."""
         if self._shares is None:
             self._shares = np.zeros(len(keys), np.float32)
         kernel.front(
-            layer.begin, layer.kept, layer.place, layer.weight, layer.along, layer.stride, len(lines.world), screen,
-            width, layer.top, np.float32(LEAST), keys, self._shares,
-        )  # fmt: skip
+            layer.fragments, len(lines.world), screen, np.float32(LEAST), keys, self._shares
+        )
 
     def strands(
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.kernels.keys import FIRST, LOW, SHIFT
-from ..coverage.width_profiles import Body
+from ..coverage.kernels.width_profiles import Profiles
 from ..view.camera import View
 
 AT_ONCE = 1 << 18
@@ -20,7 +20,7 @@ AT_ONCE = 1 << 18
 
 def veil_strands(
     haze: float, view: View, backdrop: NDArray[np.float32], screen: NDArray[np.float32], marks: NDArray[np.uint8],
-    colours: NDArray[np.float32], body: Body | None,
+    colours: NDArray[np.float32], body: Profiles | None,
 ) -> None:  # fmt: skip
     """Mix light at the vertices with ``marks`` (V,), colours (V, 3), with the backdrop (height, width, 3) at their
     places ``screen`` (V, 3), over so many metres of ``haze``; and make what their body departs from it as faint."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solids import Solids
-from ..coverage.width_profiles import Body
+from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
 from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, finish_of, paint_of
@@ -59,7 +59,7 @@ class Lighting:
 
     def shade_strands(
         self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
-        clear: NDArray[np.float32] | None, body: Body | None, colours: NDArray[np.float32],
+        clear: NDArray[np.float32] | None, body: Profiles | None, colours: NDArray[np.float32],
     ) -> None:  # fmt: skip
         """Into colours (V, 3): radiance at the vertices with ``marks`` (V,); the others are left as they are.
 

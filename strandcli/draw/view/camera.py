@@ -10,13 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...scene.model import Camera
 from ...scene.motion import camera_at
+from .kernels.depth_slope import DepthSlope
 
 SIZE = 26
 STRETCH = 23
 """Where `View.pack` says how much longer a short way can be in a corner of the screen."""
-Nearer = tuple[np.float32, np.float32, np.float32, np.float32]
-FLAT: Nearer = (np.float32(0), np.float32(0), np.float32(0), np.float32(0))
-"""Takes the place of `View.nearer` where strands are flat bands."""
 
 
 @dataclass(frozen=True)
@@ -64,14 +62,12 @@ class View:
         return self.centre or (self.width / 2, self.height / 2)
 
     @property
-    def nearer(self) -> Nearer:
-        """a, b and the pixel (x, y) of the view's axis: at the depth number q it grows by a q + b over the length of a
-        pixel toward the eye; a is the tangent of the angle that a pixel next to the axis spans, 0 without
-        perspective."""
+    def depth_slope(self) -> DepthSlope:
+        """How depth numbers grow over the length of a pixel toward the eye."""
         x, y = (np.float32(c) for c in self.middle)
         if self.perspective:
-            return np.float32(1 / self.focal), np.float32(0), x, y
-        return np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y
+            return DepthSlope(np.float32(1 / self.focal), np.float32(0), x, y)
+        return DepthSlope(np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y)
 
     def pack(self) -> NDArray[np.float32]:
         """(26,) float32 as kernels read it, with the columns of `common.kernels.view_columns`; nobody writes to it."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,21 +9,15 @@ from ...errors import RefusedError
 from ..common.kernels.keys import FIRST
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
-from ..view.camera import FLAT, Nearer, View
+from ..geometry.kernels.screen_lines import ScreenLines
+from ..view.camera import View
 from ..view.kernels import project
+from ..view.kernels.depth_slope import FLAT, DepthSlope
 from .kernels import raster as kernel
+from .kernels.raster import Bands
 
 ROWS = 64
 """Height of a band."""
-
-
-class Bands(NamedTuple):
-    """Strands listed by the band of rows that they touch."""
-
-    begin: NDArray[np.int64]
-    members: NDArray[np.int32]
-    rows: int
-    workers: int
 
 
 def to_screen(
@@ -65,10 +57,10 @@ def draw(
     workers: int,
     scratch: Scratch,
     keys: NDArray[np.uint64],
-    nearer: Nearer = FLAT,
+    depth_slope: DepthSlope = FLAT,
 ) -> None:
-    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; nearer: of the
-    view, for the depth of wide strands, which are round.
+    """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; depth_slope:
+    of the view, for the depth of wide strands, which are round.
 
     Raises `RefusedError` where the numbers run into those of the solids.
     """
@@ -79,7 +71,4 @@ def draw(
     width, height = size
     margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
     bands = into_bands(lines.first, screen, height, margin, workers, scratch)
-    kernel.visible(
-        lines.first, screen, widths, nearer, bands.members, bands.begin, width, height, bands.rows, bands.workers, base,
-        keys,
-    )  # fmt: skip
+    kernel.visible(ScreenLines(lines.first, screen, widths), depth_slope, bands, width, height, base, keys)

@@ -67,12 +67,9 @@ class Image:
     exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
     resolver: str = choice(
         "zbuffer",
-        ("zbuffer", "sorted", "kbuffer"),
+        ("zbuffer", "sorted"),
         doc="which strands a pixel shows. zbuffer: the nearest, as a hard line; sorted: all, each by what it covers of "
-        "the pixel, in the order of depth; kbuffer: the same with a bound on the fragments of a pixel",
-    )
-    nearest: int = integer(
-        8, low=1, high=64, doc="fragments that a pixel holds (kbuffer); the last one stands for all that are behind"
+        "the pixel, in the order of depth",
     )
     tone: str = choice(
         "srgb", ("srgb", "filmic"), doc="srgb: light beyond 1 is cut off; filmic: it rolls off, mid grey stays"

@@ -62,7 +62,7 @@ class Material:
     )
     taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
     opacity: float = number(
-        1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted, kbuffer)"
+        1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted)"
     )
 
 

@@ -1,13 +1,12 @@
-"""Coverage: samples a pixel, and what decides who is seen, against 16×16 samples; occupancy maps as a foil."""
+"""Coverage: samples a pixel, and what decides who is seen, against 16×16 samples."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ..axes import Axis
-from ..points import Knobs, Point
+from ..points import Knobs
 from .experiment import Pictures
-from .occupancy import SLABS, SLICES, OccupancyRenderer
 from .subject import Picture, changed, silhouette
 
 SAMPLES = 16
@@ -23,35 +22,11 @@ class CoverageStudy(Pictures):
         """Every resolver with its own useful range of samples."""
         out: list[Knobs] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
         out += [{"image.resolver": "sorted", "image.supersample": n} for n in (1, 2, 3, 4)]
-        out += [{"image.resolver": "kbuffer", "image.nearest": k, "image.supersample": 1} for k in (2, 4, 8, 16)]
         return out
-
-    def settings(self) -> list[Knobs]:
-        """Those, and the foil, where neither resolver nor samples are set by hand."""
-        if self.request.fixed & {"image.resolver", "image.supersample"}:
-            return super().settings()
-        return super().settings() + [{"foil": "occupancy", "slices": n, "slabs": SLABS} for n in (32, SLICES, 512)]
-
-    def measure(self, knobs: Knobs) -> Point:
-        """One setting; the foil takes the time of `sorted`, less that of sorting, and its own."""
-        if "foil" not in knobs:
-            return super().measure(knobs)
-        scene = changed(self.scene, {"image.resolver": "sorted"})
-        exact = self.subject.draw(scene)
-        renderer = OccupancyRenderer(scene, self.subject.groom)
-        renderer.take_over(knobs["slices"], knobs["slabs"])
-        picture = self.subject.draw(scene, renderer=renderer)
-        sorting, occupancy = renderer.seconds
-        error = self.against(picture.image, self.fine.image)
-        error["from sorted"] = self.against(picture.image, exact.image)["rmse"]
-        point = self.point(knobs, exact, error)
-        point.seconds += occupancy - sorting
-        point.counts = {**exact.counts, "sorting_us": round(1e6 * sorting), "occupancy_us": round(1e6 * occupancy)}
-        return point
 
     def series(self, knobs: Knobs) -> str:
         """The resolver."""
-        return str(knobs.get("foil", knobs.get("image.resolver", "zbuffer")))
+        return str(knobs.get("image.resolver", "zbuffer"))
 
     def reference(self) -> dict[str, Any]:
         """Opaque strands need no more than who is in front; others are sorted."""
@@ -77,7 +52,7 @@ class CoverageStudy(Pictures):
 AXIS = Axis(
     name="coverage",
     doc="samples and resolvers against 16×16 samples a pixel",
-    knobs=("image.resolver", "image.supersample", "image.nearest"),
+    knobs=("image.resolver", "image.supersample"),
     metric="rmse",
     of_preset=True,
     open=CoverageStudy,

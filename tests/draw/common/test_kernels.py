@@ -20,6 +20,7 @@ from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
 from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
+from strandcli.draw.view.kernels.depth_slope import DepthSlope
 from strandcli.draw.view.kernels.project import into
 from strandcli.draw.zbuffer.kernels import raster
 from strandcli.jit import function
@@ -38,6 +39,7 @@ BLOCK = np.ones((5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
 SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
 
+SLOPE = DepthSlope(*4 * (ONE,))
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (curves.difference, (BLOCK, 0, 1, 4)),
     "printed": (curves.printed, (BLOCK, 0, 1, 4)),
@@ -48,15 +50,15 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "throw": (project.throw, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
-    "line": (raster.line, (*[ONE] * 6, 0, 8, 8, np.uint64(1), KEYS)),
+    "line": (raster.line, (*[ONE] * 6, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
-    "ribbon": (raster.ribbon, (TABLE, 1, 0, 4, ONE, ONE, 4 * (ONE,), 0, 8, 8, np.uint64(1), KEYS)),
-    "front": (raster.front, (*7 * (ONE,), 4 * (ONE,))),
+    "ribbon": (raster.ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
+    "front": (raster.front, (*7 * (ONE,), SLOPE)),
     "covered": (masks.covered, (KEYS, TABLE, ROW, 1, ONE, ONE)),
-    "lit": (
-        column_light.lit,
+    "column light": (
+        column_light.column_light,
         (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,
-         *[ONE] * 4, ROW),
+         column_light.Crossing(*[ONE] * 4), ROW),
     ),
     "area": (column_light.area, (ONE, ONE, ONE)),
     "rim": (silhouette.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from reference.bands import covered
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels import tile_binning, tiles
+from strandcli.draw.coverage.kernels import strand_extents, tiles
 from strandcli.draw.coverage.kernels.tiles import PLACES
 from strandcli.draw.geometry.curves import Polylines
+from strandcli.draw.geometry.kernels.screen_lines import ScreenLines
 from strandcli.draw.solids.edges import none
 from strandcli.errors import RefusedError
 
@@ -29,7 +30,6 @@ def drawn(
     colours: np.ndarray | None = None,
     behind: float = 0.0,
     opacity: float = 1.0,
-    nearest: int | None = None,
     hides: np.ndarray | None = None,
     workers: int = 1,
     room: int = 400_000,
@@ -40,7 +40,7 @@ def drawn(
     wide = None if widths is None else np.concatenate(widths).astype(np.float32)
     vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
     image = np.full((size[1], size[0], 3), behind, np.float32)
-    coverage = Coverage(size, opacity, nearest, room)
+    coverage = Coverage(size, opacity, room)
     edges = None if hides is None else none(hides)
     for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
         layer.compose(vertex, image)
@@ -121,9 +121,9 @@ def test_joints_of_a_straight_strand_leave_no_trace() -> None:
             np.testing.assert_allclose(cut, whole, atol=6e-3 * min(wide, 1))
 
 
-def layered(nearest: int | None = None, seed: int = 4, **options: Any) -> np.ndarray:
+def layered(seed: int = 4, **options: Any) -> np.ndarray:
     strands, widths, colours = crowd(seed)
-    return drawn(strands, widths, (40, 30), colours=colours, behind=0.3, nearest=nearest, **options)
+    return drawn(strands, widths, (40, 30), colours=colours, behind=0.3, **options)
 
 
 def crowd(seed: int, count: int = 120) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
@@ -155,8 +155,6 @@ def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
     for workers in (1, 2, 3, 7):
         for room in (400_000, 3_000):
             np.testing.assert_array_equal(layered(seed=6, workers=workers, room=room), one)
-            bounded = layered(seed=6, workers=workers, room=40_000, nearest=5)
-            np.testing.assert_array_equal(bounded, layered(seed=6, nearest=5))
     order = np.random.default_rng(7).permutation(len(strands))
     mixed = drawn(
         [strands[i] for i in order], [widths[i] for i in order], (40, 30),
@@ -172,7 +170,7 @@ def test_strands_that_crowd_in_one_place_are_one_layer_where_there_is_room_for_a
     first, screen = np.arange(0, 601, 2), np.concatenate(lines).astype(np.float32)
     wide = np.full(600, 0.3, np.float32)
     for workers in (1, 4):
-        coverage = Coverage((40, 30), 0.01, None, 8_000)
+        coverage = Coverage((40, 30), 0.01, 8_000)
         for _ in range(2):  # and the next frame knows
             found = coverage.layers(Polylines(first, screen), screen, wide, None, workers, Scratch())
             assert len(list(found)) == 1
@@ -183,43 +181,17 @@ def test_equal_depths_go_to_the_lower_index() -> None:
     line = np.array([[0.0, 5.5, 0.5], [20.0, 5.5, 0.5]])
     colours = np.repeat(np.eye(3), 2, axis=0)
     wide = [np.full(2, 1.0)] * 3
-    for nearest in (None, 2):
-        image = drawn([line] * 3, wide, (20, 10), colours=colours, nearest=nearest)
-        assert image[5, 10, 0] > 0.93
-        image = drawn([line] * 3, wide, (20, 10), colours=colours, nearest=nearest, opacity=0.5)
-        assert image[5, 10, 0] > image[5, 10, 1] + 0.1
+    image = drawn([line] * 3, wide, (20, 10), colours=colours)
+    assert image[5, 10, 0] > 0.93
+    image = drawn([line] * 3, wide, (20, 10), colours=colours, opacity=0.5)
+    assert image[5, 10, 0] > image[5, 10, 1] + 0.1
 
 
-@pytest.mark.parametrize("nearest", [None, 1, 4])
 @pytest.mark.parametrize("opacity", [1.0, 0.3])
-def test_white_on_white_is_white(nearest: int | None, opacity: float) -> None:
+def test_white_on_white_is_white(opacity: float) -> None:
     strands, widths, _ = crowd(8, 400)
-    image = drawn(strands, widths, (40, 30), behind=1.0, nearest=nearest, opacity=opacity)
+    image = drawn(strands, widths, (40, 30), behind=1.0, opacity=opacity)
     assert np.abs(image - 1).max() < 1e-5
-
-
-def test_a_bounded_list_keeps_the_opacity_and_loses_only_colours() -> None:
-    strands, widths, _ = crowd(9, 300)
-    exact = white(strands, widths, (40, 30))
-    for nearest in (1, 3, 8):
-        np.testing.assert_allclose(white(strands, widths, (40, 30), nearest=nearest), exact, atol=1 / 400)
-    wrong = [np.abs(layered(k, seed=10) - layered(seed=10)).mean() for k in (1, 2, 4, 8, 16)]
-    assert sorted(wrong, reverse=True) == wrong
-    assert wrong[3] < wrong[0] / 4
-    np.testing.assert_allclose(layered(64, seed=10), layered(seed=10), atol=1e-6)
-
-
-def test_a_bounded_list_is_lit_at_fewer_places() -> None:
-    strands, widths, _ = crowd(9, 300)
-    screen = np.concatenate(strands).astype(np.float32)
-    lines = Polylines(np.arange(0, 601, 2), screen)
-    wide = np.concatenate(widths).astype(np.float32)
-    lit = []
-    for nearest in (1, 3, None):
-        (layer,) = Coverage((40, 30), 0.5, nearest).layers(lines, screen, wide, None, 1, Scratch())
-        assert nearest is None or layer.kept.max() == nearest
-        lit.append(int(layer.marks.sum()))
-    assert lit[0] < lit[1] < lit[2]
 
 
 def test_tiles_leave_no_trace() -> None:
@@ -249,11 +221,10 @@ def test_solids_hide_what_is_behind_them() -> None:
     far = np.array([[0.0, 6.5, 0.2], [20.0, 6.5, 0.2]])
     hides = np.zeros((10, 20), np.float32)
     hides[:, 10:] = 0.5
-    for nearest in (None, 2):
-        image = white([near, far], [np.full(2, 0.5)] * 2, (20, 10), hides=hides.ravel(), nearest=nearest)
-        np.testing.assert_allclose(image[3], 0.5, atol=1e-5)
-        np.testing.assert_allclose(image[6, :10], 0.5, atol=1e-5)
-        assert not image[6, 10:].any()
+    image = white([near, far], [np.full(2, 0.5)] * 2, (20, 10), hides=hides.ravel())
+    np.testing.assert_allclose(image[3], 0.5, atol=1e-5)
+    np.testing.assert_allclose(image[6, :10], 0.5, atol=1e-5)
+    assert not image[6, 10:].any()
 
 
 def test_what_is_left_out_behind_a_whole_tile_is_what_its_pixels_hide() -> None:
@@ -310,7 +281,7 @@ def test_light_is_asked_for_only_where_it_is_seen() -> None:
     strands = front + behind
     screen = np.concatenate(strands).astype(np.float32)
     lines = Polylines(np.arange(0, 41, 2), screen)
-    (layer,) = Coverage((20, 10), 1.0, None).layers(lines, screen, np.full(40, 1.5, np.float32), None, 1, Scratch())
+    (layer,) = Coverage((20, 10), 1.0).layers(lines, screen, np.full(40, 1.5, np.float32), None, 1, Scratch())
     assert layer.marks[:20].all()
     assert not layer.marks[20:].any()
 
@@ -330,7 +301,7 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
         hides[:, :20] = 2
         edges = none(hides.ravel())
     for faint in (0.0, 0.01):
-        coverage = Coverage((40, 24), 1.0 - faint, None)
+        coverage = Coverage((40, 24), 1.0 - faint)
         image = np.zeros((24, 40, 3), np.float32)
         for layer in coverage.layers(lines, screen, widths, edges, 1, Scratch()):
             layer.compose(colours, image)
@@ -346,9 +317,8 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
 
 def test_too_many_in_one_row_are_refused_by_name() -> None:
     line = np.array([[0.0, 0.5, 0.5], [40.0, 0.6, 0.5]])
-    for nearest in (None, 30):
-        with pytest.raises(RefusedError, match=r"row 0 of the picture holds .* fragments of strands"):
-            white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=1000, nearest=nearest)
+    with pytest.raises(RefusedError, match=r"row 0 of the picture holds .* fragments of strands"):
+        white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=1000)
     assert white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=9000).max() > 0.99
 
 
@@ -375,7 +345,8 @@ def test_strands_so_wide_that_they_would_take_minutes_are_refused_by_name() -> N
 def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: float, places: float) -> None:
     screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
     toil = np.zeros(1, np.float32)
-    tile_binning.toil(np.array([0, 2]), screen, np.full(2, wide, np.float32), 64, 48, toil)
+    lines = ScreenLines(np.array([0, 2]), screen, np.full(2, wide, np.float32))
+    strand_extents.count_wide_pixels(lines, 64, 48, toil)
     assert toil[0] == pytest.approx(places, rel=1e-3)
 
 
@@ -395,13 +366,12 @@ def test_all_strands_in_one_pixel() -> None:
         max_size=6,
     ),
     st.sampled_from([None, 0.0, 1e-9, 0.003, 0.5, 7.0, 1e4]),
-    st.sampled_from([None, 3]),
 )
 def test_whatever_the_coordinates_pixels_are_numbers_between_black_and_white(
-    points: list[tuple[float, float, float]], wide: float | None, nearest: int | None
+    points: list[tuple[float, float, float]], wide: float | None
 ) -> None:
     line = np.array(points)
-    image = white([line], None if wide is None else [np.full(len(line), wide)], (15, 12), nearest=nearest)
+    image = white([line], None if wide is None else [np.full(len(line), wide)], (15, 12))
     assert np.isfinite(image).all()
     assert image.min() >= 0
     assert image.max() <= 1 + 1e-5

@@ -54,7 +54,7 @@ def layers(strands: np.ndarray, width: float, factor: int, exact: bool) -> np.nd
     colours = np.repeat(np.random.default_rng(1).random((len(strands), 3)), 2, 0).astype(np.float32)
     image = np.zeros((size, size, 3), np.float32)
     widths = np.full(len(screen), width * factor, np.float32)
-    for layer in Coverage((size, size), 1.0, None).layers(lines, screen, widths, None, 1, Scratch(), exact):
+    for layer in Coverage((size, size), 1.0).layers(lines, screen, widths, None, 1, Scratch(), exact):
         layer.compose(colours, image)
     return image.reshape(SIZE, factor, SIZE, factor, 3).mean((1, 3))
 
@@ -88,10 +88,10 @@ def test_shares_are_those_of_one_pixel(seed: int, width: float) -> None:
     screen = strands.reshape(-1, 3)
     widths = np.full(len(screen), width, np.float32)
     lines = Polylines(np.arange(len(strands) + 1) * 2, screen)
-    (layer,) = Coverage((SIZE, SIZE), 1.0, None).layers(lines, screen, widths, None, 1, Scratch(), True)
-    at = int(layer.begin[0])
-    for n in layer.kept[: 32 * SIZE]:
-        shares = layer.weight[at : at + int(n)]
+    (layer,) = Coverage((SIZE, SIZE), 1.0).layers(lines, screen, widths, None, 1, Scratch(), True)
+    at = int(layer.fragments.begin[0])
+    for n in layer.fragments.kept[: 32 * SIZE]:
+        shares = layer.fragments.weight[at : at + int(n)]
         assert (shares > 0).all()
         assert shares.sum() < 1 + 1e-6
         at += int(n)

@@ -9,7 +9,8 @@ from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.view.camera import FLAT, Nearer, View, axes
+from strandcli.draw.view.camera import View, axes
+from strandcli.draw.view.kernels.depth_slope import FLAT, DepthSlope
 from strandcli.draw.zbuffer import raster
 
 WIDTH, HEIGHT = 160, 120
@@ -64,7 +65,7 @@ def contest(view: View, strands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first, sure
 
 
-def draw(view: View, strands: np.ndarray, resolver: str, nearer: Nearer) -> np.ndarray:
+def draw(view: View, strands: np.ndarray, resolver: str, slope: DepthSlope) -> np.ndarray:
     """(height, width) of the foremost strand, −1 where there is none."""
     count, points, _ = strands.shape
     lines = Polylines(np.arange(count + 1) * points, strands.reshape(-1, 3).astype(np.float32))
@@ -74,13 +75,13 @@ def draw(view: View, strands: np.ndarray, resolver: str, nearer: Nearer) -> np.n
         widths *= screen[:, 2]
     if resolver == "zbuffer":
         keys = np.full(WIDTH * HEIGHT, EMPTY)
-        raster.draw(lines, screen, widths, 0, (WIDTH, HEIGHT), 1, Scratch(), keys, nearer)
+        raster.draw(lines, screen, widths, 0, (WIDTH, HEIGHT), 1, Scratch(), keys, slope)
         number = (keys & np.uint64(0xFFFFFFFF)).astype(np.int64)
         return np.where(keys == EMPTY, -1, number // points).reshape(HEIGHT, WIDTH)
     colours = np.repeat(np.arange(count, dtype=np.float32), points)[:, None] * np.ones(3, np.float32)
     image = np.full((HEIGHT, WIDTH, 3), -1, np.float32)
-    coverage = Coverage((WIDTH, HEIGHT), 1.0, None)
-    for layer in coverage.layers(lines, screen, widths, None, 1, Scratch(), False, nearer):
+    coverage = Coverage((WIDTH, HEIGHT), 1.0)
+    for layer in coverage.layers(lines, screen, widths, None, 1, Scratch(), False, slope):
         layer.compose(colours, image)
     return image[..., 0]
 
@@ -93,7 +94,7 @@ def test_strands_that_touch_hide_each_other_as_cylinders_do(resolver: str, persp
     right, sure = contest(view, strands)
     assert sure.sum() > 500
     wrong, flat = (
-        (abs(draw(view, strands, resolver, nearer) - right) > 0.01)[sure].mean() for nearer in (view.nearer, FLAT)
+        (abs(draw(view, strands, resolver, slope) - right) > 0.01)[sure].mean() for slope in (view.depth_slope, FLAT)
     )
     assert wrong < 0.02
     assert flat > 6 * wrong  # bands without a round side: a tenth of the pixels or more
@@ -111,11 +112,11 @@ def test_far_aside_of_the_views_axis_the_edges_of_a_strand_are_not_equally_far(r
     strands = middle + way * np.linspace(-2, 2, 13)[:, None]
     right, sure = contest(view, strands)
     assert sure.sum() > 500
-    a, b, _, _ = view.nearer
-    middle_of_picture = (a, b, np.float32(WIDTH / 2), np.float32(HEIGHT / 2))  # as if the view's axis went through it
+    # as if the view's axis went through the middle of the picture
+    middle_of_picture = view.depth_slope._replace(axis_x=np.float32(WIDTH / 2), axis_y=np.float32(HEIGHT / 2))
     wrong, even = (
-        (abs(draw(view, strands, resolver, nearer) - right) > 0.01)[sure].mean()
-        for nearer in (view.nearer, middle_of_picture)
+        (abs(draw(view, strands, resolver, slope) - right) > 0.01)[sure].mean()
+        for slope in (view.depth_slope, middle_of_picture)
     )
     assert wrong < 0.02
     assert even > 3 * wrong

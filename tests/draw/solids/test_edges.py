@@ -61,7 +61,6 @@ def test_strands_go_before_between_and_behind_the_edges_of_solids(kind: str, str
     assert (error > 0.1).sum() <= 4
     assert error.max() < 0.35
     assert np.sqrt(np.mean(error**2)) < 0.02
-    np.testing.assert_allclose(light(strand, kind, "kbuffer", 1, BALL, wall), got, atol=1e-6)
 
 
 def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ....jit import device, inlined
 from ...common.kernels.approximations import clamp
-from .masks import WHOLE, behind, ones, turned
+from ...common.kernels.bits import popcount
+from .masks import WHOLE, points_behind, table_row
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -25,15 +28,30 @@ UPRIGHT = np.float32(0.01)
 """Least share of a strand's way along either axis: what is less makes no difference."""
 
 
+class Crossing(NamedTuple):
+    """How a piece of a strand passes a sample, in samples."""
+
+    dx: np.float32
+    dy: np.float32
+    """Its direction, of length 1."""
+    off: np.float32
+    """Distance from its middle line to the sample's middle, toward (−dy, dx)."""
+    radius: np.float32
+    """Half its width."""
+
+
 @device
-def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius, shares):
-    """Mean departure of a piece between two vertices with these slots, where exact shadows leave it light, over what a
-    sample shows of it: of its columns what `columns` tells, and within `half` the piece's length of its place t.
+def column_light(profile, shades, slot, after, t, half, points, table, crossing, shares):
+    """(r, g, b): mean departure of a piece between two vertices with these slots, where exact shadows leave it light,
+    over what a sample shows of it: of its columns what `columns` tells, and within `half` the piece's length of its
+    place t.
+
+    profile, shades: as in `width_profiles.Profiles`; points, table, crossing, shares: as in `columns`.
     """
     since, until = places_of(t, half)
     mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
     per = ONE / np.float32(until - since)
-    begin, end, total = columns(bits, table, dx, dy, off, radius, shares)
+    begin, end, total = columns(points, table, crossing, shares)
     r = g = b = x = y = z = ZERO  # of the vertex before and the one after
     for i in range(begin, end):
         if shares[i] == ZERO:
@@ -41,7 +59,7 @@ def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius,
         for row in range(profile.shape[0]):
             share = shares[i]
             if row > 0:
-                share *= np.float32(ones(~shades[row - 1, slot, i] & mask)) * per
+                share *= np.float32(popcount(~shades[row - 1, slot, i] & mask)) * per
             r += share * profile[row, slot, i + 1, 0]
             g += share * profile[row, slot, i + 1, 1]
             b += share * profile[row, slot, i + 1, 2]
@@ -53,13 +71,14 @@ def lit(profile, shades, slot, after, t, half, bits, table, dx, dy, off, radius,
 
 
 @device
-def columns(bits, table, dx, dy, off, radius, shares):
-    """How much a sample shows of each column of a strand along (dx, dy) that passes its middle `off` aside: as many of
-    the sample's points as have a bit, or all of the area, where none has or there is no `masks.sides` for a table.
+def columns(points, table, crossing, shares):
+    """How much a sample shows of each column of a strand: as many of the sample's points as are set in `points`, or all
+    of the area, where none is or there is no `masks.sides` for a table.
 
     shares (COLUMNS,) float32 is written from the first column that is shown to before the last. Returns which these
     are, and the sum.
     """
+    dx, dy, off, radius = crossing
     reach = HALF * (abs(dx) + abs(dy))
     middle = HALF * np.float32(COLUMNS)
     most = np.float32(COLUMNS - 1)
@@ -69,13 +88,13 @@ def columns(bits, table, dx, dy, off, radius, shares):
     column = radius / middle
     total = ZERO
     if table is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-        if bits != WHOLE:
+        if points != WHOLE:
             turn = ONE if dx >= ZERO else -ONE
-            way = turned(-dy * turn, dx * turn)
-            lower = behind(table, way, turn, edge + np.float32(begin) * column)
+            way = table_row(-dy * turn, dx * turn)
+            lower = points_behind(table, way, turn, edge + np.float32(begin) * column)
             for i in range(begin, end):
-                upper = behind(table, way, turn, edge + np.float32(i + 1) * column)
-                shares[i] = np.float32(ones(bits & upper & ~lower))
+                upper = points_behind(table, way, turn, edge + np.float32(i + 1) * column)
+                shares[i] = np.float32(popcount(points & upper & ~lower))
                 total += shares[i]
                 lower = upper
     if total == ZERO:

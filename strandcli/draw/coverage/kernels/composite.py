@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
-from .masks import EMPTY, POINTS, WHOLE, covered, ones
+from ...common.kernels.bits import popcount
+from .masks import EMPTY, POINTS, WHOLE, covered
 from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
@@ -29,27 +30,27 @@ def numbers(fragments, i):
 
 
 @device
-def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, place, weight, along, marks):
-    """What `resolve` makes of a tile's sorted lists, written from place `o` on; returns where that ends."""
+def composite(fragments, counts, order, vertices, tile, o, out, marks):
+    """Weights of the sorted fragments of tile number `tile`, written into `out`, `tiles.Fragments`, from place `o` on;
+    returns where they end.
+
+    fragments, counts, order: as `sorting.sort_pixels` leaves them; vertices: of all strands; marks (V,): set at
+    the lit vertices before fragments that matter.
+    """
+    base = tile * PIXELS
+    bits = out.place_bits
     end = np.int64(0)
     for p in range(np.uint64(PIXELS)):
         m = end
         end += counts[p]
-        last = end
         begin = o
-        most = m + nearest
         through = ONE
         front = ONE
         room = ONE
         previous = FAR_OFF
-        while (m < last) & (through >= OPAQUE):
+        while (m < end) & (through >= OPAQUE):
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
-            if m == most:  # the last one takes in what would be behind it
-                for rest in range(m, last):
-                    next_ = np.uint64(order[rest]) * FOUR
-                    alpha += (ONE - alpha) * np.int32(fragments[next_ + np.uint64(1)]).view(np.float32)
-                last = m
             if abs(identity - previous) > 1:
                 front = through
                 room = ONE
@@ -61,33 +62,34 @@ def weigh(fragments, counts, order, nearest, vertices, bits, o, base, kept, plac
                 identity -= t >> bits
                 marks[np.uint64(identity)] = 1
             to = np.uint64(o)
-            place[to] = np.uint32(identity)
-            weight[to] = front * alpha
-            along[to] = np.float32(t) * UNIT
+            out.place[to] = np.uint32(identity)
+            out.weight[to] = front * alpha
+            out.along[to] = np.float32(t) * UNIT
             o += 1
-        kept[np.uint64(base) + p] = o - begin
+        out.kept[np.uint64(base) + p] = o - begin
     return o
 
 
 @device
-def weigh_points(
-    fragments, counts, order, screen, widths, table, bits, left, top, o, base, kept, place, weight, along, seen, marks,
-):  # fmt: skip
-    """What `weigh` does, where it is known which points of a sample wide strands cover: what is in front hides just
+def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks):
+    """What `composite` does, where it is known which points of a sample wide strands cover: what is in front hides just
     these. What is thin covers a sample independently.
 
-    screen (V, 3), widths (V,) samples; table: of `strandcli.draw.coverage.masks.sides`; left,
-    top: the tile's first column and
-    row; seen (F,) uint64: the points of its sample that each fragment shows.
+    lines: `ScreenLines` with widths in samples; table: of `strandcli.draw.coverage.masks.sides`; tile: `tiles.Tile`;
+    the rest as in `composite`.
     """
+    screen = lines.screen
+    widths = lines.widths
+    base = tile.number * PIXELS
+    bits = out.place_bits
     end = np.int64(0)
     vertices = screen.shape[0]
     for p in range(np.uint64(PIXELS)):
         m = end
         end += counts[p]
         begin = o
-        x = np.float32(left + np.int64(p) % TILE_WIDTH) + HALF
-        y = np.float32(top + np.int64(p) // TILE_WIDTH) + HALF
+        x = np.float32(tile.left + np.int64(p) % TILE_WIDTH) + HALF
+        y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF
         thin = ONE
         free = WHOLE
         front = ONE
@@ -102,7 +104,7 @@ def weigh_points(
                 mine = covered(table, screen, widths, identity, x, y)
             if mine != EMPTY:
                 shown = mine & free
-                share = alpha * thin * np.float32(ones(shown)) / np.float32(ones(mine))
+                share = alpha * thin * np.float32(popcount(shown)) / np.float32(popcount(mine))
                 free &= ~mine
             else:
                 shown = free
@@ -112,7 +114,7 @@ def weigh_points(
                 previous = identity
                 alpha = min(alpha, room)
                 room -= alpha
-                share = front * alpha * np.float32(ones(free)) / np.float32(POINTS)
+                share = front * alpha * np.float32(popcount(free)) / np.float32(POINTS)
                 thin = front * room
             share = min(share, ONE - total)  # areas are exact, what hides of them is counted in points
             if share > ZERO:
@@ -120,16 +122,16 @@ def weigh_points(
                     identity -= t >> bits
                     marks[np.uint64(identity)] = 1
                 to = np.uint64(o)
-                place[to] = np.uint32(identity)
-                weight[to] = share
-                along[to] = np.float32(t) * UNIT
-                seen[to] = shown
+                out.place[to] = np.uint32(identity)
+                out.weight[to] = share
+                out.along[to] = np.float32(t) * UNIT
+                out.seen[to] = shown
                 total += share
                 o += 1
-            if thin * np.float32(ones(free)) < OPAQUE * np.float32(POINTS):
+            if thin * np.float32(popcount(free)) < OPAQUE * np.float32(POINTS):
                 break
         if (free == EMPTY) & ((o > begin + 1) | (m < end)):  # between strands that cover all nothing shows through
             for i in range(begin, o):
-                weight[i] /= total
-        kept[np.uint64(base) + p] = o - begin
+                out.weight[i] /= total
+        out.kept[np.uint64(base) + p] = o - begin
     return o

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ....jit import device, parallel, prange
-from .column_light import COLUMNS, columns, places_of
+from .column_light import COLUMNS, Crossing, columns, places_of
 from .masks import WHOLE
-from .tiles import PIXELS, TILE_WIDTH, corner
+from .tiles import PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -18,38 +18,40 @@ SHOWN = np.uint8(255)
 
 
 @parallel
-def expose(begin, kept, place, along, bits, table, screen, widths, slots, top, width, shown):
-    """Mark what `lit.lit` will read of exact shadows.
+def expose(fragments, table, profiles, out):
+    """Mark what `column_light.column_light` will read of exact shadows.
 
-    begin, kept, place, along, bits, top: of sorted fragments, as `resolve.resolve` leaves them, of a picture of
-    this width; table: of `masks.sides`; bits may be (0,); screen (V, 3), widths (V,) samples; slots (V,)
-    int32: number of a vertex' profile, or −1.
-    shown (n, LINES, BYTES) uint8: `SHOWN` where a byte's places along a line of the piece after a vertex are seen. Two
+    fragments: `tiles.Fragments`; table: of `masks.sides`; profiles: `width_profiles.Profiles`.
+    out (n, LINES, BYTES) uint8: `SHOWN` where a byte's places along a line of the piece after a vertex are seen. Two
     tiles may mark the same byte, both with the same number.
     """
-    for one in prange(begin.shape[0]):
-        tile = np.int64(one)
-        f = begin[tile]
+    for one in prange(fragments.begin.shape[0]):
+        number = np.int64(one)
+        f = fragments.begin[number]
         if f < 0:
             continue
-        y, x = corner(tile, width, top)
+        tile = tile_at(number, fragments)
+        slots = profiles.slots
+        place, along, seen = fragments.place, fragments.along, fragments.seen
         shares = np.empty(COLUMNS, np.float32)
         for p in range(PIXELS):
-            end = f + np.int64(kept[tile * PIXELS + p])
+            end = f + np.int64(fragments.kept[number * PIXELS + p])
             while f < end:
                 v = np.int64(place[f])
                 if v < slots.shape[0] and slots[v] >= 0:  # beyond are the edges of solids
-                    mark(
-                        np.float32(x + p % TILE_WIDTH) + HALF, np.float32(y + p // TILE_WIDTH) + HALF, v, along[f],
-                        WHOLE if bits.shape[0] == 0 else bits[f], table, screen, widths, np.int64(slots[v]), shares,
-                        shown,
-                    )  # fmt: skip
+                    points = WHOLE if seen.shape[0] == 0 else seen[f]
+                    x = np.float32(tile.left + p % TILE_WIDTH) + HALF
+                    y = np.float32(tile.top + p // TILE_WIDTH) + HALF
+                    mark(x, y, v, along[f], points, table, profiles, shares, out)
                 f += 1
 
 
 @device
-def mark(x, y, v, t, bits, table, screen, widths, slot, shares, shown):
-    """What the sample with the middle (x, y) shows of the piece after vertex v, at a place t of it."""
+def mark(x, y, v, t, points, table, profiles, shares, out):
+    """Mark what these points of the sample with the middle (x, y) show of the piece after vertex v, at a place t of
+    it."""
+    screen = profiles.screen
+    widths = profiles.widths
     dx = screen[v + 1, 0] - screen[v, 0]
     dy = screen[v + 1, 1] - screen[v, 1]
     size = math.sqrt(dx * dx + dy * dy)
@@ -60,8 +62,9 @@ def mark(x, y, v, t, bits, table, screen, widths, slot, shares, shown):
     radius = HALF * (widths[v] + t * (widths[v + 1] - widths[v]))
     off = (y - screen[v, 1]) * dx - (x - screen[v, 0]) * dy
     since, until = places_of(t, HALF / size)
-    begin, end, _ = columns(bits, table, dx, dy, off, radius, shares)
+    begin, end, _ = columns(points, table, Crossing(dx, dy, off, radius), shares)
+    slot = np.int64(profiles.slots[v])
     for i in range(begin, end):
         if shares[i] > ZERO:
             for k in range(since // 8, (until - 1) // 8 + 1):
-                shown[slot, i, k] = SHOWN
+                out[slot, i, k] = SHOWN

@@ -1,13 +1,16 @@
-"""From parts of strands to a tile's fragments: their pieces in runs, and cells of which many are covered at once."""
+"""From the segments of strands in a tile to its fragments: segments in runs, and cells of which many are covered at
+once."""
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, inlined
-from ....simd import half_width_pointer, load, pointer, store
-from ...common.kernels.prefetch import prefetch
-from .coverage import (
+from ....simd import half_width_pointer, load, pointer, prefetch, store
+from .cells import (
     ALONG,
     AREA,
     CELL,
@@ -21,7 +24,7 @@ from .coverage import (
     VERTEX,
     ZERO,
     H,
-    fragments,
+    cover_cells,
 )
 from .ribbon import ribbon
 from .segments import (
@@ -44,9 +47,9 @@ from .segments import (
     WIDER,
     Q,
     W,
-    hold,
-    look,
-    take,
+    keep_last,
+    load_vertices,
+    measure_segments,
 )
 from .tile_binning import BLOCK, LOW, SHIFT
 from .tiles import NUMBERS, ROW_BITS
@@ -54,7 +57,7 @@ from .tiles import NUMBERS, ROW_BITS
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 AHEAD = np.int64(2)
-"""Parts that memory is asked for before they are looked at."""
+"""Rows of segments whose memory is prefetched before they are looked at."""
 LINE = np.int64(16)
 EIGHT = np.int64(8)
 """Numbers of a cache line, and of one of longer numbers."""
@@ -63,108 +66,139 @@ SURE = np.float32(1 - 1e-6)
 """What is so much behind is behind, whatever the rounding."""
 
 
-@device
-def gather(
-    first, screen, widths, opacity, nearer, stride, bits, hides, edges, depth, cover, pool, links, heads, fills,
-    tile, top, bottom, left, right, width, pieces, work, cells, veil, found, counts, marks,
-):  # fmt: skip
-    """Find a tile's fragments: those of its parts of strands, and of solids.
+class Strands(NamedTuple):
+    """The strands of a picture, as all tiles see them."""
 
-    first, screen, widths: as in `parts.share_out`; opacity: of the material; every `stride`-th vertex is lit,
-    2^(PLACES − bits); hides (height * width,) float32: depth number in front of which nothing is hidden, or none;
-    edges (E,) int64 in the order of rows, depth, cover (E,) float32: pixels that a solid covers in part, its depth
-    number and share, which become fragments too, number V + e; pool, links, heads, fills: as `parts.share_out` leaves
-    them; the tile is the rows top <= y < bottom and columns left <= x < right of a picture of this width.
-    pieces (pieces.ROWS * pieces.ROW,) float32, work (ROWS * CELLS,) float32, cells (INTEGERS * CELLS,) int32: to work
-    with; veil (PIXELS,) float32; found (capacity * NUMBERS,) int32: fragments, as many as find room; counts (PIXELS,)
-    int64: of each pixel. Returns how many there are. marks: not read, but soon to be written to, as all that is seen.
+    first: NDArray[np.int64]
+    screen: NDArray[np.float32]
+    widths: NDArray[np.float32] | None
+    """These as in `strandcli.draw.geometry.kernels.screen_lines.ScreenLines`."""
+    opacity: np.float32
+    """Of the material."""
+    depth_slope: Any
+    """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
+    stride: int
+    """Every so-manieth vertex is lit."""
+
+
+class SolidPixels(NamedTuple):
+    """What solids hide of a picture, and the E pixels that one of them covers in part; these become fragments."""
+
+    hides: NDArray[np.float32]
+    """(height * width,) depth number behind which nothing is seen; (0,) where there is no solid."""
+    pixels: NDArray[np.int64]
+    """(E,) y * width + x, ascending."""
+    depth: NDArray[np.float32]
+    """(E,) depth number of the solid."""
+    cover: NDArray[np.float32]
+    """(E,) its share of the pixel."""
+
+
+class SegmentRow(NamedTuple):
+    """A row of consecutive segments of one strand."""
+
+    begin: int
+    end: int
+    """The strand's vertices are begin … end − 1."""
+    low: int
+    high: int
+    """Vertices that its first and its last segment end in."""
+    start: np.float32
+    """Where the run of its first segment began, along the axis that it follows."""
+
+
+@device
+def find_fragments(strands, solids, segments, tile, width, work, target, marks):
+    """Find a tile's fragments, those of strands and those of solids, and return how many there are.
+
+    strands: `Strands`; solids: `SolidPixels`; segments: `tile_binning.TileSegments` of all tiles; tile: its number;
+    width of the picture; work: `cells.Work`; target: `cells.Target`, written. marks (V,): not read, but soon to
+    be written to, as all that is seen.
     """
-    counts[:] = 0
-    hidden = ZERO
-    if hides.shape[0] == 0:
-        veil[:] = ZERO
+    target.counts[:] = 0
+    hidden = ZERO  # depth number behind which nothing in the tile is seen
+    if solids.hides.shape[0] == 0:
+        target.occlusion_depth[:] = ZERO
     else:
-        hidden = draw_veil(hides, top, bottom, left, right, width, veil) * SURE
-    points = half_width_pointer(screen)
+        hidden = copy_occlusion(solids.hides, width, target) * SURE
+    pool = segments.pool
     n = np.int64(0)
-    m = solids(edges, depth, cover, screen.shape[0], top, bottom, left, right, width, found, counts)
-    for one in range(heads.shape[0]):
-        block = heads[one, tile]
-        stop = fills[one, tile]
+    m = add_solids(solids, strands.screen.shape[0], width, target)
+    for one in range(segments.heads.shape[0]):
+        block = segments.heads[one, tile]
+        stop = segments.fills[one, tile]
         while stop > 0:
             final = block == (stop - 1) // BLOCK
-            after = block if final else links[block]
+            after = block if final else segments.links[block]
             for line in range(0, 2 * BLOCK, EIGHT):
-                prefetch(pool, 2 * BLOCK * after + line)
+                prefetch(pointer(pool), 2 * BLOCK * after + line)
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
-                ask(pool, min(slot + AHEAD, pool.shape[0] - 1), first, screen, widths, marks)
+                prefetch_row(pool, min(slot + AHEAD, pool.shape[0] - 1), strands, strands.widths, marks)
                 s = pool[slot, 1] >> SHIFT
-                low = pool[slot, 0] & LOW
-                high = pool[slot, 1] & LOW
-                start = np.uint32(pool[slot, 0] >> SHIFT).view(np.float32)
-                n, m = part(
-                    first[s], first[s + 1], low, high, start, hidden, points, screen, widths, opacity, nearer, stride,
-                    bits, top, bottom, left, right, veil, pieces, work, cells, n, found, counts, m,
+                row = SegmentRow(
+                    strands.first[s], strands.first[s + 1], pool[slot, 0] & LOW, pool[slot, 1] & LOW,
+                    np.uint32(pool[slot, 0] >> SHIFT).view(np.float32),
                 )  # fmt: skip
+                n, m = add_row(row, strands, strands.widths, hidden, work, n, target, m)
             if final:
                 break
             block = after
-    return fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
+    return cover_cells(work, n, target, m)
 
 
 @inlined
-def ask(pool, slot, first, screen, widths, marks):
-    """Ask for what the part in a slot needs."""
+def prefetch_row(pool, slot, strands, widths, marks):
+    """Prefetch what the row of segments in a slot needs."""
     low = (pool[slot, 0] & LOW) - 1
-    prefetch(first, pool[slot, 1] >> SHIFT)
-    prefetch(screen, 3 * low)
-    prefetch(screen, 3 * low + LINE)
-    prefetch(marks, low)
+    prefetch(pointer(strands.first), pool[slot, 1] >> SHIFT)
+    prefetch(pointer(strands.screen), 3 * low)
+    prefetch(pointer(strands.screen), 3 * low + LINE)
+    prefetch(pointer(marks), low)
     if widths is not None:
-        prefetch(widths, low)
+        prefetch(pointer(widths), low)
 
 
 @device
-def solids(edges, depth, cover, base, top, bottom, left, right, width, found, counts):
-    """What solids cover of the tile's pixels that they cover in part; returns how many these are."""
+def add_solids(solids, base, width, target):
+    """Add what solids cover of the tile's pixels that they cover in part, as vertices from number `base` on; returns
+    how many fragments these are."""
     m = np.int64(0)
-    room = np.int64(found.shape[0] // NUMBERS - 1)
-    for e in range(np.searchsorted(edges, top * width), np.searchsorted(edges, bottom * width)):
-        x = edges[e] % width
-        if left <= x < right and cover[e] > ZERO:
-            pixel = (edges[e] // width - top) << ROW_BITS | (x - left)
+    room = np.int64(target.found.shape[0] // NUMBERS - 1)
+    pixels = solids.pixels
+    for e in range(np.searchsorted(pixels, target.top * width), np.searchsorted(pixels, target.bottom * width)):
+        x = pixels[e] % width
+        if target.left <= x < target.right and solids.cover[e] > ZERO:
+            pixel = (pixels[e] // width - target.top) << ROW_BITS | (x - target.left)
             o = min(m, room) * NUMBERS
-            found[o] = np.int32(np.float32(depth[e]).view(np.int32))
-            found[o + 1] = np.int32(np.float32(cover[e]).view(np.int32))
-            found[o + 2] = base + e
-            found[o + 3] = pixel
-            counts[pixel] += 1
+            target.found[o] = np.int32(np.float32(solids.depth[e]).view(np.int32))
+            target.found[o + 1] = np.int32(np.float32(solids.cover[e]).view(np.int32))
+            target.found[o + 2] = base + e
+            target.found[o + 3] = pixel
+            target.counts[pixel] += 1
             m += 1
     return m
 
 
 @inlined
-def part(
-    a, end, low, high, start, hidden, points, screen, widths, opacity, nearer, stride, bits, top, bottom, left, right,
-    veil, pieces, work, cells, n, found, counts, m,
-):  # fmt: skip
-    """The pieces that end in the vertices low … high of the strand a … end − 1: cells of thin ones are listed, beside
-    the n before, and wide ones drawn.
+def add_row(row, strands, widths, hidden, work, n, target, m):
+    """List the cells of a row's thin segments, beside the n before, and draw its wide ones, beside the m fragments
+    before; returns how many cells are listed then, and how many fragments were found.
 
-    start: where the run of the first piece began; hidden: depth number behind which nothing is seen; the rest as in
-    `gather`. Returns how many cells are listed then, and how many fragments were found.
-
-    A thin piece waits for the next one, which tells whether its run goes on: points do not, nor does the strand's end.
+    hidden: depth number behind which nothing is seen. A thin segment waits for the next one, which tells whether its
+    run goes on: points do not, nor does the strand's end.
     """
+    pieces = work.segments
+    points = half_width_pointer(strands.screen)
     run = RIBBON
-    v = low - 1
+    start = row.start
+    v = row.low - 1
     k = np.int64(0)
-    base = low
+    base = row.low
     while True:
-        count = min(max(high + 1 - base, 0) + 1, min(end - base, PIECES))
-        take(points, widths, base - 1, count + 1, pieces)
-        look(pieces, count, opacity)
-        ends = np.int64(base + count == end)
+        count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, PIECES))
+        load_vertices(points, widths, base - 1, count + 1, pieces)
+        measure_segments(pieces, count, strands.opacity)
+        ends = np.int64(base + count == row.end)
         if ends:
             pieces[WAY + count + 1] = BEHIND
         for i in range(1, count + 1 + ends):
@@ -173,57 +207,48 @@ def part(
                 continue
             after = base + i - 1
             if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-                if (run != RIBBON) & (run != BEHIND):
-                    n, m = thin(
-                        pieces, k, v, (v - 1 - a) & (stride - 1), bits, run, start, way != run, hidden,
-                        top, bottom, left, right, veil, work, cells, n, found, counts, m,
-                    )  # fmt: skip
-            if after > high:
+                if (run != RIBBON) & (run != BEHIND) & (not pieces[NEAREST + k] < hidden):
+                    place = ((v - 1 - row.begin) & (strands.stride - 1)) << target.place_bits
+                    n, m = list_cells(work, k, v, place, run, start, way != run, n, target, m)
+            if after > row.high:
                 return n, m
             if way == RIBBON:
-                m = ribbon(
-                    screen, widths, opacity, nearer, after, a, end, (after - 1 - a) & (stride - 1), bits,
-                    top, bottom, left, right, veil, found, counts, m,
-                )  # fmt: skip
+                m = ribbon(strands, widths, after, row.begin, row.end, target, m)
             if way != run:
-                start = pieces[BEGIN + i] if v >= low else start
+                start = pieces[BEGIN + i] if v >= row.low else start
                 run = way
             v = after
             k = i
-        hold(pieces, k)
+        keep_last(pieces, k)
         k = np.int64(0)
         base += count
 
 
 @inlined
-def thin(
-    pieces, k, v, lit_past, bits, run, start, closing, hidden, top, bottom, left, right, veil, work, cells, n, found,
-    counts, m,
-):  # fmt: skip
-    """List the cells that piece number k, from vertex v − 1 to v, leaves behind, and, `closing`, the one that its run
+def list_cells(work, k, v, place, run, start, closing, n, target, m):
+    """List the cells that segment number k, from vertex v − 1 to v, leaves behind, and, `closing`, the one that its run
     ends in; covers those listed so far where there are too many.
 
-    run: 1 along x, 2 along y, negative against the axis; start: where the run begins, in the direction of travel; n:
-    cells listed before; m: fragments found before. Returns how many there are then.
+    place: of the segment's beginning after a lit vertex (see `tiles.fixed`); run: 1 along x, 2 along y, negative
+    against the axis; start: where the run begins, in the direction of travel; n: cells listed before; m: fragments
+    found before. Returns how many there are then.
 
-    Most pieces leave few cells: a vector of them is written, and what is too many written over by the next.
+    Most segments leave few cells: a vector of them is written, and what is too many written over by the next.
     """
-    p = pointer(pieces)
-    if p[NEAREST + k] < hidden:
-        return n, m
+    p = pointer(work.segments)
     flat = abs(run) == 1
-    low = left if flat else top
-    high = right if flat else bottom
+    low = target.left if flat else target.top
+    high = target.right if flat else target.bottom
     cell = max(np.int64(p[FIRST + k]), low if run > 0 else -high)
     stop = min(np.int64(p[LAST + k]) + np.int64(closing), high if run > 0 else -low)
     sign = ONE if run > 0 else -ONE
     back = ZERO if run > 0 else ONE
-    floats = half_width_pointer(work)
-    integers = half_width_pointer(cells)
+    floats = half_width_pointer(work.cells)
+    integers = half_width_pointer(work.numbers)
     steps = load(half_width_pointer(STEPS), 0)
     while cell < stop:
         if n > CELLS - LANES:
-            m = fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m)
+            m = cover_cells(work, n, target, m)
             n = np.int64(0)
         here = steps + np.float32(cell)
         enter = max(here, start)
@@ -237,7 +262,7 @@ def thin(
         store(floats, H + n, p[HEIGHT + k])
         store(floats, ALONG + n, t)
         store(floats, CELL + n, sign * here - back)
-        store(integers, PLACE + n, lit_past << bits)
+        store(integers, PLACE + n, place)
         store(integers, VERTEX + n, v - 1)
         store(integers, FLAT_WAY + n, -np.int64(flat))
         n += min(stop - cell, LANES)
@@ -246,14 +271,15 @@ def thin(
 
 
 @device
-def draw_veil(hides, top, bottom, left, right, width, veil):
-    """The depth numbers in front of which nothing is hidden, of the tile's pixels; returns the least."""
+def copy_occlusion(hides, width, target):
+    """Copy the depth numbers behind which solids hide all, of the tile's pixels; returns the least."""
     least = np.int32(np.float32(np.inf).view(np.int32))
-    for y in range(top, bottom):
-        to = np.uint64((y - top) << ROW_BITS)
-        at = np.uint64(y * width + left)
-        for x in range(np.uint64(right - left)):
-            veil[to + x] = hides[at + x]
-        for x in range(np.uint64(right - left)):  # numbers that are not negative are in the order of their bits
-            least = min(least, np.int32(np.float32(veil[to + x]).view(np.int32)))
+    depth = target.occlusion_depth
+    for y in range(target.top, target.bottom):
+        to = np.uint64((y - target.top) << ROW_BITS)
+        at = np.uint64(y * width + target.left)
+        for x in range(np.uint64(target.right - target.left)):
+            depth[to + x] = hides[at + x]
+        for x in range(np.uint64(target.right - target.left)):  # the bits of what is not negative are in its order
+            least = min(least, np.int32(np.float32(depth[to + x]).view(np.int32)))
     return np.int32(least).view(np.float32)

@@ -30,13 +30,13 @@ _FROM = np.float32(REACH * _PER + 0.5)
 
 
 @inlined
-def turned(x, y):
+def table_row(x, y):
     """Where the table has lines with the normal (x, y), y >= 0, of length 1: by 1 − x / (|x| + |y|)."""
     return np.int64((ONE - x / (abs(x) + abs(y))) * np.float32(WAYS / 2) + HALF) * _ROW
 
 
 @inlined
-def behind(table, row, turn, distance):
+def points_behind(table, row, turn, distance):
     """The points p with p · n < distance, as bits; turn: −1 where −n is the normal in the row of the table, else 1."""
     k = np.int64(min(max(distance * turn * _PER + _FROM, ZERO), np.float32(DISTANCES)))
     bits = table[np.uint64(row + k)]
@@ -60,19 +60,10 @@ def covered(table, screen, widths, v, x, y):
     t = min(max(past * per, ZERO), ONE)
     half = HALF * (widths[v] + t * (widths[v + 1] - widths[v]))
     turn = ONE if dx >= ZERO else -ONE
-    row = turned(-dy * turn, dx * turn)
-    bits = behind(table, row, turn, half - off) & ~behind(table, row, turn, -half - off)
+    row = table_row(-dy * turn, dx * turn)
+    bits = points_behind(table, row, turn, half - off) & ~points_behind(table, row, turn, -half - off)
     if (past < REACH) | (size - past < REACH):
         turn = ONE if dy >= ZERO else -ONE
-        row = turned(dx * turn, dy * turn)
-        bits &= behind(table, row, turn, size - past) & ~behind(table, row, turn, -past)
+        row = table_row(dx * turn, dy * turn)
+        bits &= points_behind(table, row, turn, size - past) & ~points_behind(table, row, turn, -past)
     return bits
-
-
-@inlined
-def ones(x):
-    """Bits that are set: in each two, each four, each byte; then all bytes."""
-    x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
-    x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
-    x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-    return (x * np.uint64(0x0101010101010101)) >> np.uint64(56)

@@ -25,21 +25,21 @@ FLAT = np.float32(1 / 16)
 FAINT = np.float32(1e-5)
 """Share of a cell that is not worth a fragment."""
 OPAQUE = np.float32(1 - 1 / 512)
-"""Opacity behind which nothing matters, as in `resolve.weigh`."""
+"""Opacity behind which nothing matters, as in `composite`."""
 TINY = np.float32(1e-30)
 
 
 @device
-def ribbon(
-    screen, widths, opacity, nearer, v, a, end, lit_past, bits, top, bottom, left, right, veil, found, counts, m,
-):  # fmt: skip
-    """Add what the piece from vertex v − 1 to v of the strand a … end − 1 covers to the m fragments found before;
+def ribbon(strands, widths, v, begin, end, target, m):
+    """Add what the segment from vertex v − 1 to v of the strand begin … end − 1 covers to the m fragments found before;
     returns how many there are then.
 
-    nearer: of `camera.View.nearer`; lit_past: how many vertices v − 1 is past a lit one; the rest as in
-    `coverage.fragments`. The veil comes forward to a piece that hides all behind it: of a thousand wide strands in a
-    pixel, few are in front of all before them.
+    strands: `fragments.Strands`; widths: theirs; target: see `cells.Target`. Where the segment hides all that is
+    behind it, the pixel's occlusion depth comes forward to it: of a thousand wide strands in a pixel, few are in front
+    of all before them.
     """
+    screen = strands.screen
+    lit_past = (v - 1 - begin) & (strands.stride - 1)  # how many vertices v − 1 is past a lit one
     x0 = screen[v - 1, 0]
     y0 = screen[v - 1, 1]
     x1 = screen[v, 0]
@@ -52,8 +52,8 @@ def ribbon(
     size = ONE / math.sqrt(dx * dx + dy * dy)
     dx *= size
     dy *= size
-    mx0, my0 = mitre(screen, v - 2, a, end, dx, dy, HALF * w0, size)
-    mx1, my1 = mitre(screen, v, a, end, dx, dy, HALF * w1, size)
+    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, size)
+    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, size)
     reach0 = HALF * w0 / (mx0 * dx + my0 * dy)
     reach1 = HALF * w1 / (mx1 * dx + my1 * dy)
     # the box of the four corners, and half a pixel about it
@@ -61,10 +61,10 @@ def ribbon(
     east = max(x0 + reach0 * abs(my0), x1 + reach1 * abs(my1)) + HALF
     above = min(y0 - reach0 * abs(mx0), y1 - reach1 * abs(mx1)) - HALF
     under = max(y0 + reach0 * abs(mx0), y1 + reach1 * abs(mx1)) + HALF
-    x_low = np.int64(math.floor(max(west, np.float32(left))))
-    x_high = np.int64(math.ceil(min(east, np.float32(right))))
-    y_low = np.int64(math.floor(max(above, np.float32(top))))
-    y_high = np.int64(math.ceil(min(under, np.float32(bottom))))
+    x_low = np.int64(math.floor(max(west, np.float32(target.left))))
+    x_high = np.int64(math.ceil(min(east, np.float32(target.right))))
+    y_low = np.int64(math.floor(max(above, np.float32(target.top))))
+    y_high = np.int64(math.ceil(min(under, np.float32(target.bottom))))
     u0 = x0 if flat else y0
     v0 = y0 if flat else x0
     per = ONE / (x1 - x0 if flat else y1 - y0)
@@ -85,7 +85,7 @@ def ribbon(
     row_high = y_high if flat else x_high
     inside0 = ONE / (abs(mx0) + abs(my0))
     inside1 = ONE / (abs(mx1) + abs(my1))
-    room = np.int64(found.shape[0] // NUMBERS - 1)
+    room = np.int64(target.found.shape[0] // NUMBERS - 1)
     for c in range(cell_low, cell_high):
         past = np.float32(c) + HALF - u0
         t = min(max(past * per, ZERO), ONE)
@@ -94,21 +94,22 @@ def ribbon(
         middle = v0 + slope * past
         at_x = u0 + past if flat else middle
         at_y = middle if flat else u0 + past
-        forward, tilt = front(q0 + rise * t, HALF * (w0 + t * (w1 - w0)), steep, at_x, at_y, dx, dy, nearer)
+        half = HALF * (w0 + t * (w1 - w0))
+        forward, tilt = front(q0 + rise * t, half, steep, at_x, at_y, dx, dy, strands.depth_slope)
         tilt *= turn
         first = max(np.int64(math.floor(max(middle - h - spread, np.float32(row_low)))), row_low)
         stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(row_high)))), row_high)
         for row in range(first, stop):
             x = c if flat else row
             y = row if flat else c
-            pixel = (y - top) << ROW_BITS | (x - left)
+            pixel = (y - target.top) << ROW_BITS | (x - target.left)
             rest = middle - np.float32(row)
             # of what the pixel shows of the width
             off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
             t = min(max(past * per + lean * off, ZERO), ONE)
             off *= over
             q = q0 + rise * t + tilt * off + forward * math.sqrt(max(ONE - off * off, ZERO))
-            if not q >= veil[pixel]:
+            if not q >= target.occlusion_depth[pixel]:
                 continue
             cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
             px = np.float32(x) + HALF
@@ -117,15 +118,15 @@ def ribbon(
             left_ = min(max(((px - x1) * mx1 + (py - y1) * my1) * inside1 + HALF, ZERO), ONE)
             cover *= entered - left_
             if cover > FAINT:
-                alpha = min(cover, ONE) * opacity
+                alpha = min(cover, ONE) * strands.opacity
                 if alpha > OPAQUE:
-                    veil[pixel] = q
+                    target.occlusion_depth[pixel] = q
                 o = min(m, room) * NUMBERS
-                found[o] = np.float32(q).view(np.int32)
-                found[o + 1] = np.float32(alpha).view(np.int32)
-                found[o + 2] = v - 1
-                found[o + 3] = fixed(t, lit_past, bits) << PIXEL_BITS | pixel
-                counts[pixel] += 1
+                target.found[o] = np.float32(q).view(np.int32)
+                target.found[o + 1] = np.float32(alpha).view(np.int32)
+                target.found[o + 2] = v - 1
+                target.found[o + 3] = fixed(t, lit_past, target.place_bits) << PIXEL_BITS | pixel
+                target.counts[pixel] += 1
                 m += 1
     return m
 

@@ -31,13 +31,14 @@ WAY, BEGIN, END, FIRST, LAST, ACROSS, SLOPE, PER, HEIGHT, STRETCH, Q, DEEPER, NE
     i * ROW for i in range(4, 19)
 )  # fmt: skip
 ROWS = 19
-HELD = 15
-"""Rows with one a piece."""
+SEGMENT_ROWS = 15
+"""Rows with one number a segment."""
 
 
 @device
-def take(points, widths, v, count, pieces):
-    """Vertices from number v on of points, a `strip` of (V, 3); widths None: all are a pixel wide."""
+def load_vertices(points, widths, v, count, pieces):
+    """Vertices from number v on of points, a half-width pointer to (V, 3), into the rows X, Y, DEPTH and WIDTH; widths
+    None: all are a pixel wide."""
     deinterleave(points, 3 * v, count, pieces, X, ROW)
     for k in range(np.uint64(count)):
         pieces[np.uint64(WIDTH) + k] = ONE if widths is None else widths[np.uint64(v) + k]
@@ -63,8 +64,8 @@ def along(way, x, y):
 
 
 @device
-def look(pieces, count, opacity):
-    """What is needed of the pieces between count + 1 vertices."""
+def measure_segments(pieces, count, opacity):
+    """What `fragments` needs of the segments between count + 1 vertices: the rows from WAY on."""
     rows = half_width_pointer(pieces)
     for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
@@ -97,7 +98,7 @@ def look(pieces, count, opacity):
 
 
 @inlined
-def hold(pieces, k):
-    """Keep piece number k as the one before those that come next."""
-    for row in range(HELD):
+def keep_last(pieces, k):
+    """Keep segment number k as the one before those that come next."""
+    for row in range(SEGMENT_ROWS):
         pieces[WAY + row * ROW] = pieces[WAY + row * ROW + k]

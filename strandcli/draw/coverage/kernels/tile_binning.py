@@ -1,42 +1,34 @@
-"""Which parts of strands lie in which tile: chains of blocks out of one pool.
+"""Which segments of strands lie in which tile: chains of blocks out of one pool.
 
-Each worker has its share of the pool and a chain of its own in every tile, so nobody waits for anybody. A part is a row
-of pieces of one strand, as two 64-bit numbers: where the run of its first piece began (see `coverage`), above the
-vertex that this piece ends in; and the strand, above the vertex that its last piece ends in.
+Each worker has its share of the pool and a chain of its own in every tile, so no worker waits for another. What is
+listed are rows of consecutive segments of one strand, as long as their boxes touch the tile.
 """
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
-from ....simd import floor, half_width_pointer, load, store, where
-from ....simd import lane_count as vector
+from ....simd import floor, half_width_pointer, lane_count, load, store, where
 from .segments import (
-    ACROSS,
     ALONG_X,
     ALONG_Y,
     BEGIN,
     BEHIND,
     DEPTH,
-    END,
-    FIRST,
-    LAST,
     NO_WAY,
     PIECES,
-    POINT,
     RIBBON,
     ROW,
-    ROWS,
     WAY,
-    WIDE,
     WIDTH,
     X,
     Y,
     along,
-    take,
+    load_vertices,
     way_of,
 )
 from .tiles import TILE_HEIGHT, TILE_WIDTH
@@ -48,7 +40,7 @@ OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
 PER_X = np.float32(1 / TILE_WIDTH)
 PER_Y = np.float32(1 / TILE_HEIGHT)
 BLOCK = 16
-"""Parts a block."""
+"""Rows of segments a block."""
 IN_BLOCK = np.int64(BLOCK - 1)
 BLOCK_BITS = np.int64(4)
 SHIFT = np.int64(32)
@@ -59,143 +51,131 @@ MITRE = np.float32(0.7072)
 """Of its width, that a piece reaches beyond its ends: half, at the slant of a mitre."""
 
 
-LEFT, RIGHT, UP, DOWN = END, FIRST, LAST, ACROSS
-"""Rows of what is needed of a piece here, in place of some of those in `pieces`."""
+# Rows of numbers beside those of `segments` (X, Y, DEPTH and WIDTH, one a vertex; WAY and BEGIN, one a segment): the
+# tiles that each segment touches, from LEFT to before RIGHT, from UP to before DOWN.
+LEFT, RIGHT, UP, DOWN = (i * ROW for i in range(6, 10))
+ROWS = 10
+
+
+class TileSegments(NamedTuple):
+    """Which rows of segments lie in which tile: for each worker and tile a chain of blocks out of one pool."""
+
+    pool: NDArray[np.int64]
+    """(blocks * BLOCK, 2) a row of segments: where the run of its first one began (the bits of a float32) above the
+    vertex that this segment ends in; the strand above the vertex that its last segment ends in."""
+    links: NDArray[np.int64]
+    """(blocks,) the block after each in its chain."""
+    heads: NDArray[np.int64]
+    """(workers, tiles) the first block of each chain."""
+    fills: NDArray[np.int64]
+    """(workers, tiles) the slot of the pool after the last row of each chain; 0: the chain is empty."""
+    used: NDArray[np.int64]
+    """(workers,) blocks that each worker asked for."""
+
+
+class Chains(NamedTuple):
+    """The chains that one worker writes."""
+
+    pool: NDArray[np.int64]
+    links: NDArray[np.int64]
+    heads: NDArray[np.int64]
+    fills: NDArray[np.int64]
+    used: NDArray[np.int64]
+    """These as in `TileSegments`."""
+    worker: int
+    begin: int
+    last: int
+    """Its blocks; the last one is a place for what finds no room."""
+    opened: NDArray[np.int64]
+    """(tiles,) of each tile in which a row of segments is open, the first number of `TileSegments.pool` for it."""
+    across: int
+    """Tiles of the picture's width."""
+
+
+class TileRange(NamedTuple):
+    """Tiles from left to before right, from up to before down, as whole float32 numbers."""
+
+    left: np.float32
+    right: np.float32
+    up: np.float32
+    down: np.float32
 
 
 @parallel
-def spans(first, screen, margin, width, out):
-    """The rows of the screen that each strand can touch.
+def bin_segments(lines, rows, top, bottom, width, workers, segments):
+    """Append the segments of strands that can touch the rows top <= y < bottom of a picture of this width to the chains
+    of their tiles, which begin at row `top`.
 
-    first (S + 1,) int64; screen (V, 3); margin: how far it reaches beyond its vertices, pixels; width of the screen;
-    out (S, 2) float32: least and greatest y, inf and −inf for a strand that is not there.
+    lines: `ScreenLines`; rows (S, 2): as from `spans`; segments: `TileSegments`, whose fills and used are 0 before. The
+    `workers` share strands and blocks evenly. Where one of them asked for more blocks than its share but one, there was
+    no room for all, and no chain holds.
     """
-    for s in prange(first.shape[0] - 1):
-        low = np.float32(np.inf)
-        high = np.float32(-np.inf)
-        left = np.float32(np.inf)
-        right = np.float32(-np.inf)
-        for v in range(first[s], first[s + 1]):
-            if screen[v, 2] > ZERO:
-                left = min(left, screen[v, 0])
-                right = max(right, screen[v, 0])
-                low = min(low, screen[v, 1])
-                high = max(high, screen[v, 1])
-        there = (right + margin >= ZERO) & (left - margin < np.float32(width))
-        out[s, 0] = low - margin if there else np.float32(np.inf)
-        out[s, 1] = high + margin if there else np.float32(-np.inf)
-
-
-@parallel
-def toil(first, screen, widths, width, height, out):
-    """About how many places of the picture have to be looked at for the wide pieces of each strand: the cells that a
-    piece's box has along the axis that it follows more, times the rows that its band has across or the picture.
-
-    first, screen, widths: as in `share_out`; width, height of the picture; out (S,) float32.
-    """
-    for s in prange(first.shape[0] - 1):
-        total = ZERO
-        for v in range(first[s] + 1, first[s + 1]):
-            w = max(widths[v - 1], widths[v])
-            dx = abs(screen[v, 0] - screen[v - 1, 0])
-            dy = abs(screen[v, 1] - screen[v - 1, 1])
-            if w > WIDE and max(dx, dy) >= POINT and screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO:
-                size = np.float32(math.sqrt(dx * dx + dy * dy))
-                across = inside(screen[v - 1, 0], screen[v, 0], HALF * w * dy / size, np.float32(width))
-                down = inside(screen[v - 1, 1], screen[v, 1], HALF * w * dx / size, np.float32(height))
-                total += min(across, w * size / dy) * down if dx < dy else across * min(down, w * size / dx)
-        out[s] = total
-
-
-@device
-def inside(one, other, reach, end):
-    """How much of the way between two places, and a reach beyond both, lies between 0 and an end."""
-    return max(min(max(one, other) + reach, end) - max(min(one, other) - reach, ZERO), ZERO)
-
-
-@parallel
-def share_out(first, screen, widths, rows, top, bottom, width, workers, pool, links, heads, fills, used):
-    """Append the parts of strands that can touch the rows top <= y < bottom to the chains of their tiles, which begin
-    at row `top`.
-
-    first (S + 1,) int64; screen (V, 3) float32 as from `project.points`; widths (V,) float32 pixels, or None for lines
-    one pixel wide; rows (S, 2): as from `spans`; width of the picture; pool (blocks * BLOCK, 2) int64; links (blocks,)
-    int64: the block after each; heads, fills (workers, tiles) int64: the first block of each chain, and the slot after
-    its last part, 0 where there is none, as before; used (workers,) int64: blocks that were asked for, 0 before. The
-    `workers` share strands and blocks evenly; one that used more than its share but one had no room for all, and then
-    no chain holds.
-    """
-    share = links.shape[0] // workers
-    strands = first.shape[0] - 1
+    share = segments.links.shape[0] // workers
+    strands = lines.first.shape[0] - 1
     for one in prange(workers):
         task = np.int64(one)  # the index is unsigned, and would make floats of what it is added to
-        opened = np.empty(heads.shape[1], np.int64)
-        worker(
-            task * strands // workers, (task + 1) * strands // workers, first, screen, widths, rows, top, bottom, width,
-            pool, links, heads, fills, used, task * share, (task + 1) * share - 1, task, opened,
+        opened = np.empty(segments.heads.shape[1], np.int64)
+        across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
+        chains = Chains(
+            segments.pool, segments.links, segments.heads, segments.fills, segments.used, task, task * share,
+            (task + 1) * share - 1, opened, across,
+        )  # fmt: skip
+        bin_strands(
+            task * strands // workers, (task + 1) * strands // workers, lines, rows, top, bottom, width, chains,
             np.empty(ROWS * ROW, np.float32),
         )  # fmt: skip
 
 
 @device
-def worker(
-    low, high, first, screen, widths, rows, top, bottom, width, pool, links, heads, fills, used, begin, last, task,
-    opened, pieces,
-):  # fmt: skip
-    """What `share_out` does for one worker, with the strands from `low` to before `high`, in the blocks from `begin` to
-    `last`, of which the last is only a place for what finds no room; opened (tiles,) int64 and pieces (ROWS * ROW,)
+def bin_strands(low, high, lines, rows, top, bottom, width, chains, work):
+    """What `bin_segments` does for one worker, with the strands from `low` to before `high`; work (ROWS * ROW,)
     float32 to work with.
 
-    A part goes on as long as its pieces' boxes touch the tile.
+    A row of segments goes on as long as their boxes touch the tile.
     """
-    across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
-    points = half_width_pointer(screen)
+    points = half_width_pointer(lines.screen)
     wide = np.float32(width)
     tall = np.float32(bottom - top)
     above = np.float32(top)
+    nowhere = TileRange(ZERO, ZERO, ZERO, ZERO)
     for s in range(low, high):
         if not (rows[s, 0] < np.float32(bottom) and rows[s, 1] >= above):
             continue
-        end = first[s + 1]
+        end = lines.first[s + 1]
         run = RIBBON
         start = ZERO
-        v = first[s]
-        # tiles from left to before right, from up to before down, whose parts are open
-        left = right = up = down = ZERO
+        v = lines.first[s]
+        open_ = nowhere  # the tiles in which a row of segments is open
         for base in range(v + 1, end, PIECES):
             count = min(end - base, PIECES)
-            take(points, widths, base - 1, count + 1, pieces)
-            touch(pieces, count, above, wide, tall)
+            load_vertices(points, lines.widths, base - 1, count + 1, work)
+            find_tiles(work, count, above, wide, tall)
             for i in range(1, count + 1):
-                way = pieces[WAY + i]
+                way = work[WAY + i]
                 if way == NO_WAY:
                     continue
                 if way != run:
-                    start = pieces[BEGIN + i]
+                    start = work[BEGIN + i]
                     run = way
-                new_left, new_right = pieces[LEFT + i], pieces[RIGHT + i]
-                new_up, new_down = pieces[UP + i], pieces[DOWN + i]
-                if (new_left != left) | (new_right != right) | (new_up != up) | (new_down != down):
-                    close(
-                        left, right, up, down, new_left, new_right, new_up, new_down, s << SHIFT | v, across, opened,
-                        pool, links, heads, fills, used, begin, last, task,
-                    )  # fmt: skip
+                new = TileRange(work[LEFT + i], work[RIGHT + i], work[UP + i], work[DOWN + i])
+                if (
+                    (new.left != open_.left) | (new.right != open_.right)
+                    | (new.up != open_.up) | (new.down != open_.down)
+                ):  # fmt: skip
+                    close_rows(open_, new, s << SHIFT | v, chains)
                     here = np.int64(np.float32(start).view(np.uint32)) << SHIFT | (base + i - 1)
-                    begin_in(new_left, new_right, new_up, new_down, left, right, up, down, here, across, opened)
-                    left, right, up, down = new_left, new_right, new_up, new_down
+                    open_rows(new, open_, here, chains)
+                    open_ = new
                 v = base + i - 1
-        close(
-            left, right, up, down, ZERO, ZERO, ZERO, ZERO, s << SHIFT | v, across, opened,
-            pool, links, heads, fills, used, begin, last, task,
-        )  # fmt: skip
+        close_rows(open_, nowhere, s << SHIFT | v, chains)
 
 
 @device
-def touch(pieces, count, above, wide, tall):
-    """How the pieces between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
-    wide and tall whose first row is `above`: from `LEFT` to before `RIGHT`, from `UP` to before `DOWN`."""
-    rows = half_width_pointer(pieces)
-    for k in range(0, count, vector(rows)):
+def find_tiles(work, count, above, wide, tall):
+    """How the segments between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
+    wide and tall whose first row is `above`: rows WAY, BEGIN, LEFT, RIGHT, UP and DOWN of work."""
+    rows = half_width_pointer(work)
+    for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
         x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
@@ -223,41 +203,41 @@ def tile_of(there, x, low, high, per, more):
 
 
 @inlined
-def close(
-    left, right, up, down, new_left, new_right, new_up, new_down, end, across, opened,
-    pool, links, heads, fills, used, begin, last, task,
-):  # fmt: skip
-    """Append the parts that are open in tiles from left to before right, from up to before down, but for those that go
-    on; end: the strand above the vertex that they end in."""
-    for y in range(np.int64(up), np.int64(down)):
-        for x in range(np.int64(left), np.int64(right)):
-            if (x >= new_left) & (x < new_right) & (y >= new_up) & (y < new_down):
+def close_rows(old, new, end, chains):
+    """Append the rows of segments that are open in the tiles `old` but do not go on in `new`; end: the strand above the
+    vertex that they end in."""
+    task = chains.worker
+    for y in range(np.int64(old.up), np.int64(old.down)):
+        for x in range(np.int64(old.left), np.int64(old.right)):
+            if (x >= new.left) & (x < new.right) & (y >= new.up) & (y < new.down):
                 continue
-            tile = y * across + x
-            slot = fills[task, tile]
+            tile = y * chains.across + x
+            slot = chains.fills[task, tile]
             if slot & IN_BLOCK == 0:
-                slot = link(slot, tile, links, heads, used, begin, last, task)
-            fills[task, tile] = slot + 1
-            pool[slot, 0] = opened[tile]
-            pool[slot, 1] = end
+                slot = add_block(slot, tile, chains)
+            chains.fills[task, tile] = slot + 1
+            chains.pool[slot, 0] = chains.opened[tile]
+            chains.pool[slot, 1] = end
 
 
 @inlined
-def begin_in(left, right, up, down, old_left, old_right, old_up, old_down, here, across, opened):
-    """Open parts in tiles where none is open; here: where their run began, above the vertex."""
-    for y in range(np.int64(up), np.int64(down)):
-        for x in range(np.int64(left), np.int64(right)):
-            if not ((x >= old_left) & (x < old_right) & (y >= old_up) & (y < old_down)):
-                opened[y * across + x] = here
+def open_rows(new, old, here, chains):
+    """Open rows of segments in the tiles `new` where none is open from `old`; here: where their run began, above the
+    vertex."""
+    for y in range(np.int64(new.up), np.int64(new.down)):
+        for x in range(np.int64(new.left), np.int64(new.right)):
+            if not ((x >= old.left) & (x < old.right) & (y >= old.up) & (y < old.down)):
+                chains.opened[y * chains.across + x] = here
 
 
 @device
-def link(slot, tile, links, heads, used, begin, last, task):
+def add_block(slot, tile, chains):
     """The first slot of another block for a worker's chain in a tile, where the last one is full."""
-    block = min(begin + used[task], last)
-    used[task] += 1
+    task = chains.worker
+    block = min(chains.begin + chains.used[task], chains.last)
+    chains.used[task] += 1
     if slot == 0:
-        heads[task, tile] = block
+        chains.heads[task, tile] = block
     else:
-        links[(slot - 1) >> BLOCK_BITS] = block
+        chains.links[(slot - 1) >> BLOCK_BITS] = block
     return block << BLOCK_BITS

@@ -8,8 +8,10 @@ screen, with y down, that is from a strand's direction (dx, dy) toward (−dy, d
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
@@ -29,9 +31,9 @@ from ...common.kernels.batch import (
     TZ,
 )
 from ...common.kernels.keys import LOW
-from .column_light import COLUMNS, lit
+from .column_light import COLUMNS, Crossing, column_light
 from .masks import WHOLE
-from .tiles import PIXELS, TILE_WIDTH, corner
+from .tiles import PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -48,6 +50,44 @@ OFFSET = np.float32(0.5) * (_EDGES[1:] + _EDGES[:-1]).astype(np.float32)
 """Mean of h over each column."""
 HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
 """Mean of √(1 − h²) over each column, less that over all."""
+
+
+class Profiles(NamedTuple):
+    """The light across the width of some strands, at the n vertices that are wide."""
+
+    screen: NDArray[np.float32]
+    """(V, 3) as in `ScreenLines`."""
+    widths: NDArray[np.float32]
+    """(V,) samples."""
+    samples: np.float32
+    """Along each side of a pixel."""
+    start: np.float32
+    full: np.float32
+    """Widths in pixels from which departures from the average count, and count fully."""
+    slots: NDArray[np.int32]
+    """(V,) number of the vertex' profile, or −1."""
+    profile: NDArray[np.float32]
+    """(1 + m, n, COLUMNS + 1, 3) of what has no exact shadows, and of each of the m lights that have."""
+    shades: NDArray[np.uint64] | None
+    """(m, n, LINES) what exact shadows darken of the piece after each of these vertices; None: m is 0."""
+
+
+class Shown(NamedTuple):
+    """What a sample shows of a strand."""
+
+    x: int
+    y: int
+    """The sample."""
+    vertex: int
+    """The lit vertex before the place that is shown."""
+    along: np.float32
+    """That place on the way to the next lit vertex, 0 to 1."""
+    stride: int
+    """Vertices from a lit one to the next."""
+    weight: np.float32
+    """Share of the sample's light."""
+    points: np.uint64
+    """Points of the sample that show it (see `masks`)."""
 
 
 @device
@@ -97,8 +137,8 @@ def azimuth(work, k):
 @device
 def darken(work, n, which, slots, profile, row, clear):
     """Leave of the light that has been added since `remember` what exact shadows do: of its average over the width the
-    share `clear` (lights, V). Profiles of wide strands have all of it in their own `row`, for `lit`, and in the first
-    one what takes the place of the average."""
+    share `clear` (lights, V). Profiles of wide strands have all of it in their own `row`, for `column_light`, and in
+    the first one what takes the place of the average."""
     for c in range(3):
         for k in range(n):
             before = work[BEFORE + c * W + k]
@@ -156,14 +196,14 @@ def gathered(profile, slot, c, place):
 
 
 @device
-def add(
-    x, y, v, t, stride, weight, bits, table, screen, widths, samples, start, full, slots, profile, shades, shares,
-    image,
-):  # fmt: skip
-    """What a strand of this weight in the sample (x, y) departs from the light that is there: at a place t from the lit
-    vertex v to the next, v + stride; bits: the points of the sample where it is seen, if table is not None; shares
-    (COLUMNS,) float32 to work with. Departures
-    begin where a strand is `start` pixels wide, and count fully where it is `full`."""
+def add_departure(shown, table, profiles, shades, shares, image):
+    """Add what a strand's light in a sample departs from the average that is there.
+
+    shown: `Shown`; table: of `strandcli.draw.coverage.masks.sides`, or None: all points show it; shades: of `profiles`,
+    which are `Profiles`; shares (COLUMNS,) float32 to work with.
+    """
+    x, y, v, t, stride, weight, _ = shown
+    screen, widths, samples, start, full, slots, profile, _ = profiles
     if slots[v] < 0 and slots[v + stride] < 0:
         return
     past = t * np.float32(stride)
@@ -192,25 +232,24 @@ def add(
             two = departure(profile, slots, v + stride, c, low, high)
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
-        r, g, b = lit(
-            profile, shades, slots[v], after, t, HALF / size, bits, table, dx / size, dy / size, off, HALF * wide,
-            shares,
-        )  # fmt: skip
+        crossing = Crossing(dx / size, dy / size, off, HALF * wide)
+        r, g, b = column_light(
+            profile, shades, slots[v], after, t, HALF / size, shown.points, table, crossing, shares
+        )
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
 
 
 @parallel
-def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slots, profile, shades, image):
-    """Profiles in the picture of a z-buffer; keys, base, per, stride, screen, image as in `film.colours`, widths (V,)
-    in samples, of which there are so many along each side of a pixel; slots (V,) int32: number of a vertex' profile, or
-    −1; profile (1 + m, n, COLUMNS + 1, 3): of what has no exact shadows, and of each of the lights that have; shades
-    (m, n, LINES) uint64: what is dark of the piece after each vertex, or None."""
+def add_to_zbuffer(keys, base, per, stride, profiles, image):
+    """Departures in the picture of a z-buffer; keys, base, per, stride, image as in `film.colours`; profiles:
+    `Profiles`."""
     height, width, _ = image.shape
-    last = np.uint64(max(screen.shape[0] - 1, 0))
+    last = np.uint64(max(profiles.screen.shape[0] - 1, 0))
     for row in prange(height):
         y = np.int64(row)
+        screen, shades = profiles.screen, profiles.shades
         shares = np.empty(COLUMNS, np.float32)
         for x in range(width):
             number = (keys[y * width + x] & LOW) - np.uint64(base)
@@ -225,34 +264,31 @@ def over_seen(keys, base, per, stride, screen, widths, samples, start, full, slo
                 past = (v % per) % stride
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
-            add(
-                x, y, v, t, stride, ONE, WHOLE, None, screen, widths, samples, start, full, slots, profile, shades,
-                shares, image,
-            )  # fmt: skip
+            shown = Shown(x, y, v, t, stride, ONE, WHOLE)
+            add_departure(shown, None, profiles, shades, shares, image)
 
 
 @parallel
-def over_fragments(
-    begin, kept, place, weight, along, bits, table, stride, screen, widths, samples, start, full, slots, profile,
-    shades, top, image,
-):  # fmt: skip
-    """Profiles in the picture of sorted fragments, which are as `resolve.resolve` leaves them; bits (F,) uint64: the
-    points of its sample that each shows, by the table of `masks.sides`, or (0,): all of them; the rest as above."""
-    for one in prange(begin.shape[0]):
-        tile = np.int64(one)
-        f = begin[tile]
+def add_to_fragments(fragments, table, profiles, image):
+    """Departures in the picture of sorted fragments, `tiles.Fragments`; table: of `masks.sides`; profiles:
+    `Profiles`."""
+    for one in prange(fragments.begin.shape[0]):
+        number = np.int64(one)
+        f = fragments.begin[number]
         if f < 0:
             continue
-        y, x = corner(tile, image.shape[1], top)
+        tile = tile_at(number, fragments)
+        slots, shades = profiles.slots, profiles.shades
+        place, weight, along, seen = fragments.place, fragments.weight, fragments.along, fragments.seen
         shares = np.empty(COLUMNS, np.float32)
         for p in range(PIXELS):
-            end = f + np.int64(kept[tile * PIXELS + p])
+            end = f + np.int64(fragments.kept[number * PIXELS + p])
             while f < end:
                 v = np.int64(place[f])
                 if v < slots.shape[0]:  # beyond are the edges of solids
-                    add(
-                        x + p % TILE_WIDTH, y + p // TILE_WIDTH, v, along[f], stride, weight[f],
-                        WHOLE if bits.shape[0] == 0 else bits[f], table, screen, widths, samples, start, full, slots,
-                        profile, shades, shares, image,
+                    shown = Shown(
+                        tile.left + p % TILE_WIDTH, tile.top + p // TILE_WIDTH, v, along[f], fragments.stride,
+                        weight[f], WHOLE if seen.shape[0] == 0 else seen[f],
                     )  # fmt: skip
+                    add_departure(shown, table, profiles, shades, shares, image)
                 f += 1

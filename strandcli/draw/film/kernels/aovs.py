@@ -27,7 +27,7 @@ from ...common.kernels.view_columns import (
     UP_Z,
 )
 from ...coverage.kernels.composite import OPAQUE
-from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, corner
+from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, tile_at
 from ...lighting.kernels.light import toward
 from ...shadows.kernels import opacity, penumbra
 from ...shadows.kernels.minmax import transmittance
@@ -59,27 +59,28 @@ def nearest(keys, samples, width, y, x):
 
 
 @parallel
-def front(begin, kept, place, weight, along, stride, vertices, screen, width, top, least, keys, mask):
+def front(fragments, vertices, screen, least, keys, mask):
     """Put the strand that shows most in each pixel into a z-buffer of solids, where strands together show enough.
 
-    begin, kept, place, weight, along, stride: as `resolve.resolve` leaves them for the rows from `top` on of a
-    picture of this width; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
+    fragments: `tiles.Fragments`; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
     strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
     """
-    for one in prange(begin.shape[0]):
-        tile = np.int64(one)
-        o = begin[tile]
-        above, left = corner(tile, width, top)
+    for one in prange(fragments.begin.shape[0]):
+        number = np.int64(one)
+        o = fragments.begin[number]
+        tile = tile_at(number, fragments)
+        width, stride = fragments.width, fragments.stride
+        kept, place, weight, along = fragments.kept, fragments.place, fragments.weight, fragments.along
         for p in range(PIXELS):
-            if kept[tile * PIXELS + p] == 0:
+            if kept[number * PIXELS + p] == 0:
                 continue
-            x = left + p % TILE_WIDTH
-            y = above + p // TILE_WIDTH
+            x = tile.left + p % TILE_WIDTH
+            y = tile.top + p // TILE_WIDTH
             total = ZERO
             strands_ = ZERO
             most = ZERO
             best = o
-            end = o + np.int64(kept[tile * PIXELS + p])
+            end = o + np.int64(kept[number * PIXELS + p])
             for i in range(o, end):
                 total += weight[i]
                 if place[i] < vertices:

@@ -15,9 +15,9 @@ import math
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
+from ...common.kernels.bits import popcount
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels.column_light import LINES
-from ...coverage.kernels.masks import ones
 from ...geometry.kernels.silhouette import STEEPEST
 from .interval_bits import ALL, NONE, add_up
 from .occluder_intervals import BATCH, piece
@@ -123,8 +123,8 @@ def across(
                     pair, np.int64(0), a + p, views, one, sizes[one], cells[one], begin, keys, lines, low, high, veil,
                     bias, cuts, single,
                 )  # fmt: skip
-            left += np.int64(ones(~single[0]))
-            places += np.int64(ones(need))
+            left += np.int64(popcount(~single[0]))
+            places += np.int64(popcount(need))
         shades[slot, j : j + together] = single[0]
     return np.float32(left) / np.float32(places) if places > 0 else UNSEEN
 

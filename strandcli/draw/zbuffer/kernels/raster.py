@@ -13,7 +13,10 @@ A line takes one sample a pixel along its longer axis, where that axis crosses t
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
 from ...common.kernels.keys import LOW, SHIFT
@@ -27,6 +30,27 @@ TINY = np.float32(1e-6)
 """Pixels. What is shorter is a point, and draws nothing."""
 POINT = 24
 FIXED = np.float32(2.0**POINT)
+
+
+class Bands(NamedTuple):
+    """Strands listed by the band of rows of the screen that they touch."""
+
+    begin: NDArray[np.int64]
+    """(bands + 1,) where each band's list begins in `members`."""
+    members: NDArray[np.int32]
+    """(M,) strands, band by band, ascending in each."""
+    rows: int
+    """Height of a band."""
+    workers: int
+    """Tasks that share the bands."""
+
+
+class Window(NamedTuple):
+    """The rows top <= y < bottom of a picture of this width."""
+
+    top: int
+    bottom: int
+    width: int
 
 
 @function
@@ -76,26 +100,27 @@ def scatter(ranges, cursor, members):
 
 
 @parallel
-def visible(first, screen, widths, nearer, members, begin, width, height, rows, workers, base, keys):
+def visible(lines, depth_slope, bands_, width, height, base, keys):
     """Draw lines.
 
-    widths (V,) float32 pixels, or None for lines one pixel wide; nearer: of `camera.View.nearer`; members (M,) int32
-    strands listed band by band, begin (bands + 1,) int64; base: number added to a vertex index in the key; keys
-    (height * width,) uint64, drawn into. Each band of `rows` rows has one owner; the `workers` take them in turn, so
-    that busy bands are shared out.
+    lines: `ScreenLines`; depth_slope: `DepthSlope`; bands_: `Bands`; base: number added to a vertex index in the key;
+    keys (height * width,) uint64, drawn into. Each band has one owner; the workers take them in turn, so that busy
+    bands are shared out.
     """
-    for task in prange(workers):
-        for b in range(task, begin.shape[0] - 1, workers):
-            band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys)
+    for task in prange(bands_.workers):
+        for b in range(task, bands_.begin.shape[0] - 1, bands_.workers):
+            top = b * bands_.rows
+            window = Window(top, min(top + bands_.rows, height), width)
+            band(lines, lines.widths, depth_slope, bands_, b, window, base, keys)
 
 
 @device
-def band(first, screen, widths, nearer, members, begin, b, width, height, rows, base, keys):
-    """All that `visible` does in band number `b`."""
-    top = b * rows
-    bottom = min(top + rows, height)
-    above = np.float32(top)
-    below = np.float32(bottom)
+def band(lines, widths, depth_slope, bands_, b, window, base, keys):
+    """All that `visible` does in band number `b`, which is the rows of the window; widths: those of the lines."""
+    first, screen = lines.first, lines.screen
+    members, begin = bands_.members, bands_.begin
+    above = np.float32(window.top)
+    below = np.float32(window.bottom)
     for m in range(begin[b], begin[b + 1]):
         s = members[m]
         a = first[s]
@@ -114,24 +139,25 @@ def band(first, screen, widths, nearer, members, begin, b, width, height, rows, 
             if widths is None:
                 if max(y0, y1) < above or min(y0, y1) >= below:
                     continue
-                line(x0, y0, q0, x1, y1, q1, top, bottom, width, np.uint64(base + v - 1), keys)
+                line(x0, y0, q0, x1, y1, q1, window, np.uint64(base + v - 1), keys)
             else:
                 w0 = max(widths[v - 1], ONE)
                 w1 = max(widths[v], ONE)
                 w = max(w0, w1)
                 if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
-                ribbon(screen, v, a, first[s + 1], w0, w1, nearer, top, bottom, width, np.uint64(base + v - 1), keys)
+                ribbon(screen, v, a, first[s + 1], w0, w1, depth_slope, window, np.uint64(base + v - 1), keys)
 
 
 @device
-def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
-    """One segment into the rows top <= y < bottom.
+def line(x0, y0, q0, x1, y1, q1, window, identity, keys):
+    """Draw one segment into the rows of a `Window`.
 
     Which axis is longer, and which end comes first along it, is as good as random: both are chosen by selects, so that
     there is one loop and no branch to be guessed. Positions across the longer axis step in fixed point, 24 bits behind
     the point, whole steps from the first centre on the screen, so that the band's place does not matter.
     """
+    top, bottom, width = window
     wide = abs(x1 - x0) >= abs(y1 - y0)
     a0 = x0 if wide else y0
     b0 = y0 if wide else x0
@@ -169,11 +195,12 @@ def line(x0, y0, q0, x1, y1, q1, top, bottom, width, identity, keys):
 
 
 @device
-def ribbon(screen, v, begin, end, w0, w1, nearer, top, bottom, width, identity, keys):
-    """As `line`, the piece from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide: a sample
-    for each centre that its band covers, which ends where the next piece's begins (`joints.mitre`), straight across at
-    the strand's ends, and round where the strand turns too sharply for either. Depth is that of a strand's round side
-    toward the eye, as in `ribbon.ribbon`; one that is no wider than a pixel is flat."""
+def ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, keys):
+    """Draw the segment from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide, into the rows
+    of a `Window`: a sample for each centre that its band covers, which ends where the next segment's begins
+    (`joints.mitre`), straight across at the strand's ends, and round where the strand turns too sharply for either.
+    Depth is that of a strand's round side toward the eye; a strand that is no wider than a pixel is flat."""
+    top, bottom, width = window
     x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
     x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
     dx = x1 - x0
@@ -224,7 +251,7 @@ def ribbon(screen, v, begin, end, w0, w1, nearer, top, bottom, width, identity, 
             centre = np.float32(c) + HALF
             x = centre if flat else middle
             y = middle if flat else centre
-            forward, tilt = front(q0 + rise * t, HALF * broad, steep, x, y, dx, dy, nearer)
+            forward, tilt = front(q0 + rise * t, HALF * broad, steep, x, y, dx, dy, depth_slope)
             tilt *= turn
         b_low = np.int64(max(np.ceil(middle - half - HALF), least))
         b_high = np.int64(min(np.ceil(middle + half - HALF), most))
@@ -249,13 +276,13 @@ def near_by(x, y, wide):
 
 
 @device
-def front(q, half, steep, x, y, dx, dy, nearer):
+def front(q, half, steep, x, y, dx, dy, depth_slope):
     """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
     its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
     0 where strands are flat.
 
     q: in the middle, which the pixel (x, y) shows, where it grows by `steep` a pixel along the strand's direction (dx,
-    dy), of length 1; nearer: of `camera.View.nearer`. A ray (u, v, 1) that passes a slanted cylinder aside of the
+    dy), of length 1; depth_slope: `DepthSlope`. A ray (u, v, 1) that passes a slanted cylinder aside of the
     view's axis meets it further in front of its middle, and not at the same depth on both sides. With p and w, what of
     (u, v) lies along the strand and across it, and the strand's way E − g (u, v, 1), E = (dx, dy, 0), that is
 
@@ -263,11 +290,11 @@ def front(q, half, steep, x, y, dx, dy, nearer):
 
     the first terms in powers of half of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
     """
-    per = nearer[0] * q + nearer[1]
+    per = depth_slope.per_depth * q + depth_slope.constant
     if per <= ZERO:
         return ZERO, ZERO
-    u = (x - nearer[2]) * nearer[0]
-    v = (y - nearer[3]) * nearer[0]
+    u = (x - depth_slope.axis_x) * depth_slope.per_depth
+    v = (y - depth_slope.axis_y) * depth_slope.per_depth
     p = u * dx + v * dy
     w = v * dx - u * dy
     g = steep / per

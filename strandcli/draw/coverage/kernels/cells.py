@@ -24,6 +24,8 @@ Cells are gathered from many pieces, and what has no branches is one loop over t
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,10 +56,10 @@ INTEGERS = 6
 IN_CELLS = np.uint64(CELLS - 1)
 
 LANES = VECTOR // 2 // 4
-"""Of the vectors that `strip` has."""
+"""Of the vectors of a `half_width_pointer`."""
 
 
-def _listed() -> NDArray[np.float32]:
+def _lane_lists() -> NDArray[np.float32]:
     """(2^LANES, LANES) for each pattern of lanes their numbers, one after the other."""
     table = np.zeros((1 << LANES, LANES), np.float32)
     for bits, row in enumerate(table):
@@ -67,65 +69,95 @@ def _listed() -> NDArray[np.float32]:
 
 
 EACH = np.uint64(LANES)
-LISTED = _listed()
+LISTED = _lane_lists()
 HOW_MANY = np.array([bits.bit_count() for bits in range(1 << LANES)], np.uint8)
 
 
+class Target(NamedTuple):
+    """The tile whose fragments are found: the rows top <= y < bottom, the columns left <= x < right."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+    place_bits: int
+    """As in `tiles.Fragments`."""
+    occlusion_depth: NDArray[np.float32]
+    """(PIXELS,) depth number behind which nothing is seen; 0 where all is."""
+    found: NDArray[np.int32]
+    """(capacity * `NUMBERS`,) the fragments, as many as find room."""
+    counts: NDArray[np.int32]
+    """(PIXELS,) fragments of each pixel."""
+
+
+class Work(NamedTuple):
+    """What segments and cells are worked on in."""
+
+    segments: NDArray[np.float32]
+    """(`segments.ROWS` * `segments.ROW`,)"""
+    cells: NDArray[np.float32]
+    """(ROWS * CELLS,)"""
+    numbers: NDArray[np.int32]
+    """(INTEGERS * CELLS,) what of cells is whole."""
+
+
 @device
-def fragments(work, cells, n, bits, top, bottom, left, right, veil, found, counts, m):
+def cover_cells(work, n, target, m):
     """Add what the first n cells cover of a tile, but for what a solid hides, to the m fragments found before; returns
-    how many there are then. veil (PIXELS,) float32: depth number in front of which nothing is hidden; the rest as in
-    `gather.gather`.
+    how many there are then.
 
     Which pixels stay is hard to guess: each is written, and kept or not.
     """
-    cover(work, n)
-    locate(work, cells, n, bits, top, bottom, left, right)
+    cells = work.cells
+    numbers = work.numbers
+    found = target.found
+    cover(cells, n)
+    locate(cells, numbers, n, target)
     room = np.uint64(found.shape[0] // NUMBERS - 1)
     o = np.uint64(m)
-    for i in range(np.uint64(choose(work, n))):
-        which = np.uint64(np.int64(work[np.uint64(CHOSEN) + i]))
+    for i in range(np.uint64(choose(cells, n))):
+        which = np.uint64(np.int64(cells[np.uint64(CHOSEN) + i]))
         k = which & IN_CELLS
-        pixel = cells[np.uint64(PIXEL) + which]
-        depth = work[np.uint64(DEPTH) + k]
+        pixel = numbers[np.uint64(PIXEL) + which]
+        depth = cells[np.uint64(DEPTH) + k]
         at = min(o, room) * np.uint64(NUMBERS)
         found[at] = np.float32(depth).view(np.int32)
-        found[at + np.uint64(1)] = np.float32(work[np.uint64(COVERED) + which]).view(np.int32)
-        found[at + np.uint64(2)] = cells[np.uint64(VERTEX) + k]
-        found[at + np.uint64(3)] = cells[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
-        seen = depth >= veil[np.uint64(pixel)]
-        counts[np.uint64(pixel)] += np.int64(seen)
+        found[at + np.uint64(1)] = np.float32(cells[np.uint64(COVERED) + which]).view(np.int32)
+        found[at + np.uint64(2)] = numbers[np.uint64(VERTEX) + k]
+        found[at + np.uint64(3)] = numbers[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
+        seen = depth >= target.occlusion_depth[np.uint64(pixel)]
+        target.counts[np.uint64(pixel)] += np.int64(seen)
         o += np.uint64(seen)
     return np.int64(o)
 
 
 @device
-def locate(work, cells, n, bits, top, bottom, left, right):
+def locate(work, cells, n, target):
     """Where in the tile the three pixels of each of the first n cells lie; those outside of it are not covered. And
-    where on their strand, `PLACE` having been that of the piece."""
-    most = np.int32(np.int64(1) << bits) - np.int32(1)
+    where on their strand, `PLACE` having been that of the segment."""
+    most = np.int32(np.int64(1) << target.place_bits) - np.int32(1)
     fine = np.float32(most) + ONE
-    wide = np.uint32(right - left)
-    tall = np.uint32(bottom - top)
-    left = np.int32(left)
-    top = np.int32(top)
+    wide = np.uint32(target.right - target.left)
+    tall = np.uint32(target.bottom - target.top)
+    left = np.int32(target.left)
+    top = np.int32(target.top)
     for k in range(n):
         cells[PLACE + k] += min(np.int32(work[ALONG + k] * fine), most)
         along = np.int32(work[CELL + k])
         way = cells[FLAT_WAY + k]
         over = np.int32(work[ROW + k])
-        cells[PIXEL + k], inside = lie(along, over, way, left, top, wide, tall)
+        cells[PIXEL + k], inside = pixel_of(along, over, way, left, top, wide, tall)
         work[COVERED + k] = work[COVERED + k] if inside else ZERO
         over = np.int32(over + np.int32(1))
-        cells[PIXEL + CELLS + k], inside = lie(along, over, way, left, top, wide, tall)
+        cells[PIXEL + CELLS + k], inside = pixel_of(along, over, way, left, top, wide, tall)
         work[COVERED + CELLS + k] = work[COVERED + CELLS + k] if inside else ZERO
         over = np.int32(over + np.int32(1))
-        cells[PIXEL + 2 * CELLS + k], inside = lie(along, over, way, left, top, wide, tall)
+        cells[PIXEL + 2 * CELLS + k], inside = pixel_of(along, over, way, left, top, wide, tall)
         work[COVERED + 2 * CELLS + k] = work[COVERED + 2 * CELLS + k] if inside else ZERO
 
 
 @inlined
-def lie(along, over, way, left, top, wide, tall):
+def pixel_of(along, over, way, left, top, wide, tall):
     """A pixel of the tile and whether it is inside, by column and row or the other way about."""
     swap = np.int32((along ^ over) & way)
     x = np.int32(np.int32(over ^ swap) - left)

@@ -1,0 +1,23 @@
+"""How depth numbers grow toward the eye, as kernels take it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class DepthSlope(NamedTuple):
+    """What a view's depth number q grows by over the length of a pixel toward the eye: per_depth · q + constant."""
+
+    per_depth: np.float32
+    """Tangent of the angle that a pixel next to the view's axis spans; 0 for an orthographic view."""
+    constant: np.float32
+    """0 for a perspective view."""
+    axis_x: np.float32
+    axis_y: np.float32
+    """Pixel that the view's axis goes through."""
+
+
+FLAT = DepthSlope(np.float32(0), np.float32(0), np.float32(0), np.float32(0))
+"""Draws wide strands as flat bands, whose depth is that of their middle line."""
