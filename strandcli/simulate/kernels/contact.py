@@ -34,6 +34,9 @@ SLACK = 1e-6
 STEEP = 0.01
 """Share of an edge across an axis, squared, below which rounding along the axis is to be taken out of it."""
 ROUNDS = 3
+"""Turns off solids that overlap; twice as many where whole edges are kept out, and then as many of the end alone."""
+UNBOUND = 1e18
+"""Limit of d·axis where no solid has turned an edge yet."""
 LIGHTEST = 1e-6
 """Share of a particle's own mobility that is never undercut."""
 
@@ -101,20 +104,66 @@ def across(d, axis, inverse, square):
 
 
 @inlined
+def both(d, one, one_inverse, one_limit, two, two_inverse, two_limit):
+    """The unit vector nearest to d that makes d·one = one_limit and d·two = two_limit, and whether there is any.
+
+    d = α one + β two ± γ one × two, where α and β solve the two equations and γ is left for the length; `one_inverse`
+    and `two_inverse` are 1 over the squares of the two axes."""
+    share = dot(one, two) * one_inverse
+    # of the second axis what is across the first, and what d has to have along it
+    p = along(two, -share, one)
+    square = dot(p, p)
+    steep = square * two_inverse > LEAST  # else the axes are parallel
+    along_one = one_limit * one_inverse
+    along_two = (two_limit - share * one_limit) / max(square, TINY)
+    left = 1.0 - along_one * one_limit - along_two * along_two * square
+    c = one[1] * p[2] - one[2] * p[1], one[2] * p[0] - one[0] * p[2], one[0] * p[1] - one[1] * p[0]
+    size = sqrt(max(left, 0.0) / max(dot(c, c), TINY))
+    size = where(dot(d, c) < 0.0, -size, size)
+    return along(along((along_one * one[0], along_one * one[1], along_one * one[2]), along_two, p), size, c), (
+        steep & (left >= 0.0)
+    )
+
+
+@inlined
 def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, first):
-    """Turn an edge from q along d off every solid that its end is in; overlapping ones take turns a few times."""
+    """Turn an edge from q along d off every solid that its end is in.
+
+    One solid after the other turns it, the deepest first. With ``whole``, where the edge itself is to be kept out, what
+    one solid asks for is often what another forbids, and turns to and fro need not come to an end: an edge that would
+    be turned back into the solid before goes to where the two circles cross. Whatever that leaves, the end is turned
+    out alone: no segment is kept out at the price of its particle."""
     # or short edges would be turned for the rounding of where they begin, again and again
     slack = max(SLACK * length, rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
-    for _ in range(ROUNDS):
+    rounds = 3 * ROUNDS if whole else ROUNDS
+    zero = broadcast(length, 0.0)
+    last, last_inverse, limit = (zero, zero, zero), zero, broadcast(length, UNBOUND)
+    settled = False  # whether all that is left to do is to turn the end out alone
+    for k in range(rounds):
+        edges = whole and not settled and k < 2 * ROUNDS
         x, y, z = along(q, length, d)
-        depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, whole, first)
+        depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, edges, first)
         inside = depth > slack
         if not any_lane(inside):
-            break
+            if not edges:
+                break
+            settled = True
+            continue
         axis, inverse, share, square = circle(s, found, q, load(s, OVER))
-        d = select(inside, along(across(d, axis, inverse, square), share, axis), d)
+        turned = along(across(d, axis, inverse, square), share, axis)
+        if whole:
+            bound = share / inverse
+            back = inside & (dot(turned, last) > limit)
+            if any_lane(back):
+                crossing, there = both(d, last, last_inverse, limit, axis, inverse, bound)
+                turned = select(back & there, crossing, turned)
+            last, last_inverse = select(inside, axis, last), where(inside, inverse, last_inverse)
+            limit = where(inside, bound, limit)
+        d = select(inside, turned, d)
         if not any_lane(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
-            break
+            if not edges:
+                break
+            settled = True
     return d
 
 
