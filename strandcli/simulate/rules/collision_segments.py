@@ -2,8 +2,9 @@
 
 The deepest point of the segment lies at a share t of the way from the parent to the particle. Moving the particle by
 depth / t along the surface normal there brings that point out, exactly for a flat surface. Where t is small the parent
-itself is at the surface, and the push is bounded by `REACH`. The sweeps repeat: a few times is enough because later
-steps go on from there.
+itself is at the surface, and the push is bounded by `REACH`. The segment then gets the length back that it had: it has
+been turned, not stretched, so that elasticity, where it comes after collision, does not pull its particle from the
+surface into another solid. The sweeps repeat: a few times is enough because later steps go on from there.
 """
 
 from __future__ import annotations
@@ -53,9 +54,13 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 size = math.sqrt(max(cx * cx + cy * cy + cz * cz, tiny))
                 out = r if centred else max(r - size, ZERO)
                 out = out / (max(t, REACH) * size) if t > ZERO else ZERO
-                x[k] += cx * out
-                x[W + k] += cy * out
-                x[2 * W + k] += cz * out
+                nx = ex + cx * out
+                ny = ey + cy * out
+                nz = ez + cz * out
+                keep = math.sqrt((ex * ex + ey * ey + ez * ez) / max(nx * nx + ny * ny + nz * nz, tiny))
+                x[k] = parent[k] + nx * keep if out > ZERO else x[k]
+                x[W + k] = parent[W + k] + ny * keep if out > ZERO else x[W + k]
+                x[2 * W + k] = parent[2 * W + k] + nz * keep if out > ZERO else x[2 * W + k]
 
 
 def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
@@ -123,9 +128,13 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
                 size = math.sqrt(max(cx * cx + cy * cy + cz * cz, tiny))
                 out = r if centred else max(r - size, ZERO)
                 out = out / (max(t, REACH) * size) if t > ZERO else ZERO
-                x[k] += cx * out
-                x[W + k] += cy * out
-                x[2 * W + k] += cz * out
+                nx = ex + cx * out
+                ny = ey + cy * out
+                nz = ez + cz * out
+                keep = math.sqrt((ex * ex + ey * ey + ez * ez) / max(nx * nx + ny * ny + nz * nz, tiny))
+                x[k] = parent[k] + nx * keep if out > ZERO else x[k]
+                x[W + k] = parent[W + k] + ny * keep if out > ZERO else x[W + k]
+                x[2 * W + k] = parent[2 * W + k] + nz * keep if out > ZERO else x[2 * W + k]
 
 
 def box(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
@@ -169,6 +178,10 @@ def box(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i
                 by_u = by_u if u >= ZERO else -by_u
                 by_v = by_v if v >= ZERO else -by_v
                 by_w = by_w if w >= ZERO else -by_w
-                x[k] += p[s, 3] * by_u + p[s, 4] * by_v + p[s, 5] * by_w
-                x[W + k] += p[s, 6] * by_u + p[s, 7] * by_v + p[s, 8] * by_w
-                x[2 * W + k] += p[s, 9] * by_u + p[s, 10] * by_v + p[s, 11] * by_w
+                nx = ex + p[s, 3] * by_u + p[s, 4] * by_v + p[s, 5] * by_w
+                ny = ey + p[s, 6] * by_u + p[s, 7] * by_v + p[s, 8] * by_w
+                nz = ez + p[s, 9] * by_u + p[s, 10] * by_v + p[s, 11] * by_w
+                keep = math.sqrt((ex * ex + ey * ey + ez * ez) / max(nx * nx + ny * ny + nz * nz, tiny))
+                x[k] = parent[k] + nx * keep if inside > ZERO else x[k]
+                x[W + k] = parent[W + k] + ny * keep if inside > ZERO else x[W + k]
+                x[2 * W + k] = parent[2 * W + k] + nz * keep if inside > ZERO else x[2 * W + k]
