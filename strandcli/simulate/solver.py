@@ -95,18 +95,23 @@ class Solver(ABC):
         return self.groom.emitted(self.lengths.reshape(-1)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
-        """Greatest stretch (a share of the rest length), greatest depth inside a solid (metres; None where nothing is
-        collided with) and the number of coordinates that are not finite, at a frame."""
+        """Errors at a frame: ``stretch_max``, the greatest error of a segment's length, a share of its rest length;
+        ``penetration_max``, the greatest depth of a particle in a solid, and ``segment_penetration_max``, that of any
+        place of a segment, both in metres and None where nothing is collided with; ``residual_max``; ``nonfinite``, the
+        number of coordinates that are not finite. Roots are left out, and of a first segment only what is deeper than
+        its root counts."""
         out = np.zeros((len(self.positions), 2), np.float32)
         measure.strands(self.positions, self.lengths, out)
+        particle, segment = self._depths(max((frame - 1) / self.scene.time.fps, 0.0))
         return {
             "stretch_max": float(out[:, 0].max()),
-            "penetration_max": self._depth(max((frame - 1) / self.scene.time.fps, 0.0)),
+            "penetration_max": particle,
+            "segment_penetration_max": segment,
             "residual_max": self.residual(),
             "nonfinite": int(out[:, 1].sum()),
         }
 
-    def _depth(self, time: float) -> float | None:
+    def _depths(self, time: float) -> tuple[float, float] | tuple[None, None]:
         touched = {
             id(solid): solid
             for use in self.scene.rules
@@ -114,8 +119,7 @@ class Solver(ABC):
             for solid in collision_rule.chosen(use.parameters, self.scene)
         }
         if not touched:
-            return None
-        packed = solids.pack_all(list(touched.values()), self.scene.emitter, time)
-        out = np.zeros(len(self.positions), np.float32)
-        measure.depth(self.positions, packed, out)
-        return float(out.max())
+            return None, None
+        out = np.zeros((len(self.positions), 2), np.float32)
+        measure.depths(self.positions, solids.pack_all(list(touched.values()), self.scene.emitter, time), out)
+        return float(out[:, 0].max()), float(out[:, 1].max())

@@ -87,7 +87,6 @@ def random_scene(seed: int, solver: str, segments: bool) -> Scene:
     own = ["elasticity"] if solver == "thesis" else []
     rules = ["emitter_motion", "gravity", {"wind": {"strength": float(r.uniform(0.1, 60))}}, *own]
     data = {
-    data = {
         "solver": solver, "emitter": emitter, "solids": solids,
         "rules": [*rules, {"collision": {"segments": segments}}],
         "time": {"frames": 12, "fps": 24, "substeps": int(r.choice([1, 2, 4]))},

@@ -139,12 +139,15 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
     zero = broadcast(length, 0.0)
     last, last_inverse, limit = (zero, zero, zero), zero, broadcast(length, UNBOUND)
     settled = False  # whether all that is left to do is to turn the end out alone
+    best, least = d, broadcast(length, UNBOUND)
     for k in range(rounds):
         edges = whole and not settled and k < 2 * ROUNDS
         x, y, z = along(q, length, d)
         depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, edges, first)
         inside = depth > slack
-        if not any_lane(inside):
+        if whole and not edges:
+            best, least = select(depth < least, d, best), min(depth, least)
+        if not any_lane(inside) or (whole and k == rounds - 1):
             if not edges:
                 break
             settled = True
@@ -161,9 +164,11 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
             limit = where(inside, bound, limit)
         d = select(inside, turned, d)
         if not any_lane(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
-            if not edges:
+            if not whole:
                 break
             settled = True
+    if whole:  # overlapping solids may leave no way out: then the one that is least deep
+        d = select(least < UNBOUND, best, d)
     return d
 
 

@@ -7,12 +7,14 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, parallel, prange
-from ...simd import broadcast, lane_count, load3, pointer, reduce_max
+from ...jit import function, inlined, parallel, prange
+from ...simd import any_lane, broadcast, lane_count, load3, pointer, reduce_max, sqrt
 from ...solids.kernels import box, capsule, plane, sphere
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
+ROW = 3 * W
+"""Numbers of a row of positions."""
 
 
 @parallel
@@ -44,32 +46,58 @@ def strands(positions, lengths, out):
 
 
 @parallel
-def depth(positions, solids, out):
-    """Greatest depth of a particle inside a solid, roots left out, metres.
+def depths(positions, solids, out):
+    """Greatest depth of a particle and of any place of a segment inside a solid, metres.
 
-    positions as above; solids: `strandcli.solids.Solids`; out (blocks,) float32.
+    positions as above; solids: a `strandcli.solids.Solids`; out (blocks, 2) float32. Roots are left out, for no solver
+    moves them, and of the first segment only what is deeper than its root counts.
     """
     for b in prange(positions.shape[0]):
-        out[b] = deepest(positions, np.int64(b), solids)
+        out[b, 0], out[b, 1] = deepest(positions, np.int64(b), solids)
 
 
 @function
 def deepest(positions, b, solids):
-    """That of one block."""
-    rows = positions.shape[1]
-    where, balls, pills = pointer(positions), pointer(solids.spheres), pointer(solids.capsules)
-    flats, cubes = pointer(solids.planes), pointer(solids.boxes)
-    most = broadcast(where, 0.0)
-    for i in range(2, rows):
-        for k in range(0, W, lane_count(where)):
-            x, y, z = load3(where, (b * rows + i) * 3 * W + k, W)
-            for m in range(0, solids.spheres.size, solids.spheres.shape[1]):
-                dx, dy, dz = x - balls[m], y - balls[m + 1], z - balls[m + 2]
-                most = max(most, sphere.under(dx, dy, dz, balls[m + sphere.RADIUS]))
-            for m in range(0, solids.capsules.size, solids.capsules.shape[1]):
-                most = max(most, capsule.depth(pills, m, x, y, z))
-            for m in range(0, solids.planes.size, solids.planes.shape[1]):
-                most = max(most, plane.depth(flats, m, x, y, z))
-            for m in range(0, solids.boxes.size, solids.boxes.shape[1]):
-                most = max(most, box.depth(cubes, m, x, y, z)[0])
-    return reduce_max(most)
+    """Both of block b."""
+    spheres, capsules, planes, boxes = solids
+    x = pointer(positions)
+    balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
+    most = broadcast(x, 0.0)
+    along = most
+    for i in range(2, positions.shape[1]):
+        first = i == 2
+        for k in range(0, W, lane_count(x)):
+            p = load3(x, (b * positions.shape[1] + i - 1) * ROW + k, W)
+            q = load3(x, (b * positions.shape[1] + i) * ROW + k, W)
+            e = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+            size = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+            for m in range(0, spheres.size, spheres.shape[1]):
+                depth = sphere.depth(balls, m, q[0], q[1], q[2])
+                most = max(most, depth)
+                if any_lane(depth + size > 0.0):
+                    under = sphere.depth(balls, m, p[0], p[1], p[2])
+                    along = max(along, beyond_root(sphere.segment_depth(balls, m, p, e), under, first))
+            for m in range(0, capsules.size, capsules.shape[1]):
+                depth = capsule.depth(pills, m, q[0], q[1], q[2])
+                most = max(most, depth)
+                if any_lane(depth + size > 0.0):
+                    under = capsule.depth(pills, m, p[0], p[1], p[2])
+                    along = max(along, beyond_root(capsule.segment_depth(pills, m, p, e), under, first))
+            for m in range(0, planes.size, planes.shape[1]):
+                depth = plane.depth(flats, m, q[0], q[1], q[2])
+                most = max(most, depth)
+                under = plane.depth(flats, m, p[0], p[1], p[2])
+                along = max(along, beyond_root(max(depth, under), under, first))
+            for m in range(0, boxes.size, boxes.shape[1]):
+                depth = box.depth(cubes, m, q[0], q[1], q[2])[0]
+                most = max(most, depth)
+                if any_lane(depth + size > 0.0):
+                    under = box.depth(cubes, m, p[0], p[1], p[2])[0]
+                    along = max(along, beyond_root(box.segment_depth(cubes, m, p, e), under, first))
+    return reduce_max(most), reduce_max(along)
+
+
+@inlined
+def beyond_root(depth, under, first):
+    """A segment's depth; of the ``first``, whose root is ``under`` the surface, what is deeper than that."""
+    return depth - max(under, 0.0) if first else depth

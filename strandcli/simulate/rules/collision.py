@@ -63,6 +63,7 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
     kinds = [kind for kind in points if any(solid.kind == kind for solid in chosen(parameters, scene))]
     caught = [kind for kind in kinds if parameters.segments and kind in through]
-    return [Pass(through[kind], prepare(kind)) for kind in caught] + [
-        Pass(points[kind], prepare(kind)) for kind in kinds
-    ]
+    ends = [Pass(points[kind], prepare(kind)) for kind in kinds]
+    if caught and len(chosen(parameters, scene)) > 1:  # a turned segment may have put its end into another solid
+        ends *= 2
+    return [Pass(through[kind], prepare(kind)) for kind in caught] + ends

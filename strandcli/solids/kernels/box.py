@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...constants import W
-from ...jit import device
+from ...jit import device, inlined
 from ...simd import broadcast, where
 from ..shapes.box import HALF, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
@@ -18,6 +18,8 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
+NONE = 1e-30
+"""Least slope by which anything is divided."""
 DEEPEST = 1e20
 """More than any depth."""
 
@@ -109,6 +111,39 @@ def depth(p, m, x, y, z):
         ny = where(nearer, sign * p[m + ROW_Y + k], ny)
         nz = where(nearer, sign * p[m + ROW_Z + k], nz)
     return best, nx, ny, nz
+
+
+@inlined
+def below_faces(p, m, u, v, w):
+    """Depth below the nearest face of a point of the box's own frame."""
+    return min(min(p[m + HALF] - abs(u), p[m + HALF + 1] - abs(v)), p[m + HALF + 2] - abs(w))
+
+
+@device
+def segment_depth(p, m, start, edge):
+    """As `sphere.segment_depth`; outside it is no distance. The depth below each of six faces is linear along the
+    segment, so the greatest of the least of them is at an end, midway between opposite faces, or where two others are
+    equally near."""
+    x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
+    u, v, w = across(p, m, 0, x, y, z), across(p, m, 1, x, y, z), across(p, m, 2, x, y, z)
+    du, dv = across(p, m, 0, edge[0], edge[1], edge[2]), across(p, m, 1, edge[0], edge[1], edge[2])
+    dw = across(p, m, 2, edge[0], edge[1], edge[2])
+    most = max(below_faces(p, m, u, v, w), below_faces(p, m, u + du, v + dv, w + dw))
+    for k in range(15):
+        if k < 3:
+            at = u if k == 0 else (v if k == 1 else w)
+            slope = du if k == 0 else (dv if k == 1 else dw)
+        else:  # of two pairs of faces one each: half - sign a = other - side b
+            pair = (k - 3) // 4
+            a, da, half = (u, du, p[m + HALF]) if pair < 2 else (v, dv, p[m + HALF + 1])
+            b, db, other = (v, dv, p[m + HALF + 1]) if pair == 0 else (w, dw, p[m + HALF + 2])
+            sign = 1.0 if k % 4 < 2 else -1.0
+            side = 1.0 if k % 2 == 0 else -1.0
+            at, slope = sign * a - side * b - (half - other), sign * da - side * db
+        steep = abs(slope) > NONE
+        t = min(max(where(steep, -at / where(steep, slope, 1.0), 0.0), 0.0), 1.0)
+        most = max(most, below_faces(p, m, u + t * du, v + t * dv, w + t * dw))
+    return most
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
+from ...simd import where
 from ..shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, LEAST, PER_SQUARE, RADIUS, X, Y, Z
 from . import sphere
 
@@ -20,6 +21,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
+PARALLEL = 1e-12
+"""Squared sine of the angle under which two segments count as parallel."""
 
 
 @inlined
@@ -122,6 +125,27 @@ def depth(p, m, x, y, z):
     """Depth of points in a capsule; vectors of lanes."""
     ox, oy, oz = on_axis(p, m, x, y, z)
     return sphere.under(x - ox, y - oy, z - oz, p[m + RADIUS])
+
+
+@device
+def segment_depth(p, m, start, edge):
+    """As `sphere.segment_depth`, by the closest points of two segments (Ericson 2005, §5.1.9)."""
+    ax, ay, az = p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
+    x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
+    ee = max(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2], sphere.NONE)
+    aa = max(ax * ax + ay * ay + az * az, sphere.NONE)
+    ea = edge[0] * ax + edge[1] * ay + edge[2] * az
+    er = edge[0] * x + edge[1] * y + edge[2] * z
+    ar = ax * x + ay * y + az * z
+    area = ee * aa - ea * ea
+    t = (ea * ar - er * aa) / max(area, sphere.NONE)
+    t = where(area > PARALLEL * ee * aa, min(max(t, 0.0), 1.0), 0.0)
+    u = min(max((ar + t * ea) / aa, 0.0), 1.0)
+    t = min(max((u * ea - er) / ee, 0.0), 1.0)
+    u = min(max((ar + t * ea) / aa, 0.0), 1.0)
+    return sphere.under(
+        x + t * edge[0] - u * ax, y + t * edge[1] - u * ay, z + t * edge[2] - u * az, p[m + RADIUS]
+    )  # fmt: skip
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -16,6 +16,8 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
+NONE = 1e-30
+"""Least square of a segment's length, in m², by which anything is divided."""
 
 
 @device
@@ -82,6 +84,22 @@ def off(x, y, z, ox, oy, oz, r):
 def under(dx, dy, dz, r):
     """Depth, in a ball of radius r, of points (dx, dy, dz) away from its centre; vectors of lanes."""
     return r - sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@device
+def depth(p, m, x, y, z):
+    """Depth of points in the ball whose row begins at m; vectors of lanes."""
+    return under(x - p[m + X], y - p[m + Y], z - p[m + Z], p[m + RADIUS])
+
+
+@device
+def segment_depth(p, m, start, edge):
+    """Greatest depth in a ball of the places of a segment from ``start`` along ``edge``: that of the nearest to the
+    centre; vectors of lanes. Not positive outside."""
+    x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
+    square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
+    t = min(max(-(x * edge[0] + y * edge[1] + z * edge[2]) / max(square, NONE), 0.0), 1.0)
+    return under(x + t * edge[0], y + t * edge[1], z + t * edge[2], p[m + RADIUS])
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
