@@ -202,7 +202,8 @@ def test_errors_are_measured() -> None:
     scene = scene_of(HANGING % (3, 10, 1, "collision") + "solids: [{kind: sphere, radius: 1, position: [3, 0, 0]}]\n")
     solver = solver_of(scene, plain=True)
     assert solver.errors(1) == {
-        "stretch_max": 0.0, "penetration_max": 0.0, "segment_penetration_max": 0.0, "residual_max": None, "nonfinite": 0,
+        "stretch_max": 0.0, "penetration_max": 0.0, "segment_penetration_max": 0.0, "residual_max": None,
+        "nonfinite": 0,
     }  # fmt: skip
     solver.positions[:, 3, :W] = 2.25  # the tip's x; the parent's is 0.5
     errors = solver.errors(1)
