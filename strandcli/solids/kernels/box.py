@@ -125,9 +125,9 @@ def segment_depth(p, m, start, edge):
     segment, so the greatest of the least of them is at an end, midway between opposite faces, or where two others are
     equally near."""
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
-    u, v, w = across(p, m, 0, x, y, z), across(p, m, 1, x, y, z), across(p, m, 2, x, y, z)
-    du, dv = across(p, m, 0, edge[0], edge[1], edge[2]), across(p, m, 1, edge[0], edge[1], edge[2])
-    dw = across(p, m, 2, edge[0], edge[1], edge[2])
+    u, v, w = own(p, m, 0, x, y, z), own(p, m, 1, x, y, z), own(p, m, 2, x, y, z)
+    du, dv = own(p, m, 0, edge[0], edge[1], edge[2]), own(p, m, 1, edge[0], edge[1], edge[2])
+    dw = own(p, m, 2, edge[0], edge[1], edge[2])
     most = max(below_faces(p, m, u, v, w), below_faces(p, m, u + du, v + dv, w + dw))
     for k in range(15):
         if k < 3:
