@@ -138,8 +138,11 @@ class Service:
         """End all workers."""
         with self._lock:
             self.rest()
-            if self._first is not None and self._process == os.getpid():
-                self._first.stop()
+            if self._first is not None:
+                if self._process == os.getpid():
+                    self._first.stop()
+                else:
+                    self._first.forget()
             self._first = None
 
     def _asked(self, preload: bool = False) -> Worker | None:

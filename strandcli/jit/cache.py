@@ -12,6 +12,7 @@ import hashlib
 import os
 import pickle
 import platform
+import stat
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -120,9 +121,15 @@ class KernelCache(_Cache):
 
 
 def _read(path: Path) -> bytes:
-    """The content of an entry, whose time says at least to the day when it was last used."""
-    with open(path, "rb") as entry:
-        if os.fstat(entry.fileno()).st_mtime < time.time() - folder.DAY:
+    """The content of an entry, whose time says at least to the day when it was last used.
+
+    Raises `OSError`, and `ValueError` for what is no file.
+    """
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as entry:
+        status = os.fstat(entry.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise ValueError("it is no file")
+        if status.st_mtime < time.time() - folder.DAY:
             with contextlib.suppress(OSError):
                 os.utime(path)
         return entry.read()

@@ -126,7 +126,10 @@ def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
 def _load(text: str, folder: Path) -> Callable[..., None]:
     name = f"step_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     path = folder / f"{name}.py"
-    kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
+    try:
+        kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
+    except OSError:
+        kept = False
     kept = kept or cache.write(path, text.encode())
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None

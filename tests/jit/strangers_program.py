@@ -1,0 +1,262 @@
+"""Somebody else's Numba code, as a program: prints what it computes, after a scene has been rendered or without.
+
+With the argument ``plain`` strandcli is never imported; with ``rendered`` a scene is rendered first, and what that has
+changed in Numba and in the process is printed to stderr.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import os
+import signal
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+import numba
+import numpy as np
+from numba import float64, guvectorize, njit, prange, stencil, typed, types, vectorize
+from numba.core import event
+from numba.core.errors import TypingError
+from numba.experimental import jitclass
+from numba.extending import overload
+
+WATCHED = {
+    "numba.core.codegen": ["CPUCodeLibrary", "JITCPUCodegen", "CodeLibrary"],
+    "numba.core.dispatcher": ["_FunctionCompiler", "Dispatcher", "_DispatcherBase"],
+    "numba.core.registry": ["CPUDispatcher"],
+    "numba.core.targetconfig": ["TargetConfig", "ConfigStack"],
+    "numba.core.types.functions": ["Function"],
+    "numba.core.ir": ["Inst", "FunctionIR"],
+    "numba.core.ir_utils": [],
+    "numba.core.compiler_machinery": ["PassManager"],
+    "numba.core.compiler": ["CompilerBase", "CompileResult"],
+    "numba.core.postproc": ["PostProcessor"],
+    "numba.core.caching": ["_Cache", "FunctionCache", "IndexDataCacheFile"],
+    "numba.core.event": [],
+    "numba": [],
+}
+
+
+def state() -> dict[str, object]:
+    """What a library may not change: settings, listeners, garbage collection, and Numba's functions by identity."""
+    from llvmlite.binding import ffi
+
+    numba.get_num_threads()
+    listeners = {name: list(found) for name, found in event._registered.items() if found}
+    kept: dict[str, object] = {
+        "config": {name: value for name, value in vars(numba.config).items() if name.isupper()},
+        "environ": dict(os.environ),
+        "gc": (gc.get_threshold(), gc.isenabled(), len(gc.callbacks)),
+        "listeners": listeners,
+        "lock callbacks": list(ffi.lib._lock._cblist),
+        "threads": numba.get_num_threads(),
+        "signals": [signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)],
+        "floating point": np.geterr(),
+        "path": list(sys.path),
+        "other threads": threading.active_count(),
+    }
+    for module, classes in WATCHED.items():
+        found = importlib.import_module(module)
+        for owner in [found, *(getattr(found, name) for name in classes if hasattr(found, name))]:
+            for name, value in vars(owner).items():
+                if callable(value) or isinstance(value, staticmethod | classmethod | property):
+                    kept[f"{getattr(owner, '__qualname__', module)}.{name}"] = id(value)
+    return kept
+
+
+def render() -> None:
+    """Render two frames on one thread, where all are set, and one on another thread."""
+    numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+    before = state()
+    import strandcli
+
+    changes = ["image.size=48x32", "emitter.strands=20", "time.preroll=0"]
+    scene = strandcli.load("minimal", overrides=changes)
+    for frame in strandcli.render(scene, [1, 2], threads=1):
+        assert frame.image is not None
+        assert numba.get_num_threads() == numba.config.NUMBA_NUM_THREADS
+    elsewhere: list[bool] = []
+
+    def work() -> None:
+        numba.set_num_threads(1)
+        list(strandcli.render(scene, [1]))
+        elsewhere.append(numba.get_num_threads() == 1)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert elsewhere == [True]
+    after = state()
+    for name in {**before, **after}:
+        if before.get(name) != after.get(name):
+            print(f"changed: {name}: {before.get(name)} -> {after.get(name)}", file=sys.stderr)
+
+
+def loops_generators_closures() -> None:
+    @njit(parallel=True)
+    def total(x):
+        s = 0.0
+        for i in prange(x.shape[0]):
+            s += x[i]
+        return s
+
+    @njit
+    def counted(n):
+        for i in range(n):
+            yield i * i
+
+    def scaled(by):
+        @njit
+        def inner(x):
+            return x * by
+
+        return inner
+
+    @njit
+    def fibonacci(n):
+        if n < 2:
+            return n
+        return fibonacci(n - 1) + fibonacci(n - 2)
+
+    @stencil
+    def mean(a):
+        return (a[-1] + a[0] + a[1]) / 3
+
+    @njit(parallel=True)
+    def smooth(a):
+        return mean(a)
+
+    print(total(np.arange(1000.0)), list(counted(5)), scaled(3)(4), scaled(2.5)(4), fibonacci(12))
+    print(smooth(np.arange(6.0)))
+
+
+def containers() -> None:
+    @njit
+    def build(n):
+        numbers = typed.List()
+        for i in range(n):
+            numbers.append(i)
+        return numbers
+
+    @njit
+    def wrong(d):
+        return d["there is none"].nothing
+
+    @njit
+    def look(d, key):
+        return d[key]
+
+    d = typed.Dict.empty(types.unicode_type, types.int64)
+    d["a"] = 7
+    for call in (lambda: wrong(d), lambda: look(d, "b"), lambda: d["b"]):
+        try:
+            call()
+        except (KeyError, TypingError) as error:
+            print(type(error).__name__)
+    print(list(build(4)), look(d, "a"))
+
+
+@vectorize
+def over_two(a):
+    return a > 2
+
+
+@vectorize
+def twice(a):
+    return a + a
+
+
+@guvectorize(["void(float64[:], float64, float64[:])"], "(n),()->(n)")
+def times(x, y, out):
+    for i in range(len(x)):
+        out[i] = x[i] * y
+
+
+def ufuncs() -> None:
+    @njit(no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    def part(x):
+        return twice(x)
+
+    @njit
+    def whole(x):
+        return part(x)
+
+    @njit
+    def filtered(xs):
+        s = 0.0
+        for y in filter(over_two, xs):
+            s += y
+        return s
+
+    print(whole(2.0), twice(np.arange(3.0)), filtered(np.arange(5.0)), over_two(np.arange(5.0)))
+    print(times(np.arange(3.0), 2))
+
+
+def made_while_compiling(x):
+    """Replaced below."""
+
+
+@overload(made_while_compiling)
+def _made(x):
+    @vectorize(["float64(float64)"])
+    def more(a):
+        return a + 1
+
+    n = more(np.arange(3.0)).sum()
+    return lambda x: x + n
+
+
+@jitclass([("x", float64)])
+class Point:
+    def __init__(self, x):
+        self.x = x
+
+    def doubled(self):
+        return self.x * 2
+
+
+def classes_and_made_functions() -> None:
+    names: dict[str, object] = {}
+    exec("def inner(x):\n    return x + 1\n", names)
+    inner = njit(names["inner"])
+
+    @njit
+    def outer(x):
+        return inner(x) + made_while_compiling(x)
+
+    print(outer(1.0), Point(2.0).doubled())
+
+
+CACHED = """
+import numba
+from numba import njit
+@njit(cache=True)
+def one(x): return x + 1
+@njit(cache=True, parallel=True)
+def all_of(x):
+    s = 0.0
+    for i in numba.prange(len(x)): s += x[i]
+    return s
+"""
+
+
+def cached() -> None:
+    folder = Path(tempfile.mkdtemp())
+    (folder / "cached_by_a_stranger.py").write_text(CACHED, encoding="utf-8")
+    sys.path.insert(0, str(folder))
+    module = importlib.import_module("cached_by_a_stranger")
+    print(module.one(1), module.all_of(np.ones(100)))
+    print(sorted(path.suffix for path in (folder / "__pycache__").iterdir()))
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "rendered":
+        render()
+    loops_generators_closures()
+    containers()
+    ufuncs()
+    classes_and_made_functions()
+    cached()

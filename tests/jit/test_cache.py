@@ -1,0 +1,259 @@
+"""The cache of kernels: an entry is run only if it is what was written, and no state of the folder stops a run."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import config
+
+from strandcli.compiling import folder
+from strandcli.compiling.clock import clock
+from strandcli.compiling.service import service
+from strandcli.jit import function, parallel, prange, sources
+from strandcli.jit.dispatcher import KernelDispatcher
+
+pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
+
+
+@function
+def plus_one(x):
+    return x + 1
+
+
+@function
+def plus_two(x):
+    return x + 2
+
+
+@parallel
+def doubled(values, out):
+    for i in prange(values.shape[0]):
+        out[i] = 2 * values[i]
+
+
+def fresh(kernel: Any) -> KernelDispatcher:
+    """The kernel as a process that has not called it yet has it."""
+    return KernelDispatcher(kernel.py_func, kernel._cache._options)
+
+
+def hits(kernel: Any) -> int:
+    return sum(kernel.stats.cache_hits.values())
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache folder."""
+    monkeypatch.setattr(folder.cache, "_path", tmp_path)
+    monkeypatch.setattr(folder.cache, "_trouble", None)
+    monkeypatch.setattr(service, "enabled", False)
+    return tmp_path
+
+
+@pytest.fixture
+def entry(place: Path) -> Path:
+    """The entry of `plus_one` for an integer."""
+    assert fresh(plus_one)(1) == 2
+    (path,) = place.glob("*.plus_one-*.kernel")
+    return path
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What is told while kernels are loaded."""
+    words: list[str] = []
+    monkeypatch.setattr(clock, "notify", words.append)
+    return words
+
+
+def test_a_kernel_is_compiled_once_for_each_signature(place: Path) -> None:
+    first = fresh(plus_one)
+    assert (first(1), first(1.5)) == (2, 2.5)
+    assert hits(first) == 0
+    again = fresh(plus_one)
+    assert (again(1), again(1.5)) == (2, 2.5)
+    assert hits(again) == 2
+    assert not list(place.glob("*.part"))
+
+
+def damaged(data: bytes) -> Iterator[bytes]:
+    """Truncated, longer, empty, and with one bit the other way round, from the first byte to the last."""
+    yield from (b"", data[:10], data[: len(data) // 2], data[:-1], data + b"x")
+    chance = random.Random(1)
+    for k in (0, 19, 30, 51, len(data) - 1, *(chance.randrange(len(data)) for _ in range(40))):
+        yield data[:k] + bytes([data[k] ^ 1 << chance.randrange(8)]) + data[k + 1 :]
+
+
+def test_a_damaged_entry_is_noticed_and_costs_that_entry_alone(entry: Path, told: list[str]) -> None:
+    assert fresh(plus_two)(1) == 3
+    whole = entry.read_bytes()
+    for content in damaged(whole):
+        entry.write_bytes(content)
+        kernel = fresh(plus_one)
+        assert (kernel(1), hits(kernel)) == (2, 0)
+        assert told[-2:] == [
+            f"{entry}: cached kernel cannot be loaded (its content is not what was written): compiling anew",
+            "compiling plus_one",
+        ]
+        again = fresh(plus_one)
+        assert (again(1), hits(again)) == (2, 1)  # what was damaged is whole again
+    other = fresh(plus_two)
+    assert (other(1), hits(other)) == (3, 1)
+
+
+def test_swapped_entries_are_not_run_as_each_other(entry: Path, place: Path) -> None:
+    assert fresh(plus_two)(1) == 3
+    (other,) = place.glob("*.plus_two-*.kernel")
+    a, b = entry.read_bytes(), other.read_bytes()
+    entry.write_bytes(b)
+    other.write_bytes(a)
+    assert (fresh(plus_one)(1), fresh(plus_two)(1)) == (2, 3)
+
+
+@pytest.mark.parametrize("kind", ["folder", "folder with a file", "fifo", "link to nothing"])
+def test_what_is_no_file_in_an_entrys_place_stops_nothing(entry: Path, kind: str) -> None:
+    entry.unlink()
+    if kind == "fifo":
+        os.mkfifo(entry)
+    elif kind == "link to nothing":
+        entry.symlink_to(entry.with_name("nothing"))
+    else:
+        entry.mkdir()
+        if kind != "folder":
+            (entry / "mine").write_text("kept", encoding="utf-8")
+    assert fresh(plus_one)(1) == 2
+    if kind == "folder with a file":  # nobody but its owner removes that
+        assert (entry / "mine").read_text(encoding="utf-8") == "kept"
+    else:
+        assert entry.is_file()
+
+
+def test_a_full_disk_is_told_once_and_stops_nothing(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    warnings: list[str] = []
+    monkeypatch.setattr(folder.os, "replace", full)
+    monkeypatch.setattr(folder.cache, "warn", warnings.append)
+    assert (fresh(plus_one)(1), fresh(plus_two)(1)) == (2, 3)
+    assert warnings == [
+        f"{place}: compiled kernels cannot be kept there (No space left on device): every run will compile anew; "
+        "point STRANDCLI_CACHE_DIR at a folder that can be written"
+    ]
+    assert not list(place.glob("*.part"))
+
+
+def test_a_loaded_kernel_with_a_parallel_loop_computes_what_the_compiled_one_does(place: Path) -> None:
+    values = np.linspace(0, 1, 1000)
+    out = np.zeros((2, 1000))
+    first, second = fresh(doubled), fresh(doubled)
+    first(values, out[0])
+    second(values, out[1])
+    assert (hits(first), hits(second)) == (0, 1)
+    np.testing.assert_array_equal(out, [2 * values, 2 * values])
+
+
+def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "strandcli"
+    shutil.copytree(sources.ROOT, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "ROOT", package)
+    kernel = "strandcli.draw.coverage.kernels.resolve"
+    counting = ("simd/lanes.py", "constants.py", "jit/__init__.py", "draw/coverage/kernels/resolve.py")
+    others = ("pipeline.py", "jit/cache.py", "compiling/service.py", "simulate/rules/wind.py")
+
+    def digest() -> str:
+        for one in (sources.digest, sources._text, sources._path):
+            one.cache_clear()
+        return sources.digest(kernel)
+
+    before = digest()
+    for name in others:
+        (package / name).write_text("# other text\n", encoding="utf-8")
+        assert digest() == before, name
+    known = {before}
+    for name in counting:
+        with open(package / name, "a", encoding="utf-8") as text:
+            text.write("\n# one more line\n")
+        assert digest() not in known, name
+        known.add(digest())
+    monkeypatch.undo()
+    digest()
+
+
+def test_what_nobody_has_used_for_long_is_removed_and_nothing_that_is_not_ours(tmp_path: Path) -> None:
+    mine = tmp_path / "kernels-0.1.0"
+    mine.mkdir()
+    old, now = time.time() - 40 * folder.DAY, time.time()
+    entries = {
+        f"raster.line-{'a' * 24}.kernel": (old, True),
+        f"raster.line-{'b' * 24}.kernel": (now, False),
+        f"step_{'c' * 16}.py": (old, True),
+        "123-abc_def.part": (now - 3600, True),
+        "124-abcdefg.part": (now, False),
+        "notes.kernel": (old, False),
+        "photo.jpg": (old, False),
+    }
+    folders = {"0.0.9-0123456789ab": (old, True), "kernels-0.0.9": (old, True), "kernels-0.0.8": (now, False),
+               "photographs": (old, False), "0.0.9": (old, False)}  # fmt: skip
+    for name in entries:
+        (mine / name).write_text("content", encoding="utf-8")
+    for name in folders:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "data").write_text("content", encoding="utf-8")
+    for place, found in ((mine, entries), (tmp_path, folders)):
+        for name, (moment, _) in found.items():
+            os.utime(place / name, (moment, moment))
+    folder.sweep(tmp_path, mine)
+    for place, found in ((mine, entries), (tmp_path, folders)):
+        for name, (_, gone) in found.items():
+            assert (place / name).exists() != gone, name
+
+
+def test_the_entries_that_were_not_used_for_longest_go_where_there_are_too_many(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folder, "MOST_BYTES", 2500)
+    paths = [tmp_path / f"raster.line-{k:024x}.kernel" for k in range(4)]
+    for k, path in enumerate(paths):
+        path.write_bytes(b"x" * 1000)
+        os.utime(path, (time.time() - 3600 * k,) * 2)
+    folder.sweep(tmp_path, tmp_path)
+    assert [path.exists() for path in paths] == [True, True, False, False]
+
+
+def test_loading_an_entry_says_that_it_is_in_use(entry: Path) -> None:
+    os.utime(entry, (time.time() - 3 * folder.DAY,) * 2)
+    fresh(plus_one)(1)
+    assert entry.stat().st_mtime > time.time() - 60
+
+
+def test_time_counts_once_however_deep_and_after_an_error(place: Path, told: list[str]) -> None:
+    @function
+    def whole(x):
+        return plus_one(x) + plus_two(x)
+
+    @function
+    def wrong(x):
+        return x.nothing
+
+    before, began = clock.seconds, time.perf_counter()
+    with pytest.raises(Exception, match="nothing"):
+        wrong(1)
+    assert whole(np.int8(1)) == 5
+    spent = clock.seconds - before
+    assert 0 < spent <= time.perf_counter() - began
+    assert told == ["compiling wrong", "compiling whole"]
+    whole(np.int8(1))
+    assert clock.seconds == before + spent

@@ -1,0 +1,185 @@
+"""Workers compile kernels into the cache, end with the process that started them, and are not needed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numba import config
+
+from strandcli.compiling import folder, service
+from strandcli.compiling.claims import Claims
+from strandcli.draw.common.kernels import approximations
+from strandcli.jit import function
+from strandcli.jit.dispatcher import KernelDispatcher
+
+pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache folder, and a service without workers yet."""
+    monkeypatch.setattr(folder.cache, "_path", tmp_path)
+    mine = service.Service()
+    monkeypatch.setattr("strandcli.jit.cache.service", mine)
+    monkeypatch.setenv("STRANDCLI_COMPILERS", "1")
+    return tmp_path
+
+
+def mine() -> service.Service:
+    """The service of `place`."""
+    from strandcli.jit import cache
+
+    return cache.service
+
+
+def fresh(kernel: object) -> KernelDispatcher:
+    """The kernel as a process that has not called it yet has it."""
+    return KernelDispatcher(kernel.py_func, kernel._cache._options)  # type: ignore[attr-defined]
+
+
+def hits(kernel: KernelDispatcher) -> int:
+    return sum(kernel.stats.cache_hits.values())
+
+
+def test_a_worker_compiles_what_a_process_of_its_own_compiles_without_patches(place: Path) -> None:
+    """The same pixels, whoever approximations."""
+    values = np.linspace(-1.5, 1.5, 999, dtype=np.float32)
+    found = []
+    for enabled in (True, False):
+        mine().enabled = enabled
+        kernels = [fresh(one) for one in (approximations.asin, approximations.exp)]
+        found.append([[kernel(x) for x in values] for kernel in kernels])
+        assert [hits(kernel) for kernel in kernels] == [int(enabled)] * 2
+        for path in place.glob("*.kernel"):
+            path.unlink()
+    mine().stop()
+    np.testing.assert_array_equal(found[0], found[1])
+
+
+def test_what_only_this_process_has_is_compiled_here(place: Path) -> None:
+    @function
+    def local(x):
+        return x + 1
+
+    assert local(1) == 2
+    assert mine()._first is None
+
+
+def test_without_workers_kernels_are_compiled_here(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STRANDCLI_COMPILERS", "0")
+    kernel = fresh(approximations.asin)
+    assert kernel(np.float32(0)) == 0
+    assert hits(kernel) == 0
+    assert mine()._first is None
+
+
+def test_a_worker_that_ends_is_done_without_and_after_three_there_are_no_more(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(service, "PROGRAM", "import sys; sys.exit(1)")
+    for kernel in (approximations.asin, approximations.exp, approximations.log, approximations.acos):
+        assert np.isfinite(fresh(kernel)(np.float32(0.5)))
+    assert not mine().enabled
+
+
+def alive(process: int) -> bool:
+    """Whether a process runs; one that has ended and nobody has waited for does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+PARENT = """
+import sys, time
+from pathlib import Path
+from strandcli.compiling import folder
+from strandcli.compiling.service import service
+folder.cache.use(Path(sys.argv[1]))
+service.ahead(None, ["light"])
+workers = [service._asked(), *service._ahead]
+print(*(one._process.pid for one in workers), flush=True)
+if sys.argv[2] == "waits": time.sleep(600)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no /proc")
+@pytest.mark.parametrize("ends", ["by itself", "killed"])
+def test_workers_end_with_their_parent_however_that_ends(tmp_path: Path, ends: str) -> None:
+    place = {**os.environ, "PYTHONPATH": str(ROOT), "STRANDCLI_COMPILERS": "2"}
+    words = [sys.executable, "-c", PARENT, str(tmp_path), "waits" if ends == "killed" else "ends"]
+    with subprocess.Popen(words, env=place, stdout=subprocess.PIPE, text=True) as parent:
+        assert parent.stdout is not None
+        workers = [int(number) for number in parent.stdout.readline().split()]
+        if ends == "killed":
+            time.sleep(0.5)
+            parent.send_signal(signal.SIGKILL)
+        parent.wait()
+    assert workers
+    until = time.monotonic() + 30
+    while any(alive(one) for one in workers) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(alive(one) for one in workers)
+    assert not list(tmp_path.glob("*.part"))
+
+
+CLAIM = """
+import sys
+from pathlib import Path
+from strandcli.compiling.claims import claims
+claims.take(Path(sys.argv[1]), bytes(32))
+print("taken", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_an_entry_is_claimed_by_one_process_until_it_ends(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", CLAIM, str(tmp_path)]
+    place = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(words, env=place, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "taken\n"
+        claims = Claims()
+        claims.take(tmp_path, bytes([1] * 32))  # another entry
+        assert claims.count() == 1
+        began = time.monotonic()
+        killer = subprocess.Popen(["sh", "-c", f"sleep 0.5; kill -9 {other.pid}"])
+        claims.take(tmp_path, bytes(32))
+        assert time.monotonic() - began > 0.3
+        assert claims.count() == 2
+        killer.wait()
+    claims.release(0)
+    assert claims.count() == 0
+
+
+def test_a_forked_process_leaves_its_parents_workers_alone(place: Path) -> None:
+    one = mine()
+    worker = one._asked()
+    assert worker is not None
+    child = os.fork()
+    if child == 0:
+        one.stop()
+        os._exit(0 if one._first is None else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert alive(worker._process.pid)
+    one.stop()
+    assert not alive(worker._process.pid)
+
+
+def test_the_affinity_of_the_process_and_the_variable_bound_the_number_of_workers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0}, raising=False)
+    assert service.cores() == 1
+    monkeypatch.setenv("STRANDCLI_COMPILERS", "3")
+    assert service.most_workers() == 3
+    monkeypatch.setenv("STRANDCLI_COMPILERS", "many")
+    assert service.most_workers() == 1
