@@ -18,16 +18,19 @@ from numpy.typing import NDArray
 
 from ...constants import GRID_BYTES
 from ...scene.model import Light
+from ..common.kernels.view_columns import CORNER_STRETCH
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..geometry.kernels import silhouette
+from ..geometry.kernels.silhouette import STEEPEST
 from ..view.camera import View, ball
 from ..view.kernels import project
 from ..zbuffer.raster import into_bands, to_screen
 from .kernels import grid as cells
 from .kernels import interval_bits
 from .kernels import traced as kernel
+from .kernels.occluder_intervals import OccluderLists
 from .shadow import light_views, texel_of
 
 LIST = 64.0
@@ -45,30 +48,24 @@ PLACES = 2.0
 WORDS = 8
 """Of 64 places along a piece of a strand, at most."""
 ALL_SHOWN = np.zeros((0, 0), np.uint64)
-APART = 2.0
-"""Widths aside of itself, as the light sees it, within which a strand does not shade itself."""
+APART = (float(STEEPEST) + 1) / 2
+"""Widths aside of itself, as the light sees it, within which a strand does not shade itself: as far as its surface lies
+from its middle, and a band reaches from its own."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Strands as one light sees them, sorted into cells, as `kernels.traced.visibility` reads them."""
+    """Strands as one light sees them, sorted into cells."""
 
-    views: NDArray[np.float32]
-    sizes: NDArray[np.int64]
-    cells: NDArray[np.int64]
-    begin: NDArray[np.int64]
-    keys: NDArray[np.int64]
-    rows: NDArray[np.float32]
+    lists: OccluderLists
     words: int
     """Of bits for the places along a piece."""
-    veil: int
-    bias: np.float32
     thickness: Thickness
 
     @property
     def nbytes(self) -> int:
         """Bytes that it takes."""
-        return self.begin.nbytes + self.keys.nbytes + self.rows.nbytes
+        return self.lists.begin.nbytes + self.lists.keys.nbytes + self.lists.rows.nbytes
 
     def visibility(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
@@ -77,14 +74,18 @@ class Grid:
     ) -> None:  # fmt: skip
         """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
         camera sees at ``screen`` (V, 3). Across the strands at the vertices that have ``slots`` (V,), where ``eye``
-        sees them, into shades (n, LINES), as far as it is ``shown``: see `kernels.traced.visibility`."""
-        most = int(np.diff(lines.first).max(initial=1))
-        kernel.visibility(
-            lines.first, lines.world, marks, screen, lines.stride, most, self.views, self.sizes, self.cells, self.begin,
-            self.keys, self.rows, self.words, self.veil, self.bias, np.float32(APART * self.thickness.width),
-            None if eye is None else eye.pack(), np.float32(self.thickness.width), np.float32(self.thickness.taper),
-            lines.scale, slots, ALL_SHOWN if shown is None else shown, shades, out,
+        sees them, into shades (n, LINES), as far as it is ``shown``: see `kernels.traced.WideStrands`."""
+        longest = int(np.diff(lines.first).max(initial=1))
+        width = np.float32(self.thickness.width)
+        lit = kernel.LitLines(
+            lines.first, lines.world, lines.scale, marks, screen, lines.stride, longest, self.words,
+            np.float32(APART * self.thickness.width),
         )  # fmt: skip
+        wide = kernel.WideStrands(
+            None if eye is None else eye.pack(), width, np.float32(self.thickness.taper), slots,
+            ALL_SHOWN if shown is None else shown, shades,
+        )  # fmt: skip
+        kernel.visibility(lit, self.lists, wide, out)
 
 
 def grid_of(
@@ -114,18 +115,19 @@ def grid_of(
     keys = scratch.take(f"grid_keys_{number}", int(begin[-1]), np.int64)
     rows = scratch.take(f"grid_rows_{number}", cells.ROWS * int(begin[-1]), np.float32)
     for side, bands in enumerate(sides):
-        silhouette = begin[side * size * size : (side + 1) * size * size + 1]
-        _list(lines, bands, views[side], workers, scratch, silhouette[:-1].copy(), keys)
+        ends = begin[side * size * size : (side + 1) * size * size + 1]
+        _list(lines, bands, views[side], workers, scratch, ends[:-1].copy(), keys)
         table = scratch.take("equations", (len(bands), cells.ROWS), np.float32)
         focal = np.float32(views[side].focal if views[side].perspective else 0.0)
         cells.equations(lines.first, bands, focal, np.float32(size / 2), table)
-        cells.order(silhouette, size, table, keys, rows)
+        cells.order(ends, size, table, keys, rows)
     words = math.ceil(PLACES * piece / max(thickness.width, 1e-9 * piece) / interval_bits.WORD)
-    return Grid(
+    lists = OccluderLists(
         np.stack([view.pack() for view in views]), np.full(len(views), size, np.int64),
-        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows, min(words, WORDS),
-        round(opacity * int(interval_bits.VEILS)), np.float32(light.shadow.bias), thickness,
+        size * size * np.arange(len(views), dtype=np.int64), begin, keys, rows,
+        round(opacity * int(interval_bits.OPACITY_STEPS)), np.float32(light.shadow.bias),
     )  # fmt: skip
+    return Grid(lists, min(words, WORDS), thickness)
 
 
 def _mean_piece(lines: Polylines) -> float:
@@ -175,7 +177,7 @@ def _list(
     lines: Polylines, bands: NDArray[np.float32], view: View, workers: int, scratch: Scratch, at: NDArray[np.int64],
     keys: NDArray[np.int64] | None,
 ) -> None:  # fmt: skip
-    size, stretch = int(view.width), view.pack()[23]
+    size, stretch = int(view.width), view.pack()[CORNER_STRETCH]
     margin = float(stretch * bands[:, 3].max(initial=0.0, where=bands[:, 2] > 0)) + 1.0
     rows = into_bands(lines.first, bands, size, margin, workers, scratch)
     cells.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

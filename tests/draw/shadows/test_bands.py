@@ -74,11 +74,11 @@ def test_lists_of_exact_shadows_have_the_same_bits_in_any_number_of_bands(
     lines = walks(3000, 1)
     lines.world[:] = lines.world[np.repeat(lines.first[:-1], 8)] * 0.98 + 0.02 * lines.world
     alone = grid_of(light, lines, WIDE, 1.0, BOX, 1, Scratch())
-    assert alone.sizes[0] > ROWS
+    assert alone.lists.sizes[0] > ROWS
     for workers in (2, 3, 5):
         grid = grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch())
         for name in ("begin", "keys", "rows"):
-            np.testing.assert_array_equal(getattr(grid, name), getattr(alone, name))
+            np.testing.assert_array_equal(getattr(grid.lists, name), getattr(alone.lists, name))
 
 
 @pytest.mark.parametrize("light", lights_of(4 * ROWS)[:3], ids=["sun", "lamp", "inside"])
@@ -87,8 +87,8 @@ def test_an_end_piece_without_length_takes_no_strand_out_of_the_lists(light: Lig
     lines.world[1], lines.world[14] = lines.world[0], lines.world[15]
     one, two = (grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch()) for workers in (1, 2))
     for grid in (one, two):
-        assert set(np.unique(grid.keys & 0xFFFFFFFF) // 8) == set(range(300))
-    np.testing.assert_array_equal(one.keys, two.keys)
+        assert set(np.unique(grid.lists.keys & 0xFFFFFFFF) // 8) == set(range(300))
+    np.testing.assert_array_equal(one.lists.keys, two.lists.keys)
 
 
 def weights(maps: ShadowMaps) -> np.ndarray:

@@ -133,8 +133,8 @@ def test_neither_workers_nor_portions_of_marks_nor_the_grid_change_a_bit(monkeyp
     fine = grid(LAMP, lines)
     bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
     coarse = grid_of(LAMP, lines, WIDE, 1.0, bounds, 2, Scratch(), room=fine.nbytes // 3)
-    assert coarse.keys.nbytes + coarse.rows.nbytes < fine.nbytes
-    assert coarse.sizes[0] < fine.sizes[0]
+    assert coarse.nbytes < fine.nbytes
+    assert coarse.lists.sizes[0] < fine.lists.sizes[0]
     assert np.abs(visible(coarse, lines) - one).max() < 0.02
 
 
@@ -145,7 +145,7 @@ def test_strands_without_vertices_are_as_if_they_were_not() -> None:
     begin = np.concatenate([[0, 0], first[:20], first[19:20], first[20:], first[-1:], first[-1:]])
     holes = Polylines(begin, lines.world)
     one, two = grid(SUN, lines), grid(SUN, holes)
-    np.testing.assert_array_equal(one.sizes, two.sizes)
+    np.testing.assert_array_equal(one.lists.sizes, two.lists.sizes)
     np.testing.assert_array_equal(visible(one, lines), visible(two, holes))
     alone = Polylines(np.array([0, 0, 0]), np.zeros((0, 3), np.float32))
     thin = grid_of(SUN, alone, WIDE, 1.0, np.array([[-1.0] * 3, [1.0] * 3]), 2, Scratch())

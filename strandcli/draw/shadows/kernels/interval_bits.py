@@ -11,9 +11,9 @@ ONE = np.float32(1.0)
 WORD = 64
 """Bits of a word."""
 NONE, ALL = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
-VEIL_BITS = 8
-VEILS = np.int64(2**VEIL_BITS)
-"""Of so many bits behind a strand that lets light through, some are set."""
+OPACITY_BITS = 8
+OPACITY_STEPS = np.int64(2**OPACITY_BITS)
+"""Steps of opacity: behind a strand that lets light through, opacity / `OPACITY_STEPS` of all bits are set."""
 
 
 @inlined
@@ -25,14 +25,15 @@ def between_bits(since, until, w):
 
 
 @device
-def darken(dark, since, until, veil, v, w):
-    """Set the bits from `since` to before `until`, those that band w darkens of the line v; whether there are any."""
+def darken(dark, since, until, opacity, v, w):
+    """Set the bits from `since` to before `until`, or as many of them as a band of this opacity darkens, by chance that
+    depends on line v and band w. Returns whether there are any."""
     if since >= until:
         return False
     for word in range(since // WORD, (until - 1) // WORD + 1):
         mask = between_bits(since, until, word)
-        if veil < VEILS:
-            mask &= scattered(np.uint64(v) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(w), np.uint64(word), veil)
+        if opacity < OPACITY_STEPS:
+            mask &= random_bits(np.uint64(v) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(w), np.uint64(word), opacity)
         dark[word] |= mask
     return True
 
@@ -48,23 +49,23 @@ def all_dark(dark, since, until):
 
 
 @device
-def scattered(seed, word, veil):
-    """Bits of which `veil` in `VEILS` are set, by chance, the same for the same numbers (SplitMix64)."""
+def random_bits(seed, word, opacity):
+    """Random bits of which `opacity` in `OPACITY_STEPS` are set, the same for the same numbers (SplitMix64)."""
     out = NONE
     state = seed + word * np.uint64(0xD1B54A32D192ED03)
-    for i in range(VEIL_BITS):
+    for i in range(OPACITY_BITS):
         state += np.uint64(0x9E3779B97F4A7C15)
         x = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
         x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
         x ^= x >> np.uint64(31)
-        out = out | x if (veil >> i) & 1 else out & x
+        out = out | x if (opacity >> i) & 1 else out & x
     return out
 
 
 @device
 def add_up(dark, sums, p):
-    """Share of piece p that is lit, and what it comes to where it counts the more the nearer it is to the piece's
-    end."""
+    """Into row p of sums: the share of the piece that is lit, and the integral of its light times the place t ∈ [0, 1]
+    along it."""
     words = dark.shape[0]
     total = ZERO
     toward = ZERO
@@ -78,5 +79,5 @@ def add_up(dark, sums, p):
         toward += np.float32((x * np.uint64(0x0001020304050607)) >> np.uint64(56)) * np.float32(8)
         toward += count * np.float32(4 + WORD * w)
     per = ONE / np.float32(WORD * words)
-    sums[2 * p] = total * per
-    sums[2 * p + 1] = toward * per * per
+    sums[p, 0] = total * per
+    sums[p, 1] = toward * per * per

@@ -1,13 +1,16 @@
-"""What lies between the light and a line: the places of a piece of a strand that bands of others darken.
+"""The intervals of a line that bands of other strands darken.
 
-Bands are listed in the cells of a grid over the light's view (`grid`), nearest first. A line is followed from cell to
-cell. Within a cell the list ends for it where bands lie behind it, and the inequalities are one loop over the bands,
-which becomes vector code.
+A line is followed from cell to cell of the grid over the light's view (`grid`). The bands of a cell are listed nearest
+first, so the list ends for the line where bands lie behind it. The inequalities are one loop over the bands, which
+becomes vector code.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, inlined
 from ...common.kernels.view_columns import (
@@ -57,12 +60,66 @@ BATCH = 64
 """Bands that are held against a line at once."""
 
 
+class OccluderLists(NamedTuple):
+    """The bands of all strands, listed in the cells of a grid over each view of a light (see `grid`).
+
+    Several views are the six sides of a cube about a point light.
+    """
+
+    views: NDArray[np.float32]
+    """(M, `view_columns.SIZE`) packed, in cells."""
+    sizes: NDArray[np.int64]
+    """(M,) cells along a side of each view's grid."""
+    cells: NDArray[np.int64]
+    """(M,) the place of each view's first cell in `begin`."""
+    begin: NDArray[np.int64]
+    """(C + 1,) where the keys of each cell begin."""
+    keys: NDArray[np.int64]
+    """(K,) keys, sorted in each cell."""
+    rows: NDArray[np.float32]
+    """(`grid.ROWS` K,) the bands' numbers, as `grid.order` leaves them."""
+    opacity: int
+    """Of strands, in 1 / `interval_bits.OPACITY_STEPS`."""
+    bias: np.float32
+    """Metres in front of which nothing is shaded."""
+
+
+class OwnPieces(NamedTuple):
+    """Which parts of a piece its own strand does not shade (see `self_shade`)."""
+
+    low: int
+    high: int
+    """First vertices of the first and the last piece that has such a part."""
+    root: int
+    """First vertex of the strand."""
+    parts: NDArray[np.float32]
+    """(pieces, 2) between which places t ∈ [0, 1] each piece of the strand does not shade; unset beyond low and
+    high."""
+
+
+class Span(NamedTuple):
+    """The part of a line that lies in one cell."""
+
+    x0: np.float32
+    y0: np.float32
+    """Where it begins, in cells from the cell's corner;"""
+    q0: np.float32
+    """its depth number there."""
+    x1: np.float32
+    y1: np.float32
+    q1: np.float32
+    begin: np.float32
+    end: np.float32
+    """Places along the whole line, t ∈ [0, 1]."""
+
+
 @device
-def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, veil, bias, cuts, dark):
-    """Darken the piece after vertex v, from point p of `world` to the next, by what one view shows in front of it, but
-    not by the pieces after the vertices from `low` to `high`."""
-    x0, y0, q0 = seen(world, p, views, one, bias)
-    x1, y1, q1 = seen(world, p + 1, views, one, bias)
+def darken_line(ends, p, v, one, lists, own, cuts, dark):
+    """Darken a line, from row p of `ends` (n, 3), metres, to the next, which stands for the piece after vertex v, by
+    what view number `one` shows in front of it."""
+    views, size = lists.views, lists.sizes[one]
+    x0, y0, q0 = seen(ends, p, views, one, lists.bias)
+    x1, y1, q1 = seen(ends, p + 1, views, one, lists.bias)
     if q0 <= ZERO or q1 <= ZERO:
         return
     dx = x1 - x0
@@ -83,14 +140,12 @@ def piece(world, p, v, views, one, size, cells, begin, keys, lines, low, high, v
         for column in range(whole(left, 0, size), whole(right + ONE, 0, size)):
             a, b = between(above, under, x0 - np.float32(column), dx)
             a, b = between(a, b, np.float32(column + 1) - x0, -dx)
-            cell = cells + row * size + column
-            if a < b and begin[cell] < begin[cell + 1]:
+            cell = lists.cells[one] + row * size + column
+            if a < b and lists.begin[cell] < lists.begin[cell + 1]:
                 x = x0 - np.float32(column)
                 y = y0 - np.float32(row)
-                cross(
-                    x + a * dx, y + a * dy, q0 + a * dq, x + b * dx, y + b * dy, q0 + b * dq, a, b, begin[cell],
-                    begin[cell + 1], keys, lines, v, low, high, veil, cuts, dark,
-                )  # fmt: skip
+                span = Span(x + a * dx, y + a * dy, q0 + a * dq, x + b * dx, y + b * dy, q0 + b * dq, a, b)
+                darken_span(span, cell, v, lists, own, cuts, dark)
 
 
 @inlined
@@ -125,35 +180,44 @@ def between(a, b, value, slope):
 
 
 @device
-def cross(xa, ya, qa, xb, yb, qb, a, b, i, last, keys, lines, v, low, high, veil, cuts, dark):
-    """Darken a line, the piece after vertex v, between its places a and b, points (xa, ya) and (xb, yb) of one cell, by
-    the bands in front of it there: those of the keys from i to before last."""
-    n = last - i
-    behind = nearness(min(qa, qb))
+def darken_span(span, cell, v, lists, own, cuts, dark):
+    """Darken the part of a line that lies in a cell, and stands for the piece after vertex v, by the bands listed
+    there that are in front of it."""
+    keys = lists.keys
+    i = lists.begin[cell]
+    n = lists.begin[cell + 1] - i
+    behind = nearness(min(span.q0, span.q1))
     bits = np.float32(WORD * dark.shape[0])
-    begin = a * bits + HALF
-    size = (b - a) * bits
+    begin = span.begin * bits + HALF
+    size = (span.end - span.begin) * bits
     if all_dark(dark, np.int64(begin), np.int64(begin + size)):
         return
     for k in range(0, n, BATCH):
         if keys[i + k] >= behind:
             return
         count = min(n - k, BATCH)
-        cut(lines, ROWS * i + k, n, count, xa, ya, qa, xb, yb, qb, cuts)
+        cut(lists.rows, ROWS * i + k, n, count, span, cuts)
         covered = False
         for m in range(count):
             if cuts[m] < cuts[BATCH + m]:
                 w = keys[i + k + m] & LOW
-                if w < low or w > high:
-                    since = np.int64(begin + cuts[m] * size)
-                    covered |= darken(dark, since, np.int64(begin + cuts[BATCH + m] * size), veil, v, w)
+                since = np.int64(begin + cuts[m] * size)
+                until = np.int64(begin + cuts[BATCH + m] * size)
+                if w < own.low or w > own.high:
+                    covered |= darken(dark, since, until, lists.opacity, v, w)
+                elif w != v:
+                    low = np.int64(own.parts[w - own.root, 0] * bits + HALF)
+                    high = np.int64(own.parts[w - own.root, 1] * bits + HALF)
+                    covered |= darken(dark, since, min(until, low), lists.opacity, v, w)
+                    covered |= darken(dark, max(since, high), until, lists.opacity, v, w)
         if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):
             return
 
 
 @device
-def cut(lines, at, n, count, xa, ya, qa, xb, yb, qb, cuts):
-    """From where to where each of some bands covers a line, whose ends are 0 and 1: the ends' rows in `cuts`."""
+def cut(lines, at, n, count, span, cuts):
+    """Into two rows of `cuts`: from where to where each of `count` bands covers a line, whose ends are 0 and 1."""
+    xa, ya, qa, xb, yb, qb = span.x0, span.y0, span.q0, span.x1, span.y1, span.q1
     for k in range(count):
         here = np.uint64(at + k)
         x = lines[here + np.uint64(ASIDE_X * n)]
