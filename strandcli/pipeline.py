@@ -106,7 +106,10 @@ def _drawn(moved: SimulationStage, frames: Sequence[int], several: bool) -> Iter
     renderer = FrameRenderer(moved)
     seconds: dict[str, float] = {}
     for number in frames[:2]:
-        frame = renderer(moved.begin(number))
+        begun = moved.begin(number)
+        if moved.options.notify is not None:
+            moved.options.notify(f"drawing frame {number}")
+        frame = renderer(begun)
         seconds = frame.report["seconds"]
         yield frame
     rest = frames[2:]

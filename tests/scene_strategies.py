@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from scene_kit import RULES
 from strandcli.scene import RuleUse, Scene
 from strandcli.scene.checks import findings
-from strandcli.scene.fields import (
+from strandcli.scene.fields import settings_of
+from strandcli.scene.look import settle
+from strandcli.scene.specs import (
     LARGEST,
     SMALLEST,
     BooleanSpec,
@@ -28,9 +30,7 @@ from strandcli.scene.fields import (
     UnionSpec,
     VectorSpec,
     WindowSpec,
-    settings_of,
 )
-from strandcli.scene.look import settle
 
 CONTROLS = [chr(code) for code in (*range(32), 127)]
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=CONTROLS), max_size=12)

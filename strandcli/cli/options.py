@@ -105,6 +105,10 @@ strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Numbe
 particles = click.option("--particles", type=COUNT_PARTICLES, metavar="N", help="Particles a strand.")
 threads = click.option("--threads", type=ThreadsType(), metavar="N", help="Threads.  [default: all cores]")
 seed = click.option("--seed", type=Whole(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
+quality = click.option(
+    "--quality", type=click.Choice(("draft", "default", "best")),
+    help="How finely the preset is drawn, whatever it says itself.  [default: as it says]",
+)  # fmt: skip
 overrides = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",
@@ -157,17 +161,26 @@ def load_scene(
     strands: int | None = None,
     particles: int | None = None,
     seed: int | None = None,
+    quality: str | None = None,
     overrides: tuple[str, ...] = (),
     aovs: Sequence[str] | None = None,
 ) -> Scene:
-    """The preset with what the common options change."""
+    """The preset with what the common options change. Says on stderr where a shipped name hides a file."""
     import strandcli
+
+    from ..scene.chain import hidden_by_shipped
+
+    hidden = hidden_by_shipped(preset)
+    context = click.get_current_context(silent=True)
+    if hidden is not None and not (context is not None and context.params.get("quiet")):
+        click.echo(f"{preset}: takes the shipped preset of this name; write {hidden} for yours", err=True)
 
     chosen: dict[str, Any] = {
         "image.size": size,
         "emitter.strands": strands,
         "emitter.particles": particles,
         "seed": seed,
+        "quality": quality,
         "image.aovs": None if aovs is None else list(aovs),
     }
     settings = {path: value for path, value in chosen.items() if value is not None}

@@ -15,6 +15,7 @@ from .frame_range import FrameRange
 @options.preset
 @options.frames
 @options.scene_options
+@options.quality
 @options.as_json
 @options.debug
 def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_settings: Any) -> None:

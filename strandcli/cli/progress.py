@@ -41,6 +41,7 @@ class Progress:
         self._note_since = 0.0
         self._compiled = False
         self._first = 0.0
+        self._stepped = 0.0
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -65,6 +66,7 @@ class Progress:
         now = time.monotonic()
         with self._lock:
             if _kind(text) != _kind(self._note):
+                self._first += self._pause(now)
                 self._note_since = now
             self._note = text
         if text and self.verbose and not self.live:
@@ -75,19 +77,20 @@ class Progress:
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
+        now = time.monotonic()
         with self._lock:
-            if self.done == 0 or self._note:
-                self._first += self._pause()
+            self._first += self._pause(now)
             self._note = ""
+            self._stepped = now
             before, self.done = self.done, self.done + count
         if text and (self.verbose or self.lines):
             self.line(f"{self.label}: {self.done}/{self.total} {text}" if self.lines else text)
         elif self.lines and _tenths(self.done, self.total) > _tenths(before, self.total):
-            self.line(f"{self.label}: {self.done:,} of {self.total:,} {self.each}s{self._left(time.monotonic())}")
+            self.line(f"{self.label}: {self.done:,} of {self.total:,} {self.each}s{self._left(now)}")
 
-    def _pause(self) -> float:
-        """Time that the frames did not cost, so that the estimate of what is left does not count it."""
-        return time.monotonic() - self._note_since if self._note else 0.0
+    def _pause(self, now: float) -> float:
+        """Seconds of the present note that are no work on a frame, such as compiling and pre-roll."""
+        return now - self._note_since if self._note and _kind(self._note) != "drawing" else 0.0
 
     def line(self, text: str) -> None:
         """Print a line above the progress line."""
@@ -119,19 +122,25 @@ class Progress:
         filled = width * self.done // max(1, self.total)
         bar = "#" * filled + "." * (width - filled)
         counts = f"{self.label}: [{bar}] {self.done}/{self.total}"
-        elapsed = now - self._first
+        elapsed = self._stepped - self._first
         if not self.done or elapsed <= 0:
             return counts
-        rate = self.done / elapsed
-        pace = f"{rate:.1f} {self.each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {self.each}"
-        return f"{counts} {pace}{self._left(now)}"
+        return f"{counts} {pace(self.done, elapsed, self.each)}{self._left(now)}"
 
     def _left(self, now: float) -> str:
-        """The time left at the time ``now``, where something is done and something left."""
-        elapsed = now - self._first
+        """The time left at the time ``now``, where something is done. It counts down between two steps, and stands
+        where a step takes longer than those before it did on average."""
+        elapsed = self._stepped - self._first
         if not self.done or elapsed <= 0:
             return ""
-        return f", {duration((self.total - self.done) * elapsed / self.done)} left"
+        each, rest = elapsed / self.done, self.total - self.done
+        return f", {duration(rest * each - min(now - self._stepped, each if rest else 0.0))} left"
+
+
+def pace(done: int, seconds: float, each: str = "frame") -> str:
+    """How fast ``done`` pieces of work went: ``12.5 frames/s``, or ``3.2 s a frame`` where that is below one."""
+    rate = done / seconds
+    return f"{rate:.1f} {each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {each}"
 
 
 def _tenths(done: int, total: int) -> int:

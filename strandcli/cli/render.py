@@ -12,7 +12,7 @@ import click
 from ..errors import SimulationError, StrandError, UsageError
 from . import options, signals
 from .frame_range import FrameRange
-from .progress import Progress, duration
+from .progress import Progress, duration, pace
 from .study import beginner, stepper
 from .study import max_error as max_error_option
 
@@ -64,6 +64,7 @@ class LayersType(click.ParamType):
 @options.folder("out/PRESET")
 @options.frames
 @options.scene_options
+@options.quality
 @options.threads
 @max_error_option
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
@@ -325,7 +326,7 @@ def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> Non
         words += f", of which {compiling:.1f} s compiling (only on first use)"
     drawing = totals["seconds"] - compiling
     if drawn > 1 and drawing > 0:
-        words += f": {drawn / drawing:.1f} frames/s"
+        words += f": {pace(drawn, drawing)}"
     if kept:
         words += f"; {kept} kept"
     for path in made:

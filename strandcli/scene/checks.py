@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from .faults import hint, shown
-from .fields import SMALLEST, Vector
+from .fields import Vector
 from .model import (
     AOVS,
     Camera,
@@ -24,6 +24,7 @@ from .model import (
     Tie,
 )
 from .motion import camera_key
+from .specs import SMALLEST
 
 CLOSEST_PARTICLES = 1e-6
 """Metres. Positions near 1 m are stored in single precision to about 1e-7 m."""

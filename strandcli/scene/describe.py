@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .fields import (
+from .specs import (
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,

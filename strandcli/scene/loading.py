@@ -5,25 +5,19 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
-from ..errors import UsageError
-from . import library
+from .chain import chain_of, feed, locate
 from .checks import findings
-from .faults import Fault, Mark, SceneError, fault_at, hint, shown
+from .faults import Fault, Mark, SceneError, fault_at, hint
 from .look import settle
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .rule_type import RuleType, check_of, refusal
-from .settings import Unreachable, merge_scenes, place, with_quality
+from .settings import Unreachable, place
 from .validate import Reader
-from .yaml_source import LARGEST_FILE, read, read_value
-
-if TYPE_CHECKING:
-    import hashlib
-
-DEEPEST_CHAIN = 8
+from .with_quality import with_quality
+from .yaml_source import read, read_value
 
 Rules = Mapping[str, RuleType]
 
@@ -45,19 +39,19 @@ def load(
     """
     import hashlib  # 2 ms, with OpenSSL behind it
 
-    source = _locate(os.fspath(name_or_path))
+    source = locate(os.fspath(name_or_path))
     digest = hashlib.sha256()
     faults: list[Fault] = []
     files: list[str] = []
-    root = _chain(source, rules, files, faults, digest)
+    root = chain_of(source, rules, files, faults, digest)
     root = _override(root, overrides, settings or {}, rules, faults)
     scene = _whole(root, rules, faults)
     if faults:
         raise SceneError(_in_order(faults, files))
     for override in overrides:
-        _feed(digest, override.encode("utf-8", "surrogatepass"))
+        feed(digest, override.encode("utf-8", "surrogatepass"))
     for path, value in (settings or {}).items():
-        _feed(digest, f"{path}={value!r}".encode("utf-8", "surrogatepass"))
+        feed(digest, f"{path}={value!r}".encode("utf-8", "surrogatepass"))
     name, sha256 = str(source), digest.hexdigest()
     panels = tuple(dataclasses.replace(panel, source=name, sha256=sha256) for panel in scene.panels)
     return dataclasses.replace(scene, panels=panels, source=name, sha256=sha256)
@@ -70,101 +64,6 @@ def loads(text: str, *, rules: Rules, name: str = "preset.yaml") -> Scene:
     if faults:
         raise SceneError(_in_order(faults, [name]))
     return scene
-
-
-def _locate(given: str) -> Path:
-    """The file of a preset. Raises UsageError."""
-    path = Path(given)
-    if not given.endswith(library.SUFFIXES):
-        for name, shipped in library.list_presets():
-            if name == given:
-                return shipped
-    try:
-        if path.is_file():
-            return path
-        if path.is_dir():
-            raise UsageError(f"{shown(given)} is a folder; a preset is a .yaml file")
-        if path.is_symlink() or path.exists():
-            raise UsageError(f"{shown(given)} is a device, a pipe or a link to nowhere; a preset is a .yaml file")
-        beside = [p.name for p in path.parent.iterdir() if p.suffix in library.SUFFIXES] if path.name else []
-    except (OSError, ValueError):
-        beside = []
-    raise UsageError(library.no_such_preset(given, tuple(str(path.parent / name) for name in beside)))
-
-
-def _bytes_of(path: Path) -> bytes:
-    """A preset's bytes; one more than allowed where it is too large. Raises UsageError."""
-    try:
-        with path.open("rb") as file:
-            return file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise UsageError(f"{shown(str(path))} cannot be read: {error.strerror or error}") from None
-
-
-class _Link(NamedTuple):
-    """One file of a chain of presets that extend each other."""
-
-    path: Path
-    root: MapNode
-
-
-def _chain(source: Path, rules: Rules, files: list[str], faults: list[Fault], digest: hashlib._Hash) -> MapNode:
-    """The preset at ``source`` laid over all that it extends; ``files`` and ``faults`` are added to."""
-    links: list[_Link] = []
-    path: Path | None = source
-    while path is not None:
-        data = _bytes_of(path)
-        _feed(digest, data)
-        files.append(str(path))
-        try:
-            root, found = read(data, str(path))
-        except SceneError as error:
-            raise SceneError([*faults, *error.faults]) from None
-        faults.extend(found)
-        links.append(_Link(path, root))
-        path = _parent(links, faults)
-    links.reverse()
-    root = with_quality(links[0].root.without("extends"), rules, beside=links[0].root)
-    for link in links[1:]:
-        try:
-            root = with_quality(merge_scenes(root, link.root.without("extends"), rules), rules, beside=link.root)
-        except Unreachable as problem:
-            entry = link.root.entries["rules"]
-            faults.append(fault_at(entry.mark, "rules", str(problem)))
-    return root
-
-
-def _parent(links: list[_Link], faults: list[Fault]) -> Path | None:
-    """The file that the last link extends, or None; a fault where it cannot be."""
-    last = links[-1]
-    node = last.root.get("extends")
-    if node is None or (isinstance(node, Scalar) and node.null):
-        return None
-    chain = " -> ".join(str(link.path) for link in links)
-    problem = ""
-    if not isinstance(node, Scalar) or node.empty:
-        given = kind_of(node)
-        problem = f"must be the name or the path of a preset, not {given}"
-    else:
-        try:
-            path = _beside(last.path, node.text)
-            same = [link for link in links if link.path.resolve() == path.resolve()]
-            if same:
-                problem = f"goes in a circle: {chain} -> {node.text}"
-            elif len(links) > DEEPEST_CHAIN:
-                problem = f"goes more than {DEEPEST_CHAIN} deep: {chain} -> {node.text}"
-            else:
-                _bytes_of(path)
-                return path
-        except UsageError as error:
-            problem = str(error)
-    faults.append(fault_at(node.mark, "extends", problem))
-    return None
-
-
-def _beside(path: Path, extends: str) -> Path:
-    """What ``extends`` means in the file at ``path``."""
-    return _locate(str(path.parent / extends)) if extends.endswith(library.SUFFIXES) else library.find(extends)
 
 
 def _override(
@@ -307,8 +206,3 @@ def _in_order(faults: Iterable[Fault], files: Sequence[str]) -> list[Fault]:
     """Each fault once, by file, line and column; what stands in no file (--set, Python) comes last."""
     places = {file: place for place, file in enumerate(files)}
     return sorted(dict.fromkeys(faults), key=lambda f: (places.get(f.file, len(files)), f.line, f.column))
-
-
-def _feed(digest: hashlib._Hash, data: bytes) -> None:
-    """Add ``data`` so that where one piece ends and the next begins makes a difference."""
-    digest.update(len(data).to_bytes(8, "big") + data)

@@ -1,49 +1,108 @@
-"""What `quality: draft | default | best` stands for: one table, for presets, `--set` and `strandcli bench`.
+"""What `quality: draft | default | best` stands for: one table, for presets, `--quality`, `--set` and `bench`.
 
-The settings are points of the fronts that `strandcli study PRESET --axis end-to-end` finds over resolver, shadow model,
-samples, tolerance and level of detail: one frame of the first 2,000 of the strands that are drawn, children included,
-and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel, curves
-within 1/20 of a sample and opacity maps of 29 layers; time, and root mean square error as a share of the picture's
-mean.
+`default` and `best` are points of the fronts that `strandcli study PRESET --axis end-to-end` finds over resolver,
+shadow model, samples, tolerance and level of detail: one frame of the first 2,000 of the strands that are drawn,
+children included, and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel,
+curves within 1/20 of a sample and opacity maps of 29 layers; time, and root mean square error as a share of the
+picture's mean.
 
 | quality | `hair` | `portrait` | `fur` | `grass` |
 |---|---|---|---|---|
-| draft | 62 ms, 21 % | 59 ms, 31 % | 27 ms, 3.2 % | 13 ms, 1.3 % |
 | default | 149 ms, 5.9 % | 208 ms, 5.3 % | 46 ms, 1.6 % | 13 ms, 1.1 % |
 | best | 268 ms, 3.8 % | 323 ms, 4.2 % | 148 ms, 0.4 % | 59 ms, 0.7 % |
 
 All sort and have opacity maps. A z-buffer draws strands as thin as these far too wide: 111 % in `hair`, and 33 % with
 6×6 samples, in more time than best. Min/max maps save nothing that shows, and leave 24 % in `hair` and 55 % in
-`portrait` however fine all else is. A draft thins out what is less than a quarter of a sample wide; at half a sample
-errors are 36 % and 49 % for a third less time. Children are bent so finely that a tolerance of 4 in place of 1/4
-hardly adds to their error: most in `grass`, 1.3 % in place of 1.1 %. 2×2 samples stand between the last two: 4.4 % and
-4.7 %. Lines of no width become thinner with more samples and are never thinned out; give strands a `material.width`,
-as the study does.
+`portrait` however fine all else is. 2×2 samples stand between the two: 4.4 % and 4.7 %.
+
+`draft` is for looking at motion, light and colour. It never costs more than the preset does by itself under these
+resolver and shadow models: half of the children, half again as wide; strands thinner than .75 of a sample thinned out
+and widened; smaller opacity maps of fewer layers; coarser occlusion; fewer pictures a frame for lens and shutter. The
+whole presets, 800×600, drawing alone on one thread, seconds of processor time:
+
+DRAFT_TABLE
+
+Lines of no width become thinner with more samples and are never thinned out; give strands a `material.width`, as the
+study does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
-from .fields import ChoiceSpec, ItemsSpec, ModelSpec, Spec, UnionSpec, settings_of
+from .fields import settings_of
 from .model import Scene
+from .specs import ChoiceSpec, ItemsSpec, ModelSpec, Spec, UnionSpec
+
+
+class AtMost(NamedTuple):
+    """The preset's own number, or this where it is greater or absent."""
+
+    limit: float
+
+    def of(self, own: float | None) -> float | None:
+        return self.limit if own is None else min(own, self.limit)
+
+
+class AtLeast(NamedTuple):
+    """The preset's own number, or this where it is less or absent."""
+
+    limit: float
+
+    def of(self, own: float | None) -> float | None:
+        return self.limit if own is None else max(own, self.limit)
+
+
+class Scaled(NamedTuple):
+    """The preset's own number times this, rounded up where it has to be whole; None where it has none."""
+
+    factor: float
+    whole: bool = False
+
+    def of(self, own: float | None) -> float | None:
+        if own is None:
+            return None
+        return math.ceil(own * self.factor) if self.whole else own * self.factor
+
+
+Own = Callable[[str], Any]
+"""From a path to the number that a preset has there without a quality; None where it has none."""
 
 SHADOWED = "lights.*.shadow"
 """Stands for the shadow map of every light that has one."""
+STRANDS = ("children.count", "material.width")
+"""Paths that change which strands there are, and not how they are drawn."""
+OPTIONAL = ("children", "ambient_occlusion")
+"""Mappings that a quality changes where a preset has them, and does not add."""
 FINE: Mapping[str, Any] = {"image.resolver": "sorted", f"{SHADOWED}.model": "opacity"}
 QUALITIES: Mapping[str, Mapping[str, Any]] = {
     "draft": {
-        **FINE, "curves.level": 2, "curves.tolerance": 1.0, "image.supersample": 1, "detail.pixels": 0.25
+        **FINE,
+        f"{SHADOWED}.size": AtMost(512),
+        f"{SHADOWED}.layers": AtMost(15),
+        "image.supersample": 1,
+        "camera.samples": AtMost(4),
+        "curves.level": AtMost(2),
+        "curves.tolerance": AtLeast(1.0),
+        "children.count": Scaled(0.5, whole=True),
+        "material.width": Scaled(1.5),
+        "ambient_occlusion.cells": AtMost(10_000),
+        "ambient_occlusion.directions": AtMost(16),
+        "detail.near": Scaled(0.5),
+        "detail.pixels": AtLeast(0.75),
     },
     "default": {**FINE, "curves.level": 2, "curves.tolerance": 0.25, "image.supersample": 1},
     "best": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 3},
-}  # fmt: skip
+}
 
 
 def settings_for(name: str, scene: Scene) -> dict[str, Any]:
-    """The settings of a quality by the paths that a scene has, those of lights by their numbers."""
-    return dict(expanded(name, shadowed(scene)))
+    """The settings of a quality for a scene without one, by path, those of lights by their numbers. `STRANDS` are left
+    out: they need other strands."""
+    found = expanded(name, shadowed(scene), lambda path: _own(scene, path.split(".")))
+    return {path: value for path, value in found if path not in STRANDS}
 
 
 def shadowed(scene: Scene) -> list[int]:
@@ -51,18 +110,27 @@ def shadowed(scene: Scene) -> list[int]:
     return [i for i, light in enumerate(scene.lights) if light.shadow.model != "off"]
 
 
-def expanded(name: str, lights: list[int]) -> Iterator[tuple[str, Any]]:
+def expanded(name: str, lights: Sequence[int], own: Own) -> Iterator[tuple[str, Any]]:
     """The settings of a quality that this program has; ``lights``: numbers of the lights that have a shadow map.
     Nothing for a name that is no quality."""
-    for path, value in QUALITIES.get(name, {}).items():
-        if not path.startswith(SHADOWED):
-            if _known(ModelSpec(Scene), path.split("."), value):
-                yield path, value
-            continue
-        for i in lights:
-            own = path.replace("*", str(i), 1)
-            if _known(ModelSpec(Scene), own.split("."), value):
-                yield own, value
+    for general, value in QUALITIES.get(name, {}).items():
+        places = [general.replace("*", str(i), 1) for i in lights] if general.startswith(SHADOWED) else [general]
+        for path in places:
+            wanted = value.of(own(path)) if isinstance(value, AtMost | AtLeast | Scaled) else value
+            absent = path.partition(".")[0] in OPTIONAL and own(path) is None
+            widened = path != "material.width" or (own("children.count") or 1) > 1
+            if wanted is not None and not absent and widened and _known(ModelSpec(Scene), path.split("."), wanted):
+                yield path, wanted
+
+
+def _own(scene: Scene, parts: Sequence[str]) -> Any:
+    """The value at a path of a scene; None where it has none."""
+    found: Any = scene
+    for part in parts:
+        if found is None:
+            return None
+        found = found[int(part)] if isinstance(found, tuple) else getattr(found, part)
+    return found
 
 
 def _known(spec: Spec, parts: list[str], value: Any) -> bool:

@@ -7,7 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .dump import plain
-from .fields import (
+from .fields import Setting, settings_of
+from .model import Scene
+from .rule_type import RuleType, doc_of
+from .specs import (
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -19,17 +22,13 @@ from .fields import (
     NumberSpec,
     PanelsSpec,
     RulesSpec,
-    Setting,
     SizeSpec,
     Spec,
     TextSpec,
     UnionSpec,
     VectorSpec,
     WindowSpec,
-    settings_of,
 )
-from .model import Scene
-from .rule_type import RuleType, doc_of
 
 HEAD = ("Key", "Type", "Range", "Unit", "Default", "Meaning")
 

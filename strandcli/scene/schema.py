@@ -10,7 +10,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from .dump import plain
-from .fields import (
+from .fields import settings_of
+from .model import Scene
+from .rule_type import RuleType, doc_of, first_paragraph
+from .specs import (
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -28,10 +31,7 @@ from .fields import (
     UnionSpec,
     VectorSpec,
     WindowSpec,
-    settings_of,
 )
-from .model import Scene
-from .rule_type import RuleType, doc_of, first_paragraph
 
 Json = dict[str, Any]
 

@@ -12,7 +12,11 @@ from typing import NamedTuple
 
 from .dump import plain
 from .faults import hint, shown
-from .fields import (
+from .fields import settings_of, why_absent
+from .model import Scene
+from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
+from .rule_type import RuleType
+from .specs import (
     ColourSpec,
     ItemsSpec,
     ModelSpec,
@@ -24,14 +28,8 @@ from .fields import (
     UnionSpec,
     VectorSpec,
     WindowSpec,
-    settings_of,
-    why_absent,
 )
-from .look import LOOKS
-from .model import Scene
-from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
-from .quality import expanded
-from .rule_type import RuleType
+from .suggest import hint_inside
 
 SCENE = ModelSpec(Scene)
 
@@ -90,47 +88,11 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     if parts[0] not in known:
         rule = _rule_part(parts[0])[0]
         if rule not in rules:
-            raise Unreachable(f"unknown key; {hint(parts[0], [*known, *rules], 'the keys are')}")
+            raise Unreachable(f"unknown key; {hint_inside(parts[0], [*known, *rules], rules)}")
         parts.insert(0, "rules")
     placed = _place(SCENE, root, parts, value, rules)
     assert isinstance(placed, MapNode)
     return placed
-
-
-def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode | None = None) -> MapNode:
-    """``root``, a whole preset, with the settings that its `quality` stands for; what is written ``beside`` it in the
-    same file is kept, and what a look fixes stays its own. A quality that there is not changes nothing here: it is
-    refused where values are read."""
-    name = root.get("quality") if beside is None else beside.get("quality")
-    if not isinstance(name, Scalar):
-        return root
-    lights = root.get("lights")
-    if lights is None:
-        lights = node_of(plain(settings_of(Scene)["lights"].spec.default), name.mark)
-    items = lights.items if isinstance(lights, ListNode) else ()
-    shadowed = [i for i, light in enumerate(items) if not _is_off(_at(light, ["shadow", "model"]))]
-    look = root.get("look")
-    fixed = {one.path for one in LOOKS.get(look.text, ())} if isinstance(look, Scalar) else set()
-    for path, value in expanded(name.text, shadowed):
-        if ".".join("*" if part.isdecimal() else part for part in path.split(".")) in fixed:
-            continue
-        if beside is None or _at(beside, path.split(".")) is None:
-            root = place(root, path, node_of(value, name.mark), rules)
-    return root
-
-
-def _at(node: Node | None, parts: Sequence[str]) -> Node | None:
-    """What is written at a path; None where nothing is."""
-    for part in parts:
-        if isinstance(node, ListNode) and part.isdecimal():
-            node = node.items[int(part)] if int(part) < len(node.items) else None
-        else:
-            node = node.get(part) if isinstance(node, MapNode) else None
-    return node
-
-
-def _is_off(model: Node | None) -> bool:
-    return isinstance(model, Scalar) and model.text == "off"
 
 
 def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:

@@ -7,14 +7,17 @@ A faulty value is noted and its default put in its place, so that one pass finds
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from .describe import wanted
-from .faults import Fault, Mark, fault_at, hint, one_line, shown
-from .fields import (
+from .faults import Fault, Mark, fault_at, hint, shown
+from .fields import settings_of, why_absent
+from .model import RuleUse
+from .nodes import ListNode, MapNode, Node, Scalar
+from .rule_type import RuleType
+from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size
+from .specs import (
     SMALLEST,
     BooleanSpec,
     ChoiceSpec,
@@ -33,13 +36,9 @@ from .fields import (
     UnionSpec,
     VectorSpec,
     WindowSpec,
-    settings_of,
-    why_absent,
 )
-from .model import RuleUse
-from .nodes import ListNode, MapNode, Node, Scalar, kind_of
-from .rule_type import RuleType
-from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size, as_window
+from .suggest import hint_inside
+from .values import file_path, given, in_range, option, whole, window
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -71,7 +70,7 @@ class Reader:
         if isinstance(node, Scalar) and node.empty:
             node = MapNode({}, node.mark)
         if not isinstance(node, MapNode):
-            self.refuse(node.mark, path, f"must be a mapping of settings, not {_given(node)}")
+            self.refuse(node.mark, path, f"must be a mapping of settings, not {given(node)}")
             return cls()
         settings = settings_of(cls)
         values = {}
@@ -92,7 +91,8 @@ class Reader:
             return "unknown key"
         if not settings:
             return "unknown key; there are no settings here"
-        return f"unknown key; {hint(key, settings, 'the keys are')}"
+        guess = hint_inside(key, settings, self.rules) if top else hint(key, settings, "the keys are")
+        return f"unknown key; {guess}"
 
     def value(self, spec: Spec, node: Node, path: str) -> Any:
         """The value of one setting, or its default after a fault."""
@@ -114,22 +114,22 @@ class Reader:
                 case SizeSpec():
                     return self.size(spec, node, path)
                 case WindowSpec():
-                    return _window(spec, node)
+                    return window(spec, node)
                 case NamesSpec():
                     return self.names(spec, node, path)
             if not isinstance(node, Scalar) or node.empty:
-                raise Refusal(f"not {_given(node)}")
+                raise Refusal(f"not {given(node)}")
             match spec:
                 case NumberSpec():
-                    return _in_range(float(as_number(node)), spec.limits, node)
+                    return in_range(float(as_number(node)), spec.limits, node)
                 case IntegerSpec():
-                    return _whole(node, spec.limits)
+                    return whole(node, spec.limits)
                 case BooleanSpec():
                     return as_boolean(node)
                 case ChoiceSpec():
-                    return _option(node, spec)
+                    return option(node, spec)
                 case FileSpec():
-                    return _file(node)
+                    return file_path(node)
                 case TextSpec():
                     return node.text
         except Refusal as refusal:
@@ -143,8 +143,8 @@ class Reader:
         for index, item in enumerate(node.items):
             try:
                 if not isinstance(item, Scalar) or item.empty or item.null:
-                    raise Refusal(f"not {_given(item)}")
-                found.append(_in_range(float(as_number(item)), limits, item))
+                    raise Refusal(f"not {given(item)}")
+                found.append(in_range(float(as_number(item)), limits, item))
             except Refusal as refusal:
                 one = NumberSpec(limits=limits, unit=spec.unit)
                 self.refuse(item.mark, f"{path}.{index}", f"must be {wanted(one)}, {refusal}")
@@ -153,7 +153,7 @@ class Reader:
     def vector(self, spec: VectorSpec, node: Node, path: str) -> Any:
         """Three numbers."""
         if not isinstance(node, ListNode) or len(node.items) != 3:
-            raise Refusal(f"not {_given(node)}")
+            raise Refusal(f"not {given(node)}")
         found = self.numbers(spec, spec.limits, node, path)
         if found is not None and spec.nonzero and math.hypot(*found) < SMALLEST:
             self.refuse(node.mark, path, "must have a direction, not be zero")
@@ -169,18 +169,18 @@ class Reader:
             raise Refusal("not nothing; without quotes a # begins a comment")
         if isinstance(node, Scalar):
             return as_hex_colour(node)
-        raise Refusal(f"not {_given(node)}")
+        raise Refusal(f"not {given(node)}")
 
     def size(self, spec: SizeSpec, node: Node, path: str) -> Any:
         """Width and height."""
         if isinstance(node, Scalar) and not node.empty:
             found: tuple[int, ...] = as_size(node)
         elif isinstance(node, ListNode) and len(node.items) == 2 and all(isinstance(i, Scalar) for i in node.items):
-            found = tuple(_whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
+            found = tuple(whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
         else:
-            raise Refusal(f"not {_given(node)}")
+            raise Refusal(f"not {given(node)}")
         if not all(spec.limits.holds(side) for side in found):
-            raise Refusal(f"not {_given(node)}")
+            raise Refusal(f"not {given(node)}")
         return found
 
     def names(self, spec: NamesSpec, node: Node, path: str) -> Any:
@@ -189,7 +189,7 @@ class Reader:
         found = []
         for index, item in enumerate(items):
             if not isinstance(item, Scalar) or item.empty or item.null:
-                raise Refusal(f"not {_given(item)}")
+                raise Refusal(f"not {given(item)}")
             self.marks[f"{path}.{index}"] = item.mark
             found.append(item.text)
         return tuple(found)
@@ -204,7 +204,7 @@ class Reader:
     def items(self, spec: ItemsSpec, node: Node, path: str) -> Any:
         """A tuple of instances; what cannot be read is replaced by a stand-in, so that places stay right."""
         if not isinstance(node, ListNode):
-            raise Refusal(f"not {_given(node)}")
+            raise Refusal(f"not {given(node)}")
         found = []
         for index, item in enumerate(node.items):
             where = f"{path}.{index}"
@@ -212,7 +212,7 @@ class Reader:
             cls: type | None = next(iter(spec.kinds.values()))
             stand_in = cls
             if not isinstance(item, MapNode):
-                self.refuse(item.mark, where, f"must be a mapping of settings, not {_given(item)}")
+                self.refuse(item.mark, where, f"must be a mapping of settings, not {given(item)}")
                 cls = None
             elif spec.tagged:
                 cls = self.kind(spec.kinds, item, where)
@@ -229,8 +229,8 @@ class Reader:
         if isinstance(named, Scalar) and named.text in kinds:
             return kinds[named.text]
         text = named.text if isinstance(named, Scalar) else ""
-        given = shown(text) if text else _given(named)
-        self.refuse(named.mark, f"{path}.kind", f"unknown kind {given}; {hint(text, kinds, 'the kinds are')}")
+        known = shown(text) if text else given(named)
+        self.refuse(named.mark, f"{path}.kind", f"unknown kind {known}; {hint(text, kinds, 'the kinds are')}")
         return None
 
     def rule_uses(self, spec: RulesSpec, node: Node, path: str) -> tuple[RuleUse, ...]:
@@ -249,7 +249,7 @@ class Reader:
             entries = [(n, m, p) for n, m, p in listed if not (isinstance(p, Scalar) and p.null)]
             entries.sort(key=lambda e: self.rules[e[0]].order if e[0] in self.rules else math.inf)
         elif not node.empty:
-            raise Refusal(f"not {_given(node)}")
+            raise Refusal(f"not {given(node)}")
         uses, counts = [], dict.fromkeys(self.rules, 0)
         for name, mark, parameters in entries:
             if name not in self.rules:
@@ -266,69 +266,6 @@ class Reader:
         return tuple(uses)
 
 
-def _given(node: Node) -> str:
-    """What stands there, for messages."""
-    if isinstance(node, ListNode):
-        if all(isinstance(item, Scalar) for item in node.items):
-            return shown(f"[{', '.join(item.text for item in node.items if isinstance(item, Scalar))}]")
-        return f"a list of {len(node.items)}"
-    return shown(node.text) if isinstance(node, Scalar) and not node.empty else kind_of(node)
-
-
-def _in_range(value: float, limits: Range, node: Scalar) -> float:
-    if not limits.holds(value):
-        beyond = "; single precision ends before that" if limits.spans(value) else ""
-        raise Refusal(f"not {shown(node.text)}{beyond}")
-    return value
-
-
-def _whole(node: Scalar, limits: Range) -> int:
-    value = as_number(node)
-    if isinstance(value, float) and not value.is_integer():
-        raise Refusal(f"not {shown(node.text)}")
-    _in_range(value, limits, node)
-    return int(value)
-
-
-def _window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
-    """Left, top, width and height of a part of a picture that holds a pixel at least."""
-    if isinstance(node, Scalar) and not node.empty:
-        found = as_window(node)
-    elif isinstance(node, ListNode) and len(node.items) == 4 and all(isinstance(i, Scalar) for i in node.items):
-        x, y, width, height = (_whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
-        found = (x, y, width, height)
-    else:
-        raise Refusal(f"not {_given(node)}")
-    if not all(spec.limits.holds(number) for number in found) or 0 in found[2:]:
-        raise Refusal(f"not {_given(node)}")
-    return found
-
-
-LONGEST_PATH = 240
-"""Characters of a path that messages show, from its end."""
-
-
-def _file(node: Scalar) -> str:
-    """A path as it is from here: one in a preset is meant from the preset's folder."""
-    path = Path(node.text)
-    if node.mark.line > 0:
-        path = Path(node.mark.file).parent / path
-    if not os.path.isfile(path):  # Path.is_file raises where a name is too long
-        shown_path = one_line(str(path)[-LONGEST_PATH:])
-        if os.path.exists(path):
-            kind = "a folder" if os.path.isdir(path) else "no file but a device or a pipe"
-            raise Refusal(f"and {shown_path} is {kind}")
-        raise Refusal(f"and there is no file {shown_path}")
-    return str(path.absolute())  # so that it stays the same file wherever the scene is dumped to
-
-
-def _option(node: Scalar, spec: ChoiceSpec) -> str:
-    if node.text in spec.options:
-        return node.text
-    guess = hint(node.text, spec.options, "") if len(spec.options) > 1 else ""
-    raise Refusal(f"not {shown(node.text)}; {guess}" if guess.startswith("did") else f"not {shown(node.text)}")
-
-
 def _no_rule(node: Node) -> str:
     """The message for an entry of the list of rules that is none."""
     if isinstance(node, MapNode) and len(node.entries) > 1:
@@ -337,4 +274,4 @@ def _no_rule(node: Node) -> str:
             f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
             "indent it further"
         )
-    return f"must be a rule's name or `name: {{setting: value}}`, not {_given(node)}"
+    return f"must be a rule's name or `name: {{setting: value}}`, not {given(node)}"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.fields import LARGEST
+from ..scene.specs import LARGEST
 from . import blame
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}

@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from strandcli.cli.progress import Progress, duration
+from strandcli.cli.progress import Progress, duration, pace
 
 
 class Terminal(io.StringIO):
@@ -32,6 +32,42 @@ def test_time_left_is_that_of_the_frames_so_far(clock: list[float]) -> None:
         progress.step()
     assert progress.text(clock[0]) == "hair: [############............] 5/10 2.0 s a frame, 10 s left"
     progress.__exit__(None, None, None)
+
+
+def test_time_left_never_grows_while_a_frame_is_drawn(clock: list[float]) -> None:
+    progress = Progress(10, "hair")
+    progress.__enter__()
+    for _ in range(2):
+        clock[0] += 60.0
+        progress.step()
+    lines = []
+    for _ in range(9):
+        lines.append(progress.text(clock[0]).rpartition(", ")[2])
+        clock[0] += 10.0
+    assert lines == ["8:00 left", "7:50 left", "7:40 left", "7:30 left", "7:20 left", "7:10 left", *["7:00 left"] * 3]
+    assert "1:00" not in progress.text(clock[0])
+    assert "60.0 s a frame" in progress.text(clock[0])  # that of finished frames, and never 0.0 frames/s
+    progress.__exit__(None, None, None)
+
+
+def test_the_first_frame_is_drawn_and_counted_after_what_was_simulated(clock: list[float]) -> None:
+    progress = Progress(4, "hair")
+    progress.__enter__()
+    progress.note("simulating up to frame 90")
+    clock[0] += 30.0
+    progress.note("drawing frame 90")
+    clock[0] += 2.0
+    assert progress.text(clock[0]) == "hair: drawing frame 90 ... 2.0 s"
+    progress.step()
+    assert progress.text(clock[0]).endswith("1/4 2.0 s a frame, 6 s left")
+    progress.__exit__(None, None, None)
+
+
+@pytest.mark.parametrize(
+    ("done", "seconds", "words"), [(48, 4.0, "12.0 frames/s"), (3, 3.0, "1.0 frames/s"), (2, 90.0, "45.0 s a frame")]
+)
+def test_a_slow_run_has_seconds_a_frame(done: int, seconds: float, words: str) -> None:
+    assert pace(done, seconds) == words
 
 
 def test_compiling_is_told_while_it_runs_and_not_counted_as_drawing(clock: list[float]) -> None:

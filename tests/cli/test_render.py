@@ -51,6 +51,29 @@ def hashes(folder: str) -> dict[int, str]:
     return {entry["frame"]: entry["pixels_sha256"] for entry in report(folder)["frames"]}
 
 
+def test_quality_is_an_option_and_wins_over_the_preset(run: Runner) -> None:
+    Path("fine.yaml").write_text(TINY + "quality: best\n")
+    assert run("render", "fine.yaml", "-f", "1", "--quality", "draft", "-o", "a", "-q").code == 0
+    assert run("render", "tiny.yaml", "-f", "1", "--set", "quality=draft", "-o", "b", "-q").code == 0
+    assert hashes("a") == hashes("b")
+    assert run("render", "tiny.yaml", "-f", "1", "--set", "quality=best", "-o", "c", "-q").code == 0
+    assert hashes("a") != hashes("c")
+    assert run("render", "tiny.yaml", "--quality", "fast").code == 2
+    stages = json.loads(run("plan", "tiny.yaml", "--quality", "draft", "--json").out)["used"]
+    assert "coverage" in {stage["stage"] for stage in stages}
+
+
+def test_a_bare_name_is_a_file_here_and_a_shipped_name_that_hides_one_says_so(run: Runner) -> None:
+    assert run("plan", "tiny").code == 0
+    assert run("render", "tiny", "-f", "1", "-q").code == 0
+    assert names("out/tiny") == ["frame_0001.png", "report.json"]
+    Path("minimal.yaml").write_text(TINY)
+    told = run("plan", "minimal")
+    assert told.code == 0
+    assert told.error() == "minimal: takes the shipped preset of this name; write minimal.yaml for yours"
+    assert "150 strands" in run("plan", "minimal.yaml").out
+
+
 def test_frames_and_report_are_what_the_design_page_says(run: Runner) -> None:
     result = run("render", "tiny.yaml", "-f", "1-3")
     assert (result.code, result.out) == (0, "")

@@ -66,6 +66,7 @@ def test_a_scene_error_is_a_line_a_fault_and_survives_pickling() -> None:
 
 
 def test_unknown_keys_are_put_right_or_told_what_there_is() -> None:
+    assert complaint("strands: 5").endswith("strands: unknown key; did you mean 'emitter.strands'?")
     assert complaint("camera: {positon: [0, 0, 1]}").endswith("unknown key; did you mean 'position'?")
     assert complaint("camera: {FOV: 3}").endswith("did you mean 'fov'?")
     assert complaint("time: {zzz: 3}").endswith("unknown key; the keys are frames, fps, substeps, preroll")

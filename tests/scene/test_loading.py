@@ -10,6 +10,7 @@ import pytest
 from scene_kit import RULES, complaint, scene
 from strandcli.errors import UsageError
 from strandcli.scene import Scene, library, load
+from strandcli.scene.chain import hidden_by_shipped
 from strandcli.scene.model import Detail, DirectionalLight, DiscShape, PointLight, SphereShape
 
 
@@ -60,6 +61,29 @@ def test_shipped_names_and_paths(shipped: Path) -> None:
     assert load("hair.yaml", rules=RULES).title == "mine"
     assert load(Path("hair.yaml").absolute(), rules=RULES).title == "mine"
     assert load("hair", rules=RULES).title == "shipped hair"
+
+
+def test_a_bare_name_is_a_file_here_too() -> None:
+    write("bob.yaml", "title: bob\n")
+    write("deep/jim.yml", "title: jim\nextends: base\n")
+    write("deep/base.yaml", "seed: 5\n")
+    assert load("bob", rules=RULES).title == "bob"
+    got = load("deep/jim", rules=RULES)
+    assert (got.title, got.seed) == ("jim", 5)
+    Path("bob").mkdir()
+    assert load("bob", rules=RULES).title == "bob"
+    write("base.yaml", "extends: hair\n")
+    write("hair.yaml", "title: mine\n")
+    assert load("base", rules=RULES).title == "shipped hair"
+
+
+def test_a_file_that_a_shipped_name_hides_is_found() -> None:
+    assert hidden_by_shipped("hair") is None
+    write("hair.yaml", "title: mine\n")
+    write("bob.yaml", "title: bob\n")
+    assert hidden_by_shipped("hair") == Path("hair.yaml")
+    assert hidden_by_shipped("hair.yaml") is None
+    assert hidden_by_shipped("bob") is None
 
 
 def test_a_preset_that_is_not_there() -> None:
@@ -303,6 +327,9 @@ def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
     [
         ("wind.strenght=3", "unknown key; did you mean 'strength'?"),
         ("sed=3", "unknown key; did you mean 'seed'?"),
+        ("strands=5", "unknown key; did you mean 'emitter.strands'?"),
+        ("strnds=5", "unknown key; did you mean 'emitter.strands'?"),
+        ("fov=5", "unknown key; did you mean 'camera.fov'?"),
         ("wnd.strength=3", "unknown key; did you mean 'wind'?"),
         ("rules.wnd.strength=3", "unknown rule 'wnd'; did you mean 'wind'?"),
         ("collision.segments=true", "the preset does not list the rule 'collision'; its rules are gravity, wind, wind"),

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from scene_kit import RULES, error_of, scene
 from scene_strategies import single_scenes
 from strandcli.scene import Scene, dump, json_schema, loads, to_dict
-from strandcli.scene.fields import Spec, settings_of
+from strandcli.scene.fields import settings_of
 from strandcli.scene.model import LIGHTS, SOLIDS
+from strandcli.scene.specs import Spec
 
 SCHEMA = json_schema(RULES)
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scene_kit import complaint, complaints, scene
-from strandcli.scene.fields import LARGEST, Range, settings_of
+from strandcli.scene.fields import settings_of
 from strandcli.scene.model import (
     Camera,
     CapsuleSolid,
@@ -23,6 +23,7 @@ from strandcli.scene.model import (
     SphereShape,
 )
 from strandcli.scene.scalars import linear
+from strandcli.scene.specs import LARGEST, Range
 
 
 def test_an_almost_empty_preset_has_every_default() -> None:

@@ -24,8 +24,9 @@ from ...groom.children import Children
 from ...groom.combed import Combed
 from ...groom.emit import emit
 from ...plan import available_memory, make_plan, require_memory
-from ...scene.fields import ChoiceSpec, settings_of
+from ...scene.fields import settings_of
 from ...scene.model import AmbientOcclusion, Detail, Scene
+from ...scene.specs import ChoiceSpec
 from ..axes import Request
 from ..points import Knobs
 

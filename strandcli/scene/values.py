@@ -1,0 +1,73 @@
+"""Single values that are checked against their setting: ranges, whole numbers, words, files, parts of a picture."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from .faults import hint, one_line, shown
+from .nodes import ListNode, Node, Scalar, kind_of
+from .scalars import Refusal, as_number, as_window
+from .specs import ChoiceSpec, Range, WindowSpec
+
+LONGEST_PATH = 240
+"""Characters of a path that messages show, from its end."""
+
+
+def given(node: Node) -> str:
+    """What stands there, for messages."""
+    if isinstance(node, ListNode):
+        if all(isinstance(item, Scalar) for item in node.items):
+            return shown(f"[{', '.join(item.text for item in node.items if isinstance(item, Scalar))}]")
+        return f"a list of {len(node.items)}"
+    return shown(node.text) if isinstance(node, Scalar) and not node.empty else kind_of(node)
+
+
+def in_range(value: float, limits: Range, node: Scalar) -> float:
+    if not limits.holds(value):
+        beyond = "; single precision ends before that" if limits.spans(value) else ""
+        raise Refusal(f"not {shown(node.text)}{beyond}")
+    return value
+
+
+def whole(node: Scalar, limits: Range) -> int:
+    value = as_number(node)
+    if isinstance(value, float) and not value.is_integer():
+        raise Refusal(f"not {shown(node.text)}")
+    in_range(value, limits, node)
+    return int(value)
+
+
+def window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
+    """Left, top, width and height of a part of a picture that holds a pixel at least."""
+    if isinstance(node, Scalar) and not node.empty:
+        found = as_window(node)
+    elif isinstance(node, ListNode) and len(node.items) == 4 and all(isinstance(i, Scalar) for i in node.items):
+        x, y, width, height = (whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
+        found = (x, y, width, height)
+    else:
+        raise Refusal(f"not {given(node)}")
+    if not all(spec.limits.holds(number) for number in found) or 0 in found[2:]:
+        raise Refusal(f"not {given(node)}")
+    return found
+
+
+def file_path(node: Scalar) -> str:
+    """A path as it is from here: one in a preset is meant from the preset's folder."""
+    path = Path(node.text)
+    if node.mark.line > 0:
+        path = Path(node.mark.file).parent / path
+    if not os.path.isfile(path):  # Path.is_file raises where a name is too long
+        shown_path = one_line(str(path)[-LONGEST_PATH:])
+        if os.path.exists(path):
+            kind = "a folder" if os.path.isdir(path) else "no file but a device or a pipe"
+            raise Refusal(f"and {shown_path} is {kind}")
+        raise Refusal(f"and there is no file {shown_path}")
+    return str(path.absolute())  # so that it stays the same file wherever the scene is dumped to
+
+
+def option(node: Scalar, spec: ChoiceSpec) -> str:
+    if node.text in spec.options:
+        return node.text
+    guess = hint(node.text, spec.options, "") if len(spec.options) > 1 else ""
+    raise Refusal(f"not {shown(node.text)}; {guess}" if guess.startswith("did") else f"not {shown(node.text)}")
