@@ -45,6 +45,9 @@ class AtMost(NamedTuple):
     def of(self, own: float | None) -> float | None:
         return self.limit if own is None else min(own, self.limit)
 
+    def __str__(self) -> str:
+        return f"at most {self.limit:,g}"
+
 
 class AtLeast(NamedTuple):
     """The preset's own number, or this where it is less or absent."""
@@ -53,6 +56,9 @@ class AtLeast(NamedTuple):
 
     def of(self, own: float | None) -> float | None:
         return self.limit if own is None else max(own, self.limit)
+
+    def __str__(self) -> str:
+        return f"at least {self.limit:,g}"
 
 
 class Scaled(NamedTuple):
@@ -65,6 +71,9 @@ class Scaled(NamedTuple):
         if own is None:
             return None
         return math.ceil(own * self.factor) if self.whole else own * self.factor
+
+    def __str__(self) -> str:
+        return f"{self.factor:g} times its own"
 
 
 Own = Callable[[str], Any]
