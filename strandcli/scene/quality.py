@@ -2,8 +2,8 @@
 
 `default` and `best` are points of the fronts that `strandcli study PRESET --axis end-to-end` finds over resolver,
 shadow model, samples, tolerance and level of detail: one frame of the first 2,000 of the strands that are drawn,
-children included, and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a pixel,
-curves within 1/20 of a sample and opacity maps of 29 layers; time, and root mean square error as a share of the
+children included, and some 30,000 pixels, the whole drawing on one thread of a 2.45 GHz server, against 16×16 samples a
+pixel, curves within 1/20 of a sample and opacity maps of 29 layers; time, and root mean square error as a share of the
 picture's mean.
 
 | quality | `hair` | `portrait` | `fur` | `grass` |
