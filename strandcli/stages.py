@@ -77,7 +77,7 @@ class SimulationStage:
         self._done = 0
         self._wrong = False
         if given is None:
-            for words in [*warnings(scene, self.groom), *self.solver.warnings]:
+            for words in warnings(scene, self.groom):
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
 
     def begin(self, number: int) -> MovedStrands:

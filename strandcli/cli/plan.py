@@ -19,7 +19,8 @@ from .frame_range import FrameRange
 @options.as_json
 @options.debug
 def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_settings: Any) -> None:
-    """Tell what rendering PRESET would run, what is left out and why, and the memory it would take. Runs nothing."""
+    """Tell what rendering PRESET would run, what is left out and why, the memory it would take, and what is hardly
+    meant. Runs nothing."""
     scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
 
@@ -31,8 +32,9 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
             read(drawn.environment.image)
     plan = make_plan(scene, numbers)
+    warnings = _warnings(scene, numbers)
     if as_json:
-        options.print_json(dataclasses.asdict(plan))
+        options.print_json({**dataclasses.asdict(plan), "warnings": warnings})
         return
     stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
     width = max((len(stage) for stage, _ in stages), default=0)
@@ -43,6 +45,21 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
         if not part:
             click.echo("  nothing")
     _totals(plan)
+    for words in warnings:
+        click.echo(f"warning: {words}", err=True)
+
+
+def _warnings(scene: Any, numbers: Any) -> list[str]:
+    """What `render` would warn of before it simulates; of panels with their labels."""
+    from ..groom.emit import emit
+    from ..plan import needed_strands
+    from ..simulate.advice import warnings
+
+    found = []
+    for one in scene.panels or (scene,):
+        lines = warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
+        found += [f"{one.label}: {words}" if one.label else words for words in lines]
+    return found
 
 
 def _totals(plan: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,20 +10,33 @@ from numpy.typing import NDArray
 from .. import solids
 from ..groom.emit import Groom
 from ..scene.motion import emitter_pose
+from .material import TORSION, matter_along, stiffness
+from .rest_shape import coiled, unit_edges
 from .rules import collision
+from .sag_free import hold
+from .surroundings import gravity
+
+if TYPE_CHECKING:
+    from ..scene.model import Emitter, Scene
+
+Floats = NDArray[np.float64]
 
 DEEP = 1.0
 """Segments that a root must be below a surface for its strand not to get out: the next particle reaches no further."""
 COARSE = 0.01
 """Of a segment: a step from one number of single precision to the next that shows in the shapes of strands."""
+LOOKED_AT = 1000
+"""Roots that are looked at in every frame, of which every strand in between is one: a solid swallows many at once."""
+GRAZED = 0.02
+"""Share of the roots below which a solid that moves on has only brushed the emitter."""
 SMALL = 0.5
 """Diameter of a ball or capsule, in segments, below which it slips through between two particles."""
 
 
-def warnings(scene: Any, groom: Groom) -> list[str]:
-    """One line for each solid that swallows roots when the run begins, and for each that is too small to be noticed by
+def warnings(scene: Scene, groom: Groom) -> list[str]:
+    """One line for each solid that swallows roots in some frame, and for each that is too small to be noticed by
     particles; for a rule that the solver leaves out although it asks for something; and for strands so far from the
-    origin that their places are rounded."""
+    origin that their places are rounded. Needs NumPy alone: `strandcli plan` prints the same lines."""
     found = []
     for use in scene.rules:
         if scene.solver == "rod" and use.name == "stiffness" and use.parameters.strength > 0:
@@ -35,9 +48,7 @@ def warnings(scene: Any, groom: Groom) -> list[str]:
     touched = {id(one): one for use in collisions for one in collision.chosen(use.parameters, scene)}
     whole = any(use.parameters.segments for use in collisions)
     segment = groom.lengths.astype(np.float64) / max(scene.emitter.particles - 1, 1)
-    turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
-    roots = groom.roots.astype(np.float64) @ turn.T + moved
-    away = float(np.abs(roots).max())
+    away = float(np.abs(_roots(scene, groom.roots, 1)).max())
     step = float(np.spacing(np.float32(away)))
     if step > COARSE * segment.max():
         found.append(
@@ -46,23 +57,90 @@ def warnings(scene: Any, groom: Groom) -> list[str]:
         )
     for key, solid in touched.items():
         name = f"solids.{numbers[key]}" + (f" ({solid.name})" if solid.name else "")
-        under = depth(roots, solid, scene.emitter)
-        lost = under > DEEP * segment
-        if lost.any():
-            found.append(
-                f"{name}: swallows the roots of {int(lost.sum()):,} of {groom.strands:,} strands, up to "
-                f"{under.max():.3g} m deep: they cannot get out; make it smaller, move it, or leave it out with "
-                "collision.with"
-            )
+        swallowed = _swallowed(solid, scene, groom, segment)
+        if swallowed is not None:
+            found.append(f"{name}: {swallowed}")
         elif solid.kind in ("sphere", "capsule") and not whole and solid.radius < SMALL * segment.max():
             found.append(
                 f"{name}: its radius of {solid.radius:g} m is less than half a segment of {segment.max():.3g} m, so it "
                 "passes between two particles unnoticed; set collision.segments: true, or use more emitter.particles"
             )
-    return found
+    return found + softness(scene, groom)
 
 
-def depth(points: NDArray[np.float64], solid: Any, emitter: Any) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the nearest surface of a solid at time 0; not positive outside."""
-    row = solids.pack(solid.kind, [solid], emitter, 0.0, np.float64)[0]
+def softness(scene: Scene, groom: Groom) -> list[str]:
+    """One line where strands are too soft for the sag-free start that the scene asks for: `sag_free` stiffens them."""
+    if scene.solver != "rod" or scene.rod.rest != "sag_free":
+        return []
+    n = scene.emitter.particles - 1
+    lengths = groom.lengths.astype(np.float64) / n
+    edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in unit_edges(groom, n)[0]]
+    mass, joint = matter_along(scene.rod, n)
+    own = stiffness(scene.rod, lengths)
+    turn = np.array(emitter_pose(scene.emitter, 0.0).rotation)
+    pull = turn.T @ gravity(scene) / lengths[:, None]
+    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, TORSION[coiled(edges)], pull)
+    stiffer = held.stiffness > own
+    if not stiffer.any():
+        return []
+    return [
+        f"rod.rest: sag_free: {int(stiffer.sum()):,} of {groom.strands:,} strands are too soft to stay as they "
+        f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
+        "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
+    ]
+
+
+def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str | None:
+    """What to say of a solid that swallows roots in some frame of the scene; None where it does in none."""
+    first = _first_frame(solid, scene, groom, segment)
+    if first is None:
+        return None
+    under = depth(_roots(scene, groom.roots, first), solid, scene.emitter, _time(scene, first))
+    lost = int((under > DEEP * segment).sum())
+    when = "" if first == 1 else f"from frame {first} on "
+    return (
+        f"{when}swallows the roots of {lost:,} of {groom.strands:,} strands, up to {under.max():.3g} m deep: "
+        "they cannot get out; make it smaller, move it, or leave it out with collision.with"
+    )
+
+
+def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int | None:
+    """The first frame in which a solid swallows roots: any at the start, a share of `GRAZED` later."""
+    if (depth(_roots(scene, groom.roots, 1), solid, scene.emitter, 0.0) > DEEP * segment).any():
+        return 1
+    moves = bool(solid.keys) or (bool(scene.emitter.keys) and (solid.follow != "emitter" or not _carried(scene)))
+    if not moves:
+        return None
+    some = slice(None, None, -(-groom.strands // LOOKED_AT))
+    roots, least = groom.roots[some], DEEP * segment[some]
+    middle = groom.roots.mean(0, keepdims=True)
+    around = float(np.linalg.norm(groom.roots - middle, axis=1).max())
+    for frame in range(2, scene.time.frames + 1):
+        time = _time(scene, frame)
+        if depth(_roots(scene, middle, frame), solid, scene.emitter, time)[0] <= -around:
+            continue  # too far away to reach any
+        if (depth(_roots(scene, roots, frame), solid, scene.emitter, time) > least).mean() >= GRAZED:
+            return frame
+    return None
+
+
+def _time(scene: Scene, frame: int) -> float:
+    return (frame - 1) / scene.time.fps
+
+
+def _carried(scene: Scene) -> bool:
+    """Whether roots move with the emitter."""
+    return any(use.name == "emitter_motion" for use in scene.rules)
+
+
+def _roots(scene: Scene, roots: NDArray[np.floating], frame: int) -> Floats:
+    """(k, 3) points of the emitter's own frame, in the world at a frame."""
+    turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, _time(scene, frame) * _carried(scene)))
+    return np.asarray(roots.astype(np.float64) @ turn.T + moved)
+
+
+def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Floats:
+    """(k,) depth of points (k, 3) below the nearest surface of a solid at a time; not positive outside, and there never
+    further below zero than the surface is away."""
+    row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

@@ -18,6 +18,12 @@ MATERIALS = {
 STIFFEST = 1e30
 """Rigidity of a joint in 1/s² beyond which no step of time sees a strand bend; single precision ends soon after."""
 
+TORSION = {False: 4.0, True: 0.25}
+"""Torsional over bending rigidity, of grooms with coils where True; a round rod's is 0.75. As nothing resists twist but
+this, straight strands get more of it; of coils it is what limits the step, and they get less."""
+FOLD = 0.02
+"""Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
+
 
 def matter(rod: Rod) -> tuple[float, float, float]:
     """Density, radius at the root and Young's modulus: the material's, or what is written beside it."""

@@ -11,6 +11,9 @@ from ..groom.emit import Groom, frame
 
 Floats = NDArray[np.float64]
 
+COILED = 0.9
+"""Distance of a strand's ends, as a share of its length, below which it is a coil."""
+
 
 def carried(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple[Floats, Floats]:
     """A unit vector across each of the ``axes`` (strands, 3) that strands are clamped along, and the ``bends``
@@ -47,6 +50,11 @@ def unit_edges(groom: Groom, n: int) -> tuple[list[Floats], bool]:
         before = before if np.array_equal(edge, before) else edge  # straight strands need no more than one
         edges.append(before)
     return edges, mended
+
+
+def coiled(edges: list[Floats]) -> bool:
+    """Whether any strand of these edges, (strands, 3) each, is a coil."""
+    return float(np.linalg.norm(np.mean(edges, axis=0), axis=1).min()) < COILED
 
 
 def straight(ways: list[Floats]) -> bool:

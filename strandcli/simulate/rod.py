@@ -25,8 +25,8 @@ from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_step, rod_tension, tickets
 from .kernels.rod import PACK
-from .material import matter_along, stiffness
-from .rest_shape import carried, straight, unit_edges
+from .material import TORSION, matter_along, stiffness
+from .rest_shape import carried, coiled, straight, unit_edges
 from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
@@ -51,14 +51,9 @@ WORTH = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
-COILED = 0.9
-"""Distance of a strand's ends, as a share of its length, below which it is a coil."""
 STEADY = {False: 0.25, True: 0.5}
 """Of a step, the least inner damping of grooms with coils, with BDF2 where True: what rest shapes ask of the edges that
 carry them is taken from before the step, which without that rocks tight curls."""
-TORSION = {False: 4.0, True: 0.25}
-"""Torsional over bending rigidity, of grooms with coils where True; a round rod's is 0.75. As nothing resists twist but
-this, straight strands get more of it; of coils it is what limits the step, and they get less."""
 MOVED = ("emitter_motion", "gravity", "wind", "collision")
 ITS_OWN = ("elasticity", "stiffness")
 
@@ -121,8 +116,8 @@ class RodSolver(Solver):
         )
         self.bends = aligned((len(self.edges) if self.curled else 1, n + 1, 3 * PACK), self.dtype)
         self.twist = aligned((len(self.bends), n, PACK), self.dtype)
-        coiled = self.curled and float(np.linalg.norm(np.mean(edges, axis=0), axis=1).min()) < COILED
-        self.steady, self.torsion = STEADY[bdf2] if coiled else 0.0, TORSION[coiled]
+        coils = self.curled and coiled(edges)
+        self.steady, self.torsion = STEADY[bdf2] if coils else 0.0, TORSION[coils]
         if self.curled:
             self._bend(groom.directions.astype(np.float64), np.stack(edges), lengths)
         some = self.surroundings.any_solids
@@ -266,7 +261,7 @@ class RodSolver(Solver):
 
     def _hold(self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> Held:
         """What holds these edges still under gravity; tension begins as it will be, and strands that are too soft
-        become stiffer, and say so."""
+        become stiffer, as `advice.softness` tells."""
         pull = np.array(self.pose.rotation).T @ self.surroundings.gravity
         own = stiffness(self.scene.rod, lengths)
         # of numbers as the kernel reads them: what they are rounded by would be a load
@@ -274,14 +269,8 @@ class RodSolver(Solver):
         held = hold(axes, edges, mass, joint, own, self.torsion, pull / lengths[:, None])
         for j, tension in enumerate(held.tension):
             self.tension[:, j] = self._packed(tension[:, None])
-        stiffer = held.stiffness > own
-        if stiffer.any():
+        if (held.stiffness > own).any():
             self.stiffness = self._packed(held.stiffness[:, None])
-            self.warnings.append(
-                f"rod.rest: sag_free: {int(stiffer.sum()):,} of {self.strands:,} strands are too soft to stay as they "
-                f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
-                "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
-            )
         return held
 
     def place_roots(self, frame_number: int) -> None:

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.rod_curl import FOLD
+from .material import FOLD
 
 Floats = NDArray[np.float64]
 

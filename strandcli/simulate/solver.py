@@ -23,8 +23,7 @@ class Solver(ABC):
 
     ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
     ``lengths`` (blocks, W) are the rest lengths of segments, both of strands as they stand in the groom; all that
-    methods tell or take of strands is in the order of emission. ``warnings`` are what a person should know of how this
-    solver takes the scene. Raises `UsageError` for a groom that `check` refuses.
+    methods tell or take of strands is in the order of emission. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Any, groom: Groom) -> None:
@@ -32,7 +31,6 @@ class Solver(ABC):
         self.scene = scene
         self.groom = groom
         self.strands = groom.strands
-        self.warnings: list[str] = []
         n = scene.emitter.particles
         rest_length = groom.lengths.astype(np.float64) / (n - 1)
         rotation, translation = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from strandcli.simulate import advice
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.sag_free import SAFETY, TILT, TURNS, hold
 from tests.simulate.test_rod import PULL, scene
@@ -63,19 +64,20 @@ def test_strands_that_can_hold_their_shape_stay_as_they_are() -> None:
     for gamma, way in [(1e4, HANGING), (100.0, (0.05, -1, 0)), (10.0, LEVEL), (5.0, UP)]:
         solver = held(gamma, 10, way)
         assert stiffer(solver, gamma) == pytest.approx(1, rel=1e-5)
-        assert solver.warnings == []
+        assert advice.softness(solver.scene, solver.groom) == []
 
 
 def test_strands_that_cannot_are_made_stiffer_and_say_so() -> None:
     """One of two strands stands up: of these, a column that must not buckle with half its weight more on top."""
     changes = {"emitter.strands": 40, "emitter.length_variation": 0.5}
     solver = held(20.0, 20, UP, **changes)
-    (words,) = solver.warnings
+    (words,) = advice.softness(solver.scene, solver.groom)
     weak = 20.0 * (solver.lengths.reshape(-1)[:40] * 20) ** 3 > BUCKLING / SAFETY
     assert 0 < weak.sum() < 40
     assert f"{weak.sum()} of 40 strands" in words
     assert "rod.radius" in words
-    assert held(100.0, 20, UP).warnings[0].count("up to 19.2 times") == 1
+    upright = held(100.0, 20, UP)
+    assert "up to 19.2 times" in advice.softness(upright.scene, upright.groom)[0]
 
 
 @pytest.mark.parametrize("segments", [10, 40])

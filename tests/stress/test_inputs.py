@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +109,45 @@ def test_a_solid_that_swallows_roots_is_named_with_how_many(kind: str) -> None:
     assert words.startswith(f"solids.0 (it): swallows the roots of {count} of 200 strands, up to ")
     assert deepest - 0.15 < depths.max() < deepest + 1e-6  # the deepest of 200 roots spread over the sphere
     assert advice.warnings(scene_of(text.replace("SOME", "far")), groom) == []
+
+
+LATER = """
+time: {frames: 12, fps: 24}
+emitter: {strands: 300, particles: 5, shape: {kind: sphere, radius: 0.1}, length: 0.2KEYS}
+rules: [RULES, gravity, collision]
+solids: [{kind: sphere, name: ball, radius: 0.15, KEYED}]
+"""
+COMES = "keys: [{time: 0, position: [2, 0, 0], ease: step}, {time: 0.2, position: [0.1, 0, 0]}]"
+
+
+def advised(keys: str, rules: str, keyed: str) -> list[str]:
+    scene = scene_of(LATER.replace("KEYS", keys).replace("RULES", rules).replace("KEYED", keyed))
+    return advice.warnings(scene, groom_of(scene))
+
+
+def test_a_solid_that_comes_to_swallow_roots_is_named_with_its_frame() -> None:
+    (words,) = advised("", "emitter_motion", COMES)
+    assert words.startswith("solids.0 (ball): from frame 6 on swallows the roots of ")
+    moved = ", keys: [{time: 0}, {time: 0.5, position: [1, 0, 0]}]"
+    still = "position: [0.95, 0, 0]"
+    (words,) = advised(moved, "emitter_motion", still)
+    assert words.startswith("solids.0 (ball): from frame ")
+    assert advised(moved, "stiffness", still) == []  # no rule carries the roots there
+    assert advised(moved, "emitter_motion", still + ", follow: emitter") == []
+    assert advised("", "emitter_motion", COMES.replace("[0.1, 0, 0]", "[1.5, 0, 0]")) == []
+
+
+def test_plan_warns_as_render_does_and_imports_no_numba(command: Runner) -> None:
+    text = LATER.replace("KEYS", "").replace("RULES", "emitter_motion").replace("KEYED", COMES)
+    Path("p.yaml").write_text(f"image: {{size: [24, 16]}}\n{text}")
+    planned, drawn = command("plan", "p.yaml"), command("render", "p.yaml", "-f", "1", "-o", "a")
+    lines = [line for line in planned.err.splitlines() if line.startswith("warning: ")]
+    assert lines == [line for line in drawn.err.splitlines() if line.startswith("warning: ")] != []
+    data = json.loads(command("plan", "p.yaml", "--json").out)
+    assert [f"warning: {words}" for words in data["warnings"]] == lines
+    script = "import sys; from strandcli.cli.main import main\n"
+    script += "try: main(['plan', 'p.yaml'])\nexcept SystemExit: pass\nassert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)
 
 
 @pytest.mark.parametrize("kind", SOLIDS)

@@ -18,10 +18,9 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
+from ..material import FOLD
 from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
-FOLD = 0.02
-"""Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
 MOST = 1.0
 """Radians that ψ changes by in a step at the most."""
 

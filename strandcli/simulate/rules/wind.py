@@ -28,7 +28,9 @@ class Parameters:
     """A wind w of a direction, a strength and gusts."""
 
     direction: Vector = vector((1.0, 0.0, 0.0), unit="1", nonzero=True, doc="where it blows to")
-    strength: float = number(10.0, low=0, unit="1/s²", doc="|w|; with per_length: false in m/s²")
+    strength: float = number(
+        10.0, low=0, unit="1/s²", doc="|w|; with per_length: false in m/s²; for rods the speed of the air, in m/s"
+    )
     per_length: bool = boolean(True, doc="as printed: the pull grows with the length of the segment")
     gust: float = number(0.0, low=0, high=1, doc="share of the strength that comes and goes")
     sway: float = number(0.0, low=0, high=90, unit="deg", doc="how far the direction swings to either side")
