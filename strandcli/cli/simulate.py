@@ -77,7 +77,7 @@ def command(
                     warn=None if quiet else lambda message: progress.line(f"warning: {message}"),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
-                        writer.write(frame.number, frame.positions)
+                        writer.write(frame.number, frame.positions, frame.report["error"])
                     progress.step(f"frame {frame.number}")
                     signals.check()
             status = "complete"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from .. import __version__
 from ..errors import RefusedError, UsageError
 from .claim import Claim
 from .files import atomic, prepare_folder, require_own, with_whole, write_json
+from .report import finite
 
 Positions = npt.NDArray[np.float32]
 
@@ -52,6 +53,7 @@ class PositionsWriter:
             require_own(directory / MANIFEST)
         self.wanted = tuple(f for f in frames if f not in self.kept)
         self.done = list(self.kept)
+        self.errors = _known_errors(directory, self.kept)
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
         self._claim = Claim(directory, "positions")
 
@@ -62,14 +64,17 @@ class PositionsWriter:
             return False
         return True
 
-    def write(self, frame: int, positions: Positions) -> None:
-        """Write one frame's positions, whole or not at all."""
+    def write(self, frame: int, positions: Positions, error: Mapping[str, Any] | None = None) -> None:
+        """Write one frame's positions, whole or not at all. ``error``: the frame's errors, as in report.json, for the
+        manifest."""
         try:
             with atomic(self.directory / positions_file(frame)) as file:
                 np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
         except RefusedError as error:
             raise with_whole(error, len(self.done)) from error
         self.done.append(frame)
+        if error is not None:
+            self.errors[frame] = finite(error)
 
     def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> dict[str, Any]:
         """Write the manifest of the frames that are there, and let go of the folder; returns the manifest."""
@@ -83,13 +88,28 @@ class PositionsWriter:
             "dtype": "float32",
             "unit": "m",
             "fps": fps,
-            "frames": [{"frame": f, "file": positions_file(f)} for f in sorted(self.done)],
+            "frames": [self._entry(frame) for frame in sorted(self.done)],
         }
         try:
             write_json(self.directory / MANIFEST, data)
         finally:
             self._claim.release()
         return data
+
+    def _entry(self, frame: int) -> dict[str, Any]:
+        entry = {"frame": frame, "file": positions_file(frame)}
+        return {**entry, "error": self.errors[frame]} if frame in self.errors else entry
+
+
+def _known_errors(directory: Path, frames: Sequence[int]) -> dict[int, dict[str, Any]]:
+    """What the manifest of a folder says of the errors of frames; none where there is no manifest to be read."""
+    if not frames:
+        return {}
+    try:
+        entries = _read_manifest(directory)["frames"]
+    except (UsageError, RefusedError):
+        return {}
+    return {one["frame"]: one["error"] for one in entries if one["frame"] in frames and "error" in one}
 
 
 def cached_frames(directory: Path) -> tuple[int, ...]:

@@ -243,6 +243,10 @@ def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> N
     assert found.shape == (150, 5, 3)
     np.testing.assert_array_equal(found, frame.positions)
     run("render", "tiny.yaml", "-o", "a", "-f", "2-4")
+    manifest = json.loads(Path("p/manifest.json").read_text())
+    for entry, drawn in zip(manifest["frames"][1:], report("a")["frames"], strict=True):
+        assert entry["error"] == {key: drawn["error"][key] for key in entry["error"]}
+        assert set(entry["error"]) >= {"stretch_max", "penetration_max", "segment_penetration_max", "nonfinite"}
     assert run("render", "tiny.yaml", "-o", "b", "-f", "2-4", "--from-cache", "p").code == 0
     assert hashes("a") == hashes("b")
     assert report("b")["frames"][0]["seconds"]["simulate"] is None
@@ -258,7 +262,10 @@ def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> N
     assert "shape (150, 5, 3), but the scene has 99 strands of 5 particles; give the preset" in other.error()
     assert run("simulate", "tiny.yaml", "-o", "p", "-f", "1-4").code == 2
     result = run("simulate", "tiny.yaml", "-o", "p", "-f", "1-5", "--resume", "--json")
-    assert [entry["frame"] for entry in json.loads(result.out)["frames"]] == [1, 2, 3, 4, 5]
+    entries = json.loads(result.out)["frames"]
+    assert [entry["frame"] for entry in entries] == [1, 2, 3, 4, 5]
+    assert [entry["error"] for entry in entries[:4]] == [entry["error"] for entry in manifest["frames"]]
+    assert "error" in entries[4]
 
 
 def test_animations_are_made_from_the_frames(run: Runner) -> None:
