@@ -214,6 +214,20 @@ def test_a_strand_alone_has_no_shadow_on_itself() -> None:
         assert min(cast) > 0
 
 
+def test_a_strand_alone_loses_next_to_no_light() -> None:
+    """With texels as they are chosen for it: .06 % in the mean, 2.8 % at the most, from whatever side it is lit."""
+    deep = Shadow(model="opacity")
+    shade = []
+    for seed in range(40):
+        lines = straight(1, seed)
+        bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
+        for light in (DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=deep), replace(LAMP, shadow=deep)):
+            points = lines.world[1:-1]
+            shade.append(off_by(lines, light, points, np.ones(len(points)), Thickness(0.02), 0.0))
+    assert np.mean(shade) > -0.001
+    assert np.min(shade) > -0.03
+
+
 def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
     """Behind a sheet, where τ does not grow: of strands 6 texels apart it is lower in the middle of a shadow, of
     a dense sheet the same, but for half of what a strand has in a texel."""
