@@ -220,7 +220,6 @@ def test_a_strand_alone_loses_next_to_no_light() -> None:
     shade = []
     for seed in range(40):
         lines = straight(1, seed)
-        bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
         for light in (DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=deep), replace(LAMP, shadow=deep)):
             points = lines.world[1:-1]
             shade.append(off_by(lines, light, points, np.ones(len(points)), Thickness(0.02), 0.0))
