@@ -11,7 +11,7 @@ from .geometry.curves import Polylines
 from .geometry.extent import Thickness
 from .lighting import occlusion
 from .lighting.lighting import Lighting
-from .lighting.shading import pack_lights
+from .lighting.pack_lights import pack_lights
 from .renderer import Renderer
 from .shadows.shadow import plan_maps
 from .solids.edges import find_edges

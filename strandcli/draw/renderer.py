@@ -28,7 +28,8 @@ from .geometry.spacing import STEADY, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
 from .lighting.lighting import Lighting
-from .lighting.shading import Palette, pack_lights
+from .lighting.pack_lights import pack_lights
+from .lighting.palette import Palette
 from .shadows.shadow import ShadowMaps, is_traced, plan_maps, wants_map
 from .shadows.traced import grid_of
 from .solids.solids import packed as pack_solids

@@ -15,6 +15,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from ..registry import Registry
 from .specs import (
     BooleanSpec,
     ChoiceSpec,
@@ -26,6 +27,7 @@ from .specs import (
     NamesSpec,
     NumberSpec,
     PanelsSpec,
+    ParametersSpec,
     Range,
     RulesSpec,
     SizeSpec,
@@ -96,8 +98,8 @@ def window(*, high: int, unit: str = "px", doc: str = "") -> Any:
     return _field(WindowSpec(None, limits=Range(low=0, high=high), unit=unit, doc=doc))
 
 
-def choice(default: str, options: tuple[str, ...], *, doc: str = "") -> Any:
-    """A field that is one of a few words."""
+def choice(default: str, options: tuple[str, ...] | Registry, *, doc: str = "") -> Any:
+    """A field that is one of a few words, or one of the names in a registry."""
     return _field(ChoiceSpec(default, options, doc=doc))
 
 
@@ -140,6 +142,11 @@ def items(of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), doc: 
     """A field that is a tuple of instances of a class, or of classes told apart by ``kind``."""
     kinds = {"": of} if isinstance(of, type) else dict(of)
     return _field(ItemsSpec(default, MappingProxyType(kinds), doc=doc))
+
+
+def parameters(registry: Registry, chooser: str, *, doc: str = "") -> Any:
+    """A field that holds the settings of the driver that the field ``chooser`` of the same class names."""
+    return _field(ParametersSpec(registry, chooser, doc=doc))
 
 
 def rules(*, doc: str = "") -> Any:

@@ -23,6 +23,7 @@ from .specs import (
     NamesSpec,
     NumberSpec,
     PanelsSpec,
+    ParametersSpec,
     Range,
     RulesSpec,
     SizeSpec,
@@ -135,6 +136,9 @@ class _Writer:
             case ItemsSpec():
                 kinds = [self.kind(cls, spec.tagged) for cls in spec.kinds.values()]
                 return {"type": "array", "items": kinds[0] if len(kinds) == 1 else {"anyOf": kinds}}
+            case ParametersSpec():
+                own = [cls for name in spec.registry.names() if (cls := spec.registry.settings(name)) is not None]
+                return {"anyOf": [self.reference(cls) for cls in own] or [{"type": "object", "maxProperties": 0}]}
             case RulesSpec():
                 return self.rule_uses()
             case PanelsSpec():

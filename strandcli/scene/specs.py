@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..registry import Registry
+
 LARGEST = 1e9
 """Greatest magnitude of any number: squares and cubes of it still fit the single precision of the kernels."""
 SMALLEST = 1e-9
@@ -103,11 +105,16 @@ class WindowSpec(Spec):
 
 
 class ChoiceSpec(Spec):
-    """One of a few words."""
+    """One of a few words, or of the names in a registry, which may grow."""
 
-    def __init__(self, default: str, options: tuple[str, ...], *, doc: str = "") -> None:
+    def __init__(self, default: str, options: tuple[str, ...] | Registry, *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
-        self.options = options
+        self._options = options
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The words, in order."""
+        return self._options if isinstance(self._options, tuple) else self._options.names()
 
 
 class BooleanSpec(Spec):
@@ -153,6 +160,16 @@ class ItemsSpec(Spec):
     def tagged(self) -> bool:
         """Whether an item must name its ``kind``."""
         return "" not in self.kinds
+
+
+class ParametersSpec(Spec):
+    """A mapping with the settings of the driver that a sibling setting, ``chooser``, names; None where it has none of
+    its own."""
+
+    def __init__(self, registry: Registry, chooser: str, *, doc: str = "") -> None:
+        super().__init__(None, doc=doc)
+        self.registry = registry
+        self.chooser = chooser
 
 
 class RulesSpec(Spec):

@@ -28,6 +28,7 @@ from .specs import (
     ModelSpec,
     NamesSpec,
     NumberSpec,
+    ParametersSpec,
     Range,
     RulesSpec,
     SizeSpec,
@@ -73,15 +74,31 @@ class Reader:
             self.refuse(node.mark, path, f"must be a mapping of settings, not {given(node)}")
             return cls()
         settings = settings_of(cls)
-        values = {}
+        values: dict[str, Any] = {}
         for key, entry in node.entries.items():
             where = f"{path}.{key}" if path else key
             setting = settings.get(key)
             if setting is None:
                 self.refuse(entry.mark, where, why_absent(cls, key) or self.unknown_key(key, settings, top=not path))
-            elif not (isinstance(entry.node, Scalar) and entry.node.null):
+            elif not (isinstance(setting.spec, ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
+        for key, setting in settings.items():
+            if isinstance(setting.spec, ParametersSpec):
+                chosen = values.get(setting.spec.chooser, settings[setting.spec.chooser].spec.default)
+                found = self.parameters(setting.spec, chosen, node.get(key), f"{path}.{key}")
+                if found is not None:
+                    values[setting.attribute] = found
         return cls(**values)
+
+    def parameters(self, spec: ParametersSpec, chosen: str, node: Node | None, path: str) -> Any:
+        """The settings of the driver that was chosen, its defaults where none are written; None where it has none."""
+        cls = spec.registry.settings(chosen)
+        if node is None or (isinstance(node, Scalar) and node.null):
+            return None if cls is None else cls()
+        if cls is None:
+            self.refuse(node.mark, path, f"{chosen} has no settings of its own here; take this out")
+            return None
+        return self.model(cls, node, path)
 
     def unknown_key(self, key: str, settings: Mapping[str, Any], top: bool) -> str:
         """The message for a key that is none of ``settings``."""

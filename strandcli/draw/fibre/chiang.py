@@ -17,6 +17,7 @@ absorption.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,9 +25,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from . import width_tables
 from .kernels import chiang as kernel
 from .kernels import lobes
-from .marschner import PATH_FLOOR, leaving, rays_across, seen
+from .marschner import NO_PATHS, PATH_FLOOR, leaving, rays_across, seen
 from .pigment import absorption_of, varies
 
 if TYPE_CHECKING:
@@ -43,23 +45,24 @@ RAYS = 12.0
 
 @dataclass(frozen=True, slots=True)
 class ChiangTables:
-    """What the kernel reads. All float32 and C order; θ_v and φ are even in angle over [0, π/2] and [0, π].
-
-    fibre: (20,) sharpness, normalisation and tilt of the lobes, index scales (places named in the kernel's file).
-    nodes: (n_θ, n_φ, 12) R, TT rgb, TRT rgb, rest rgb, 0, 0 - N_p.
-    paths: (n_θ, n_φ, 4) log₂ e times the mean path length in TT, TRT and the rest, in radii, 0; or None where no
-    colour varies.
-    absorption: (3,) float64, σ_a of the tables, in 1/radius.
-    """
+    """The model's tables, and what they were built for. Arrays are float32 in C order, as `ChiangArrays` says."""
 
     fibre: NDArray[np.float32]
     nodes: NDArray[np.float32]
     paths: NDArray[np.float32] | None
+    """None where no colour varies."""
     absorption: NDArray[np.float64]
+    """(3,) σ_a of the tables, in 1/radius."""
+
+    @property
+    def arrays(self) -> kernel.ChiangArrays:
+        """As kernels read them."""
+        return kernel.ChiangArrays(self.fibre, self.nodes, NO_PATHS if self.paths is None else self.paths)
 
     @property
     def nbytes(self) -> int:
-        return self.fibre.nbytes + self.nodes.nbytes + (0 if self.paths is None else self.paths.nbytes)
+        """Of the arrays."""
+        return sum(array.nbytes for array in self.arrays)
 
 
 def variances(beta_m: float) -> NDArray[np.float64]:
@@ -103,6 +106,21 @@ def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None
     fibre[kernel.THETA_SCALE], fibre[kernel.THETA_LAST] = (n_theta - 1) / (0.5 * math.pi), (n_theta - 1) * (1.0 - 1e-6)
     fibre[kernel.PHI_SCALE], fibre[kernel.PHI_LAST] = (n_phi - 1) / math.pi, (n_phi - 1) * (1.0 - 1e-6)
     return ChiangTables(fibre, nodes, paths if varies(material) else None, sigma)
+
+
+def columns(material: Material) -> NDArray[np.float32] | None:
+    """Tables over the width, as `width_tables.table_of` makes them; None without highlights."""
+    if material.specular == 0:
+        return None
+    sigma = absorption_of(material, material.beta_n)
+    rays, _, out = passages(width_tables.THETA, width_tables.GAMMA, material.eta, sigma)
+    s = max(logistic_scale(material.beta_n), 0.5 * width_tables.STEP)
+    return width_tables.table_of(rays, out, functools.partial(_logistic, s=s), np.ones(7))
+
+
+def _logistic(angle: NDArray[np.float64], s: float) -> NDArray[np.float64]:
+    fall = np.exp(-np.abs(angle) / s)
+    return np.asarray(fall / (s * (1.0 + fall) ** 2) / math.tanh(0.5 * np.pi / s))
 
 
 def detector(s: float) -> NDArray[np.float64]:

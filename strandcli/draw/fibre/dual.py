@@ -30,14 +30,13 @@ vertex scales them with the colour of a mass of its own over that of the mean.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.kernels.batch import CHANNELS
-from ..common.kernels.veil import HALF_WAY
+from ..common.kernels.loss import HALF_WAY
 from . import chiang
 from .kernels import dual as kernel
 from .kernels.lobes import REST, TRT, TT, R
@@ -47,38 +46,26 @@ if TYPE_CHECKING:
     from ...scene.model import Material
 
 N_THETA, N_PHI = 64, 257
-VEIL = 65
-"""Nodes of a veil's table."""
+LOSS_NODES = 65
+"""Of the table of light that strands keep from what is behind them."""
 MOST = 0.999
 """Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
 APART = 0.02
 """By which share k₀ and κ are kept apart: where they are one, P and Q are infinite."""
 
 
-@dataclass(frozen=True, slots=True)
-class DualTables:
-    """What the kernel reads, float32.
-
-    rows: (n_θ, 24) over θ_l in [0, π/2] (channels named in the kernel's file); it is even.
-    scale: (3,) one over the colour of a mass with the tables' absorption.
-    """
-
-    rows: NDArray[np.float32]
-    scale: NDArray[np.float32]
-
-
-def veil_of(tables: DualTables) -> NDArray[np.float32]:
-    """(65, 3): what strands keep of a light from what is behind τ of them, in even steps of τ / (τ + 2): 1 less
+def loss_table(tables: kernel.DualArrays) -> NDArray[np.float32]:
+    """(65, 3): the share of a light that τ strands keep from what is behind them, in even steps of τ / (τ + 2): 1 less
     `kernels.dual.through`. The last row is that of no end of strands."""
     streams = streams_of(tables)
-    table = np.ones((VEIL, 3), np.float32)
-    for row, share in enumerate(np.linspace(0.0, 1.0, VEIL)[:-1]):
+    table = np.ones((LOSS_NODES, 3), np.float32)
+    for row, share in enumerate(np.linspace(0.0, 1.0, LOSS_NODES)[:-1]):
         passed = np.float32(float(HALF_WAY) * share / (1.0 - share))
         table[row] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
     return np.clip(table, 0, 1)
 
 
-def streams_of(tables: DualTables) -> NDArray[np.float32]:
+def streams_of(tables: kernel.DualArrays) -> NDArray[np.float32]:
     """(5, 3): κ, R, k₀, P and Q of `kernels.dual.through`, for light on what is behind strands: the mean over strands
     that lie in all directions, by the area that they show."""
     theta = np.linspace(0.0, 0.5 * np.pi, N_THETA)
@@ -87,7 +74,7 @@ def streams_of(tables: DualTables) -> NDArray[np.float32]:
     return mean.reshape(5, 3).astype(np.float32)
 
 
-def build_tables(material: Material, roughness: float) -> DualTables:
+def build_tables(material: Material, roughness: float) -> kernel.DualArrays:
     """Tables for ``material``; ``roughness`` is the β_n by which colours and absorption correspond."""
     sigma = absorption_of(material, roughness)
     if varies(material):
@@ -143,4 +130,4 @@ def build_tables(material: Material, roughness: float) -> DualTables:
     rows[:, kernel.SPREAD] = v_f
     rows[:, kernel.WIDTH] = 2.0 * v_f + v_b
     rows[:, kernel.OWN] = (every.mean(-1) @ v) / every.mean(-1).sum(1)
-    return DualTables(rows, (1.0 / np.maximum(mass_colour(sigma, roughness), 1e-3)).astype(np.float32))
+    return kernel.DualArrays(rows, (1.0 / np.maximum(mass_colour(sigma, roughness), 1e-3)).astype(np.float32))

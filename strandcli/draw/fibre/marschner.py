@@ -25,6 +25,7 @@ colours were fitted with, and a traced ray confirms it (tests/study/test_bsdf.py
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -32,6 +33,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from . import width_tables
 from .kernels import marschner as kernel
 from .pigment import absorption_of, varies
 
@@ -43,28 +45,29 @@ COEFFICIENT_FLOOR = 1e-7
 RAYS = 8.0  # rays over half of the strand, times the roughness: no two leave farther apart than .62 of it
 BINS = 200.0  # bins over the circle, times the roughness: what sharing leaves aliased is under 3e-5
 PATH_FLOOR = 1e-6
+NO_PATHS = np.zeros((0, 0, 2), np.float32)
 
 
 @dataclass(frozen=True, slots=True)
 class MarschnerTables:
-    """What the kernel reads. All float32 and C order; θ_d and φ are even in angle over [0, π/2] and [0, π].
-
-    lobes: (11,) shifts, widths, index scales (places named in the kernel's file).
-    nodes: (n_θ, n_φ, 8) R, TT rgb, TRT rgb, 0 - N_p times the peak of M_p times material.specular.
-    paths: (n_θ, n_φ, 2) log₂ e times the mean path length in TT and TRT, in radii, or None where no colour varies.
-    absorption: (3,) float64, σ_a of the material's colour, in 1/radius.
-    roughness: Chiang's β_n that stands for the azimuthal roughness, for `absorption`.
-    """
+    """The model's tables, and what they were built for. Arrays are float32 in C order, as `MarschnerArrays` says."""
 
     lobes: NDArray[np.float32]
     nodes: NDArray[np.float32]
     paths: NDArray[np.float32] | None
+    """None where no colour varies."""
     absorption: NDArray[np.float64]
-    roughness: float
+    """(3,) σ_a of the material's colour, in 1/radius."""
+
+    @property
+    def arrays(self) -> kernel.MarschnerArrays:
+        """As kernels read them."""
+        return kernel.MarschnerArrays(self.lobes, self.nodes, NO_PATHS if self.paths is None else self.paths)
 
     @property
     def nbytes(self) -> int:
-        return self.lobes.nbytes + self.nodes.nbytes + (0 if self.paths is None else self.paths.nbytes)
+        """Of the arrays."""
+        return sum(array.nbytes for array in self.arrays)
 
 
 def azimuthal_beta(degrees: float) -> float:
@@ -101,7 +104,23 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
     nodes[..., :7] = n * np.repeat(peaks(material), (1, 3, 3))
-    return MarschnerTables(lobes, nodes, paths if varies(material) else None, sigma, roughness)
+    return MarschnerTables(lobes, nodes, paths if varies(material) else None, sigma)
+
+
+def columns(material: Material) -> NDArray[np.float32] | None:
+    """Tables over the width, as `width_tables.table_of` makes them; None without highlights."""
+    if material.specular == 0:
+        return None
+    sigma = absorption_of(material, azimuthal_beta(material.azimuthal))
+    rays, _, out = passages(width_tables.THETA, width_tables.GAMMA, material.eta, sigma)
+    deviation = max(math.radians(material.azimuthal), 0.75 * width_tables.STEP)
+    scales = np.repeat(peaks(material), (1, 3, 3))
+    return width_tables.table_of(rays, out, functools.partial(_gaussian, deviation=deviation), scales)
+
+
+def _gaussian(angle: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+    turns = [np.exp(-0.5 * ((angle + turn) / deviation) ** 2) for turn in (-2.0 * np.pi, 0.0, 2.0 * np.pi)]
+    return np.asarray(sum(turns) / (math.sqrt(2.0 * np.pi) * deviation))
 
 
 def _longitudinal(material: Material, n_theta: int, n_phi: int) -> NDArray[np.float32]:

@@ -15,8 +15,9 @@ from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, finish_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
+from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
 from .occlusion import Occlusion
-from .shading import Palette
+from .palette import Palette
 
 NO_BOX = np.zeros(10, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
@@ -41,7 +42,7 @@ class Lighting:
     at: float
     """Seconds."""
     lights: NDArray[np.float32]
-    """(n, 16) from `strandcli.draw.lighting.shading.pack_lights`."""
+    """(n, 16) from `strandcli.draw.lighting.pack_lights.pack_lights`."""
     maps: ShadowMaps | None
     occlusion: Occlusion | None
     solids: Solids | None
@@ -66,11 +67,11 @@ class Lighting:
         tones (strands,); clear (lights, V): what strands leave of each light with exact shadows.
         """
         p = self.palette
-        wide = (None,) * 3 if body is None else (body.slots, p.columns, body.profile)
         shade_strands.strands(
-            lines.first, lines.world, marks, tones, self.view.pack(), p.colour, given(p.tint, 0, 6),
-            p.diffuse, *self._sky(), p.lobes, p.fibre, p.nodes, given(p.paths, 0, 2), p.dual, p.dual_scale, self.lights,
-            given(clear, 0), *map_arrays(self.maps), self.solids or NONE, self.skin, self.sized, *wide, colours,
+            Vertices(lines.first, lines.world, marks, tones, self.view.pack()),
+            StrandColour(p.colour, given(p.tint, 0, 6), p.diffuse), self._surround(), p.arrays, p.dual,
+            self._lights(given(clear, 0)), map_arrays(self.maps), self.solids or NONE,
+            None if body is None else WidthProfiles(body.slots, p.columns, body.profile), colours,
         )  # fmt: skip
 
     def shade_surfaces(
@@ -85,11 +86,15 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            keys, self.view.pack(), *self._sky(), self.palette.colour, self.lights, given(self.palette.veil, 3),
-            *map_arrays(self.maps), self.solids, paint, given(finish_of(seen), 4), self.skin, self.sized, spots, image,
+            Screen(keys, self.view.pack(), spots), self._surround(),
+            StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
+            map_arrays(self.maps), self.solids, Coating(paint, given(finish_of(seen), 4)), image,
         )  # fmt: skip
 
-    def _sky(self) -> tuple[Any, ...]:
+    def _surround(self) -> Surround:
         found = self.occlusion
         around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
-        return np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around
+        return Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
+
+    def _lights(self, clear: NDArray[np.float32]) -> Lights:
+        return Lights(self.lights, clear, self.skin, self.sized)

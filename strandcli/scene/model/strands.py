@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from ...registry import FIBRES
 from .. import fields
-from ..fields import Colour, boolean, choice, colour, integer, number
+from ..fields import Colour, boolean, choice, colour, integer, number, parameters
 
 PIGMENTS = (
     "rgb", "black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum", "white",
@@ -21,9 +23,10 @@ class Material:
 
     model: str = choice(
         "marschner",
-        ("marschner", "chiang"),
+        FIBRES,
         doc="marschner: alpha, beta, azimuthal; chiang, the model of path tracers: tilt, beta_m, beta_n",
     )
+    parameters: Any = parameters(FIBRES, "model", doc="settings of a model from elsewhere; absent: its defaults")
     colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands, where pigment is rgb")
     # inside this class `colour` is by now the field above
     tip_colour: Colour | None = fields.colour(None, doc="colour at the tip; absent: the same along the strand")

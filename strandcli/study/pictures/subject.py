@@ -212,7 +212,7 @@ class Subject:
         renderer = renderer or LinearRenderer(scene, self.groom)
         renderer.keep_shading = renderer.everywhere = keep_shading
         if tables is not None:
-            renderer.palette.take(tables)
+            renderer.palette.use(tables)
         seconds: dict[str, float] = {}
         for _ in range(draws):
             drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())

@@ -14,7 +14,7 @@ from strand_kit import frames_of, scene_of
 from strandcli.draw.fibre import chiang, dual
 from strandcli.draw.fibre.kernels import dual as kernel
 from strandcli.draw.fibre.pigment import absorption_of
-from strandcli.draw.lighting.shading import Palette
+from strandcli.draw.lighting.palette import Palette
 from strandcli.jit import function
 from strandcli.scene.model import Material
 from tests.draw.shadows.test_opacity import PICTURE

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strandcli.draw.fibre import pigment
-from strandcli.draw.lighting.shading import Palette, tint_table
+from strandcli.draw.lighting.palette import Palette, tint_table
 from strandcli.scene.model import PIGMENTS, Material
 
 B = 0.3

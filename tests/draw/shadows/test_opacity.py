@@ -12,7 +12,7 @@ from strand_kit import frames_of, scene_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
-from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity

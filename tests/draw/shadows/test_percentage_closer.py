@@ -18,7 +18,7 @@ from strandcli.draw.fibre.kernels import dual as kernel
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.lighting import given
-from strandcli.draw.lighting.shading import pack_lights
+from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows.kernels import opacity, percentage_closer
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.draw.view.camera import axes
@@ -173,7 +173,7 @@ def test_an_edge_is_as_wide_as_the_light_sees_it(high: float, texel: float) -> N
 
 def test_light_that_strands_scatter_on_comes_down_beside_a_shadow_that_is_far_away() -> None:
     material = Material(model="chiang", pigment="blond")
-    veil = dual.veil_of(dual.build_tables(material, material.beta_n))
+    veil = dual.loss_table(dual.build_tables(material, material.beta_n))
     light = DirectionalLight(direction=(0.0, -1.0, 0.0), shadow=DEEP)
     warm = []
     for ground in (0.0, -0.05, -0.6):
@@ -200,7 +200,7 @@ def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
     """Where half of the light is hidden altogether and half not at all, no thin veil of strands is in between."""
     material = Material(model="chiang", pigment="blond")
     tables = dual.build_tables(material, material.beta_n)
-    streams, veil = dual.streams_of(tables), dual.veil_of(tables)
+    streams, veil = dual.streams_of(tables), dual.loss_table(tables)
     for passed in np.geomspace(0.01, 40, 60):
         at = passed / (passed + 2) * 64
         k = int(at)

@@ -6,19 +6,42 @@ Directions and angles are those of `kernels/marschner.py`. With θ_l, θ_v the i
 
 M is that of d'Eon et al. (2011), a von Mises-Fisher lobe averaged over azimuth, so ∫ M_p cos θ_l dθ_l = 1 at any θ_v;
 N_p, the attenuation and the azimuthal logistic averaged over h ∈ [−1, 1], comes from the tables of
-`strandcli.draw.fibre.chiang`. As in `marschner`,
-the cosine at the light is in the result. The form is energy conserving and
-not reciprocal.
+`strandcli.draw.fibre.chiang`. As in `marschner`, the cosine at the light is in the result. The form is energy
+conserving and not reciprocal.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ....jit import function, inlined
+from ....constants import W
+from ....jit import device, function, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
+from ...common.kernels.batch import (
+    ARRIVES,
+    EX,
+    EXTRA,
+    EY,
+    EZ,
+    LX,
+    LY,
+    LZ,
+    NODE_X,
+    NODE_Y,
+    RADIANCE,
+    REST,
+    TRT,
+    TT,
+    TX,
+    TY,
+    TZ,
+    R,
+)
+from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
@@ -96,13 +119,52 @@ def tilted(sin_l, cos_l, sin_v, cos_v, fibre, p):
 
 
 @function
-def chiang(
-    tx: np.float32, ty: np.float32, tz: np.float32,
-    lx: np.float32, ly: np.float32, lz: np.float32,
-    vx: np.float32, vy: np.float32, vz: np.float32,
-    fibre: np.ndarray, nodes: np.ndarray,
-    paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
-) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
-    """S cos θ_l in red, green and blue, in 1/sr: `longitudinal`, then `azimuthal`; all numbers are float32."""
-    x, y, m_r, m_tt, m_trt, m_rest = longitudinal(tx, ty, tz, lx, ly, lz, vx, vy, vz, fibre)
-    return azimuthal(x, y, m_r, m_tt, m_trt, m_rest, nodes, paths, extra_r, extra_g, extra_b)
+def chiang(tangent, light, eye, tables, extra):
+    """S cos θ_l in red, green and blue, in 1/sr, as `kernels.marschner.marschner`; tables: `ChiangArrays`."""
+    x, y, m_r, m_tt, m_trt, m_rest = longitudinal(
+        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.fibre
+    )
+    return azimuthal(x, y, (m_r, m_tt, m_trt), m_rest, tables.nodes, tables.paths, extra)
+
+
+@device
+def highlights(work, n, lights, i, tables):
+    """Add the light that strands scatter once, as `kernels.marschner.highlights`; tables: `ChiangArrays`."""
+    for k in range(n):
+        x, y, r, tt, trt, rest = longitudinal(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], tables.fibre,
+        )  # fmt: skip
+        work[NODE_X + k] = x
+        work[NODE_Y + k] = y
+        work[R + k] = r
+        work[TT + k] = tt
+        work[TRT + k] = trt
+        work[REST + k] = rest
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = azimuthal(
+                work[NODE_X + k], work[NODE_Y + k], (work[R + k], work[TT + k], work[TRT + k]), work[REST + k],
+                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
+            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+
+
+class ChiangArrays(NamedTuple):
+    """Tables of Chiang's model as kernels read them, float32 in C order.
+
+    θ_v and φ are even in angle over [0, π/2] and [0, π].
+    """
+
+    fibre: NDArray[np.float32]
+    """(20,) sharpness, normalisation and tilt of the lobes, and index scales, at the places named above."""
+    nodes: NDArray[np.float32]
+    """(n_θ, n_φ, 12) N_p of R, TT rgb, TRT rgb, the rest rgb, 0, 0."""
+    paths: NDArray[np.float32]
+    """(n_θ, n_φ, 4) log₂ e times the mean path length in TT, TRT and the rest, in radii, 0; no nodes where no colour
+    varies."""
+
+    highlights = highlights

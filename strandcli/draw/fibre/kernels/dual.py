@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import function, inlined
 from ...common.kernels.approximations import asin, clamp, exp
@@ -25,6 +27,15 @@ PALER = np.float32(4.0)
 # variance of a passage, of light from behind, and of the strand's own lobes.
 DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
 SPREAD, WIDTH, OWN = 21, 22, 23
+
+
+class DualArrays(NamedTuple):
+    """Tables of dual scattering as kernels read them, float32."""
+
+    rows: NDArray[np.float32]
+    """(n_θ, 24) over θ_l in [0, π/2], even in angle: the channels named above."""
+    scale: NDArray[np.float32]
+    """(3,) one over the colour of a mass of strands with the tables' absorption."""
 
 
 @inlined
@@ -56,7 +67,7 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 
 @function
 def through(passed, streams, c):
-    """Share of a light that arrives in channel c behind `passed` strands, that which they scatter on included.
+    """Share of a light that arrives in channel c behind `passed` strands, with what they scatter on.
 
     streams (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
     """
@@ -71,11 +82,16 @@ def through(passed, streams, c):
 
 
 @inlined
-def scattered(
-    passed, left, direct, cos_phi, back, through, decay, mirror, beam, on, behind, all_round, cosine, tone
-):  # fmt: skip
+def scattered(passed, left, direct, cos_phi, lobes, streams, round_about, tone):
     """S cos θ_l in one channel: of all streams where `passed` strands are between the light and here, and `left` from
-    here on; `direct` of the light arrives unscattered; `tone` scales for the strand's colour."""
+    here on; `direct` of the light arrives unscattered.
+
+    lobes: M of what comes back and of what came through; streams: κ, R, k₀, P and Q; round_about: mean over φ of all
+    that a strand scatters, and its cosine; tone: scale for the strand's colour.
+    """
+    back, through = lobes
+    decay, mirror, beam, on, behind = streams
+    all_round, cosine = round_about
     straight = exp(-beam * passed)
     near = exp(-decay * passed)
     far = exp(-decay * left)

@@ -38,9 +38,14 @@ from . import dual
 
 
 @device
-def glow(work, n, lights, one, twice, scale):
-    """Add the light that comes by way of other strands, from rows of `batch`."""
-    nodes = twice.shape[0]
+def dual_scattering(work, n, lights, one, tables):
+    """Add the light of number `one` that comes by way of other strands, at the first n vertices of a batch.
+
+    work: rows of `batch`, of which those of directions, strands before and behind, and of what arrives without strands
+    are read; tables: `dual.DualArrays`.
+    """
+    rows = tables.rows
+    nodes = rows.shape[0]
     for k in range(n):
         sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
             work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
@@ -56,8 +61,8 @@ def glow(work, n, lights, one, twice, scale):
         i = min(np.int64(work[PLACE + k]), nodes - 2)
         part = work[PLACE + k] - np.float32(i)
         for c in range(CHANNELS):
-            low = twice[i, c]
-            work[TABLE + c * W + k] = low + part * (twice[i + 1, c] - low)
+            low = rows[i, c]
+            work[TABLE + c * W + k] = low + part * (rows[i + 1, c] - low)
     for k in range(n):
         back, through = dual.lobes(
             work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
@@ -67,15 +72,15 @@ def glow(work, n, lights, one, twice, scale):
         work[FORWARD + k] = through
     for c in range(3):
         power = lights[one, POWER_R + c]
-        per = scale[c]
+        per = tables.scale[c]
         for k in range(n):
             s = dual.scattered(
                 work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k],
-                work[RETURNED + k], work[FORWARD + k],
-                work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
-                work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
-                work[TABLE + (dual.BACK + c) * W + k],
-                work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k],
+                (work[RETURNED + k], work[FORWARD + k]),
+                (work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
+                 work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
+                 work[TABLE + (dual.BACK + c) * W + k]),
+                (work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k]),
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip
             work[RADIANCE + c * W + k] += work[UNBLOCKED + k] * power * s

@@ -1,73 +1,29 @@
-"""The lobes of a strand at a batch of vertices."""
+"""The light that strands scatter once, by the model whose tables a kernel is given."""
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from ....constants import W
-from ....jit import device
-from ...common.kernels.batch import (
-    ARRIVES,
-    EX,
-    EXTRA,
-    EY,
-    EZ,
-    LX,
-    LY,
-    LZ,
-    NODE_X,
-    NODE_Y,
-    RADIANCE,
-    REST,
-    TRT,
-    TT,
-    TX,
-    TY,
-    TZ,
-    R,
-)
-from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
-from . import chiang, marschner
-from .lobes import azimuthal
-
-ZERO = np.float32(0.0)
+from numba.core import types
+from numba.extending import overload
 
 
-@device
-def highlights(work, n, lights, i, lobes, fibre, nodes, paths):
-    """Light that a strand scatters once: by Marschner's model where there are `lobes`, by Chiang's where there is a
-    `fibre`; the other one is None."""
-    if lobes is not None:
-        for k in range(n):
-            x, y, r, tt, trt = marschner.longitudinal(
-                work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-                work[EX + k], work[EY + k], work[EZ + k], lobes,
-            )  # fmt: skip
-            work[NODE_X + k] = x
-            work[NODE_Y + k] = y
-            work[R + k] = r
-            work[TT + k] = tt
-            work[TRT + k] = trt
-    if fibre is not None:
-        for k in range(n):
-            x, y, r, tt, trt, rest = chiang.longitudinal(
-                work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-                work[EX + k], work[EY + k], work[EZ + k], fibre,
-            )  # fmt: skip
-            work[NODE_X + k] = x
-            work[NODE_Y + k] = y
-            work[R + k] = r
-            work[TT + k] = tt
-            work[TRT + k] = trt
-            work[REST + k] = rest
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = azimuthal(
-                work[NODE_X + k], work[NODE_Y + k], work[R + k], work[TT + k], work[TRT + k],
-                None if fibre is None else work[REST + k], nodes, paths,
-                work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k],
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
-            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+def highlights(work: Any, n: Any, lights: Any, i: Any, tables: Any) -> None:
+    """Add the light that strands scatter once of light number i, at the first n vertices of a batch.
+
+    Which function does so is decided when a kernel is compiled: the attribute ``highlights`` of the class of
+    ``tables``, a NamedTuple of arrays. `strandcli.draw.fibre.models` says what such a function reads and writes.
+    """
+    raise NotImplementedError("only kernels call this")
+
+
+@overload(highlights, jit_options={"nogil": True, "error_model": "numpy", "_nrt": False})
+def _by_tables(work: Any, n: Any, lights: Any, i: Any, tables: Any) -> Any:
+    if not isinstance(tables, types.BaseNamedTuple):
+        return None
+    of_model = tables.instance_class.highlights
+
+    def chosen(work: Any, n: Any, lights: Any, i: Any, tables: Any) -> None:
+        of_model(work, n, lights, i, tables)
+
+    return chosen

@@ -19,15 +19,12 @@ R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix`
 
 
 @device
-def azimuthal(
-    x: np.float32, y: np.float32, m_r: np.float32, m_tt: np.float32, m_trt: np.float32, m_rest: np.float32 | None,
-    nodes: np.ndarray, paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
-) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
+def azimuthal(x, y, m, m_rest, nodes, paths, extra):
     """S cos θ_l in red, green and blue, 1/sr: the tables at (x, y), weighted with what `longitudinal` gave.
 
-    m_rest: None with tables that have no rest; nodes (n_θ, n_φ, 8 or more) and paths (n_θ, n_φ, 2 or more), without
-    nodes or None where every strand has the tables' absorption; extra_*: this strand's absorption less that of the
-    tables, 1/radius.
+    m: M of R, TT and TRT; m_rest: that of the rest, or None with tables that have none; nodes (n_θ, n_φ, 8 or more);
+    paths (n_θ, n_φ, 2 or more), without nodes where every strand has the tables' absorption; extra: this strand's
+    absorption less that of the tables, in red, green and blue, 1/radius. All numbers are float32.
     """
     i = int(x)
     j = int(y)
@@ -37,22 +34,22 @@ def azimuthal(
     w10 = x - w11
     w01 = y - w11
     w00 = ONE - x - w01
-    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
-    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
-    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
-    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
-    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
-    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
-    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
-    if paths is not None and paths.shape[0] > 0:
+    r = m[0] * mix(nodes, i, j, R, w00, w01, w10, w11)
+    tt_r = m[1] * mix(nodes, i, j, TT, w00, w01, w10, w11)
+    tt_g = m[1] * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
+    tt_b = m[1] * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
+    trt_r = m[2] * mix(nodes, i, j, TRT, w00, w01, w10, w11)
+    trt_g = m[2] * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
+    trt_b = m[2] * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
+    if paths.shape[0] > 0:
         l_tt = mix(paths, i, j, np.int64(0), w00, w01, w10, w11)
         l_trt = mix(paths, i, j, np.int64(1), w00, w01, w10, w11)
-        tt_r *= grown(extra_r, l_tt)
-        tt_g *= grown(extra_g, l_tt)
-        tt_b *= grown(extra_b, l_tt)
-        trt_r *= grown(extra_r, l_trt)
-        trt_g *= grown(extra_g, l_trt)
-        trt_b *= grown(extra_b, l_trt)
+        tt_r *= grown(extra[0], l_tt)
+        tt_g *= grown(extra[1], l_tt)
+        tt_b *= grown(extra[2], l_tt)
+        trt_r *= grown(extra[0], l_trt)
+        trt_g *= grown(extra[1], l_trt)
+        trt_b *= grown(extra[2], l_trt)
     red = r + tt_r + trt_r
     green = r + tt_g + trt_g
     blue = r + tt_b + trt_b
@@ -62,11 +59,11 @@ def azimuthal(
         rest_r = m_rest * (near * nodes[i, j, REST] + x * nodes[i + 1, j, REST])
         rest_g = m_rest * (near * nodes[i, j, REST + 1] + x * nodes[i + 1, j, REST + 1])
         rest_b = m_rest * (near * nodes[i, j, REST + 2] + x * nodes[i + 1, j, REST + 2])
-        if paths is not None and paths.shape[0] > 0:
+        if paths.shape[0] > 0:
             l_rest = near * paths[i, j, 2] + x * paths[i + 1, j, 2]
-            rest_r *= grown(extra_r, l_rest)
-            rest_g *= grown(extra_g, l_rest)
-            rest_b *= grown(extra_b, l_rest)
+            rest_r *= grown(extra[0], l_rest)
+            rest_g *= grown(extra[1], l_rest)
+            rest_b *= grown(extra[2], l_rest)
         red += rest_r
         green += rest_g
         blue += rest_b

@@ -1,4 +1,4 @@
-"""Light scattered by one strand, per vertex and light: the Marschner model read from tables, and a diffuse stand-in.
+"""Light scattered by one strand, per vertex and light: the Marschner model read from tables.
 
 Conventions (Marschner et al. 2003, §2). t is the strand's unit tangent from root to tip; l and v are unit directions
 from the strand to the light and to the eye. The inclination θ of a direction ω is measured from the plane normal to
@@ -16,18 +16,39 @@ Tables come from `strandcli.draw.fibre.marschner.build_tables`, which documents 
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ....jit import function, inlined
+from ....constants import W
+from ....jit import device, function, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
+from ...common.kernels.batch import (
+    ARRIVES,
+    EX,
+    EXTRA,
+    EY,
+    EZ,
+    LX,
+    LY,
+    LZ,
+    NODE_X,
+    NODE_Y,
+    RADIANCE,
+    TRT,
+    TT,
+    TX,
+    TY,
+    TZ,
+    R,
+)
+from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-INV_PI = np.float32(1.0 / math.pi)
 TINY = np.float32(1e-20)
 
 # Places in the array `lobes`.
@@ -41,22 +62,17 @@ NODE_SIZE = 8
 
 
 @function
-def marschner(
-    tx: np.float32, ty: np.float32, tz: np.float32,
-    lx: np.float32, ly: np.float32, lz: np.float32,
-    vx: np.float32, vy: np.float32, vz: np.float32,
-    lobes: np.ndarray, nodes: np.ndarray,
-    paths: np.ndarray | None, extra_r: np.float32, extra_g: np.float32, extra_b: np.float32,
-) -> tuple[np.float32, np.float32, np.float32]:  # fmt: skip
+def marschner(tangent, light, eye, tables, extra):
     """S cos θ_l in red, green and blue, in 1/sr: finite and not negative whatever the arguments.
 
-    ``lobes`` (11,), ``nodes`` (n_θ, n_φ, 8) and ``paths`` (n_θ, n_φ, 2) are float32, C order; every scalar is float32.
-    ``extra_*`` is this strand's absorption less that of the tables, in 1/radius; with ``paths`` None the tables' colour
-    is taken, ``extra_*`` is not read, and the code for it is not compiled. Directions need not be exactly of unit
-    length: sines are clamped, and where t is parallel to l or v the undefined φ takes some value in [0, π].
+    tangent, light, eye: unit vectors; tables: `MarschnerArrays`; extra: this strand's absorption less that of the
+    tables, in red, green and blue, 1/radius. Every number is float32. Directions need not be exactly of unit length:
+    sines are clamped, and where t is parallel to l or v the undefined φ takes some value in [0, π].
     """
-    x, y, m_r, m_tt, m_trt = longitudinal(tx, ty, tz, lx, ly, lz, vx, vy, vz, lobes)
-    return azimuthal(x, y, m_r, m_tt, m_trt, None, nodes, paths, extra_r, extra_g, extra_b)
+    x, y, m_r, m_tt, m_trt = longitudinal(
+        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.lobes
+    )
+    return azimuthal(x, y, (m_r, m_tt, m_trt), None, tables.nodes, tables.paths, extra)
 
 
 @inlined
@@ -93,15 +109,46 @@ def longitudinal(
     return x, y, m_r, m_tt, m_trt
 
 
-@function
-def kajiya_diffuse(
-    tx: np.float32, ty: np.float32, tz: np.float32, lx: np.float32, ly: np.float32, lz: np.float32
-) -> np.float32:
-    """cos θ_l / π, in 1/sr: Kajiya and Kay's (1989) diffuse term, sin(t, l), scaled to bound the light of a mass.
+@device
+def highlights(work, n, lights, i, tables):
+    """Add the light that strands scatter once of light number i, at the first n vertices of a batch.
 
-    Radiance = E · material.diffuse · colour · result, the same from everywhere. It stands for light scattered from
-    strand to strand, so its bound is set for a mass of strands: an opaque one under a facing light has the exitance
-    diffuse · colour · E, as a Lambertian surface of that albedo. (A lone strand in the open returns π times that.)
+    work: rows of `batch`, of which those of directions, of what arrives and of extra absorption are read, and the
+    radiance is added to; lights: columns of `light_columns`; tables: `MarschnerArrays`.
     """
-    s = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
-    return np.sqrt(ONE - s * s) * INV_PI
+    for k in range(n):
+        x, y, r, tt, trt = longitudinal(
+            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
+            work[EX + k], work[EY + k], work[EZ + k], tables.lobes,
+        )  # fmt: skip
+        work[NODE_X + k] = x
+        work[NODE_Y + k] = y
+        work[R + k] = r
+        work[TT + k] = tt
+        work[TRT + k] = trt
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = azimuthal(
+                work[NODE_X + k], work[NODE_Y + k], (work[R + k], work[TT + k], work[TRT + k]), None,
+                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
+            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+
+
+class MarschnerArrays(NamedTuple):
+    """Tables of Marschner's model as kernels read them, float32 in C order.
+
+    θ_d and φ are even in angle over [0, π/2] and [0, π].
+    """
+
+    lobes: NDArray[np.float32]
+    """(11,) shifts, widths and index scales, at the places named above."""
+    nodes: NDArray[np.float32]
+    """(n_θ, n_φ, 8) R, TT rgb, TRT rgb, 0: N_p times the peak of M_p times material.specular."""
+    paths: NDArray[np.float32]
+    """(n_θ, n_φ, 2) log₂ e times the mean path length in TT and TRT, in radii; no nodes where no colour varies."""
+
+    highlights = highlights

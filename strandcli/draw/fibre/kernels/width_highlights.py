@@ -18,15 +18,24 @@ CHANNELS = 8
 
 
 @device
-def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, profile, row):
-    """The lobes across the strand, from what `highlights.highlights` has left in the batch.
+def width_highlights(work, n, which, lights, one, tables, profiles, row):
+    """Add the lobes across the strand to the profiles of wide vertices, from what `highlights` left in the batch.
 
-    columns (n_θ, n_φ, COLUMNS, 8): tables of `strandcli.draw.coverage.width_profiles`, of the same ranges as nodes.
+    which (W,): vertices of the batch; tables: of the fibre model, with nodes and paths; profiles: `WidthProfiles`,
+    whose columns have the same ranges as nodes; row: of the profiles.
     """
-    per_x = np.float32(columns.shape[0] - 1) / np.float32(nodes.shape[0] - 1)
-    per_y = np.float32(columns.shape[1] - 1) / np.float32(nodes.shape[1] - 1)
+    add_columns(work, n, which, lights, one, tables, profiles, profiles.columns, row)
+
+
+@device
+def add_columns(work, n, which, lights, one, tables, profiles, columns, row):
+    """`width_highlights` where the model has tables over the width."""
+    if columns is None:
+        return
+    per_x = np.float32(columns.shape[0] - 1) / np.float32(tables.nodes.shape[0] - 1)
+    per_y = np.float32(columns.shape[1] - 1) / np.float32(tables.nodes.shape[1] - 1)
     for k in range(n):
-        slot = slots[which[k]]
+        slot = profiles.slots[which[k]]
         arrives = work[ARRIVES + k]
         if slot < 0 or arrives <= ZERO:
             continue
@@ -44,12 +53,12 @@ def width_highlights(work, n, which, slots, lights, one, nodes, paths, columns, 
             m_r = light * work[R + k]
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]
-            if paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
-                m_tt *= grown(work[EXTRA + c * W + k], paths[a, b, 0])
-                m_trt *= grown(work[EXTRA + c * W + k], paths[a, b, 1])
+            if tables.paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
+                m_tt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, 0])
+                m_trt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, 1])
             for q in range(COLUMNS):
                 h = q if sine >= ZERO else COLUMNS - 1 - q
-                profile[row, slot, q + 1, c] += (
+                profiles.profile[row, slot, q + 1, c] += (
                     m_r * cell(columns, i, j, h, 0, x, y)
                     + m_tt * cell(columns, i, j, h, 1 + c, x, y)
                     + m_trt * cell(columns, i, j, h, 4 + c, x, y)

@@ -28,10 +28,9 @@ FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
 
 
 @device
-def ambient_light(work, n, ambient, sky, volume, box):
-    """Radiance of the first n vertices of a batch in the light from everywhere, ambient (3,), sky of
-    `strandcli.draw.lighting.environment`, and volume, box of `strandcli.draw.lighting.occlusion`; sky and volume as in
-    `shade_strands.strands`."""
+def ambient_light(work, n, surround):
+    """Radiance of the first n vertices of a batch in the light from everywhere, `inputs.Surround`."""
+    ambient, sky = surround.ambient, surround.sky
     for c in range(3):
         for k in range(n):
             work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
@@ -40,9 +39,9 @@ def ambient_light(work, n, ambient, sky, volume, box):
             for k in range(n):
                 whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
                 work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
-    if volume.shape[0] > 0:
+    if surround.volume.shape[0] > 0:
         for k in range(n):
-            share = seen(volume, box, work[X + k], work[Y + k], work[Z + k], ZERO, ZERO, ZERO)
+            share = seen(surround.volume, surround.box, work[X + k], work[Y + k], work[Z + k], ZERO, ZERO, ZERO)
             for c in range(3):
                 colour = min(work[COLOUR + c * W + k], ONE)
                 work[RADIANCE + c * W + k] *= share / max(colour * share + FACE * (ONE - colour), TINY)

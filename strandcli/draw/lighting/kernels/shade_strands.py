@@ -46,17 +46,14 @@ from ...common.kernels.light_columns import (
     MAP_COUNT,
     MAP_LAYERS,
     PER_FALL,
-    POWER_B,
-    POWER_G,
-    POWER_R,
     STRAND_WIDTH,
 )
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
-from ...fibre.kernels.dual_scattering import glow
+from ...fibre.kernels.diffuse import diffuse_light
+from ...fibre.kernels.dual_scattering import dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import mix
-from ...fibre.kernels.marschner import kajiya_diffuse
 from ...fibre.kernels.width_highlights import width_highlights
 from ...shadows.kernels.soft_shadows import soften
 from ...shadows.kernels.strand_shadows import beyond, shade, sink
@@ -73,82 +70,75 @@ STRANDS = 128
 
 
 @parallel
-def strands(
-    first, world, marks, tones, view, colour, tint, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths,
-    twice, scale, lights, clear, maps, stacks, starts, sizes, views, solids, skin, sized,
-    slots, columns, profile, out,
-):  # fmt: skip
-    """Radiance toward the camera at the marked vertices.
+def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wide, out):
+    """Radiance toward the camera at the marked vertices, into out (V, 3).
 
-    first (S + 1,) int64; world (V, 3) metres; marks (V,) uint8, or None for all; tones (S,) in [−1, 1]; view (26,);
-    colour (3,); tint (A, B, 6): for the place along the strand and for its tone, colour and extra absorption;
-    diffuse: scale; ambient (3,); sky: of `strandcli.draw.lighting.environment`; volume,
-    box: of `strandcli.draw.lighting.occlusion`;
-    lobes, nodes, paths: tables of `strandcli.draw.fibre.marschner`, or fibre, nodes,
-    paths: those of `strandcli.draw.fibre.chiang`;
-    twice, scale: of `strandcli.draw.fibre.dual`; None where not needed;
-    lights (n, 16): [0] 0 directional, 1 point; [1:4] unit direction to the light, or its position; [4:7] irradiance,
-    or intensity in W/sr; [7:11] shadow maps (`shadow.transmittance`, `opacity.optical_depth`), [11] 0, or 1 and more:
-    the row of clear, (m, V), that tells exactly what strands leave of it at the marked vertices, after which its maps
-    only count strands; maps (T, 2), stacks; starts, sizes (M,), views (M, 24); solids packed, `skin` metres; sized:
-    None where no light has a size, [12] in lights: the sine of its angular radius, or its radius in metres, [13] mean
-    width of strands, metres, [14] 1 / h of `opacity`; slots, columns,
-    profile: of `strandcli.draw.coverage.width_profiles`, None where no
-    strand is wide; out (V, 3).
+    vertices, paint, surround, lights, wide: `Vertices`, `StrandColour`, `Surround`, `Lights` and `WidthProfiles` of
+    `inputs`; tables: arrays of a fibre model, None without highlights; dual: `DualArrays`, None without dual
+    scattering; shadows: `ShadowArrays`; solids: `Solids`; wide: None where no strand is wide.
 
-    tint, sky, volume, paths and clear have no rows where there are none of them: what is asked once a batch or costs
-    next to nothing is not worth a kernel of its own, as what is None has.
+    What is asked once a batch or costs next to nothing has no rows where it is not needed; what is None has a kernel of
+    its own.
     """
-    count = first.shape[0] - 1
+    count = vertices.first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
         n = np.int64(0)  # a literal would have everything below compiled twice
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
-            begin = first[s]
-            end = first[s + 1]
+            begin = vertices.first[s]
+            end = vertices.first[s + 1]
             per = ONE / np.float32(max(end - begin - 1, 1))
             for v in range(begin, end):
-                if marks is not None and marks[v] == 0:
+                if vertices.marks[v] == 0:
                     continue
-                gather(world, v, begin, end, tones[s], per, colour, tint, work, n)
-                if slots is not None and slots[v] >= 0:
-                    width_profiles.begin(profile, slots[v])
+                gather(vertices.world, v, begin, end, work, n)
+                colour_in(paint, np.float32(v - begin) * per, vertices.tones[s], work, n)
+                if wide is not None:
+                    start_profile(wide, v)
                 which[n] = v
                 n += 1
                 if n == W:
-                    batch(
-                        work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale,
-                        lights, clear, maps, stacks, starts, sizes, views, solids, skin,
-                        sized, which, slots, columns, profile,
-                    )  # fmt: skip
+                    frames(work, n, vertices.camera)
+                    ambient_light(work, n, surround)
+                    batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
                     scatter(work, which, n, out)
                     n = np.int64(0)
-        batch(
-            work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-            maps, stacks, starts, sizes, views, solids, skin,
-            sized, which, slots, columns, profile,
-        )  # fmt: skip
+        frames(work, n, vertices.camera)
+        ambient_light(work, n, surround)
+        batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
         scatter(work, which, n, out)
 
 
 @device
-def gather(world, v, begin, end, tone, per, colour, tint, work, k):
-    """Put a vertex into place k of a batch."""
+def gather(world, v, begin, end, work, k):
+    """Put the place and the tangent of a vertex into place k of a batch; its strand's vertices: begin to end."""
     low = max(v - 1, begin)
     high = min(v + 1, end - 1)
     for c in range(3):
         work[X + c * W + k] = world[v, c]
         work[TX + c * W + k] = world[high, c] - world[low, c]
-    if tint.shape[0] == 0:
+
+
+@device
+def colour_in(paint, along, tone, work, k):
+    """Put colour and absorption of a vertex, at a place along its strand in [0, 1], into place k of a batch."""
+    if paint.tint.shape[0] == 0:
         for c in range(3):
-            work[COLOUR + c * W + k] = colour[c]
+            work[COLOUR + c * W + k] = paint.colour[c]
     else:
-        found = look_up(tint, np.float32(v - begin) * per, tone)
+        found = look_up(paint.tint, along, tone)
         for c in range(3):
             work[COLOUR + c * W + k] = found[c]
             work[EXTRA + c * W + k] = found[c + 3]
+
+
+@device
+def start_profile(wide, v):
+    """An empty profile for a vertex that is wide."""
+    if wide.slots[v] >= 0:
+        width_profiles.begin(wide.profile, wide.slots[v])
 
 
 @device
@@ -160,70 +150,74 @@ def scatter(work, which, n, out):
 
 
 @device
-def batch(
-    work, n, view, diffuse, ambient, sky, volume, box, lobes, fibre, nodes, paths, twice, scale, lights, clear,
-    maps, stacks, starts, sizes, views, solids, skin, sized, which, slots,
-    columns, profile,
-):  # fmt: skip
-    """Radiance of the first n vertices of a batch, and profiles of those among them that are wide."""
-    frames(work, n, view)
-    ambient_light(work, n, ambient, sky, volume, box)
-    for i in range(lights.shape[0]):
-        aim(work, n, lights, i)
-        if sized is None:
-            hide(work, n, solids, skin)
-        else:
-            soften(work, n, lights, i, solids, skin)
-        if lights[i, MAP_LAYERS] == ZERO:
-            for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
-                shade(work, n, views, one, maps, starts[one], sizes[one], lights[i, BIAS])
-        else:
-            for k in range(n):
-                work[PASSED + k] = ZERO
-                work[LEFT + k] = ZERO
-            for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
-                layers = np.int64(lights[i, MAP_LAYERS])
-                width = lights[i, STRAND_WIDTH]
-                sink(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, BIAS], width, lights[i,
-                PER_FALL])
-                if twice is not None:
-                    beyond(work, n, views, one, stacks, layers, starts[one], sizes[one], lights[i, BIAS], width)
-            for k in range(n):
-                work[UNBLOCKED + k] = work[ARRIVES + k]
-            if clear.shape[0] == 0 or lights[i, CLEAR_ROW] == ZERO:
-                for k in range(n):
-                    work[ARRIVES + k] *= exp(-work[PASSED + k])
+def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
+    """Add every light at the first n vertices of a batch, and to the profiles of those among them that are wide."""
+    rows = lights.rows
+    for i in range(rows.shape[0]):
+        aim(work, n, rows, i)
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
+        past_strands(work, n, lights, i, shadows, dual)
         row = np.int64(0)
-        if slots is not None and twice is None and clear.shape[0] > 0:  # exact shadows across the width come at the end
-            row = np.int64(lights[i, CLEAR_ROW])
-        if clear.shape[0] > 0 and lights[i, CLEAR_ROW] > ZERO and row == 0:
+        if wide is not None and dual is None and lights.clear.shape[0] > 0:
+            row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width come at the end
+        if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO and row == 0:
             for k in range(n):
-                work[ARRIVES + k] *= clear[np.int64(lights[i, CLEAR_ROW]) - 1, which[k]]
-        if slots is not None:
+                work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
+        if wide is not None:
             width_profiles.remember(work)
-        if twice is not None and lights[i, MAP_LAYERS] > ZERO:
-            glow(work, n, lights, i, twice, scale)
+        if dual is not None and rows[i, MAP_LAYERS] > ZERO:
+            dual_scattering(work, n, rows, i, dual)
         elif diffuse > ZERO:
-            for k in range(n):
-                d = diffuse * kajiya_diffuse(
-                    work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
-                )
-                d *= work[ARRIVES + k]
-                work[RADIANCE + k] += lights[i, POWER_R] * (d * work[COLOUR + k])
-                work[RADIANCE + W + k] += lights[i, POWER_G] * (d * work[COLOUR + W + k])
-                work[RADIANCE + 2 * W + k] += lights[i, POWER_B] * (d * work[COLOUR + 2 * W + k])
-        if slots is not None:
-            width_profiles.round_off(work, n, which, slots, profile, row)
-        if nodes is not None:
-            highlights(work, n, lights, i, lobes, fibre, nodes, paths)
-            if slots is not None:
-                width_highlights(work, n, which, slots, lights, i, nodes, paths, columns, profile, row)
-        if slots is not None and twice is None and row > 0:
-            width_profiles.darken(work, n, which, slots, profile, row, clear)
-    if slots is not None:
+            diffuse_light(work, n, rows, i, diffuse)
+        if wide is not None:
+            width_profiles.round_off(work, n, which, wide.slots, wide.profile, row)
+        if tables is not None:
+            highlights(work, n, rows, i, tables)
+            if wide is not None:
+                width_highlights(work, n, which, rows, i, tables, wide, row)
+        if wide is not None and dual is None and row > 0:
+            width_profiles.darken(work, n, which, wide.slots, wide.profile, row, lights.clear)
+    if wide is not None:
         for k in range(n):
-            if slots[which[k]] >= 0:
-                width_profiles.add_up(profile, slots[which[k]])
+            if wide.slots[which[k]] >= 0:
+                width_profiles.add_up(wide.profile, wide.slots[which[k]])
+
+
+@device
+def past_solids(work, n, lights, i, solids, skin, sized):
+    """Take from what arrives of light number i what solids hide; soft shadows where sized is not None."""
+    if sized is None:
+        hide(work, n, solids, skin)
+    else:
+        soften(work, n, lights, i, solids, skin)
+
+
+@device
+def past_strands(work, n, lights, i, shadows, dual):
+    """Take from what arrives of light number i what strands hide by its maps; of opacity maps count the strands before
+    each vertex, and with dual scattering those behind it too."""
+    rows = lights.rows
+    bias = rows[i, BIAS]
+    starts, sizes, views = shadows.starts, shadows.sizes, shadows.views
+    if rows[i, MAP_LAYERS] == ZERO:
+        for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
+            shade(work, n, views, one, shadows.texels, starts[one], sizes[one], bias)
+        return
+    for k in range(n):
+        work[PASSED + k] = ZERO
+        work[LEFT + k] = ZERO
+    layers = np.int64(rows[i, MAP_LAYERS])
+    width = rows[i, STRAND_WIDTH]
+    over = rows[i, PER_FALL]
+    for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
+        sink(work, n, views, one, shadows.stacks, layers, starts[one], sizes[one], bias, width, over)
+        if dual is not None:
+            beyond(work, n, views, one, shadows.stacks, layers, starts[one], sizes[one], bias, width)
+    for k in range(n):
+        work[UNBLOCKED + k] = work[ARRIVES + k]
+    if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:
+        for k in range(n):
+            work[ARRIVES + k] *= exp(-work[PASSED + k])
 
 
 @device

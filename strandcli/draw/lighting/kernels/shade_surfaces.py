@@ -35,12 +35,11 @@ from ...common.kernels.surface_batch import (
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
-from ...shadows.kernels.soft_shadows import soften
 from ...solids.kernels import coat, rays, smooth_union
 from ...solids.kernels.surface_pixels import average, gather, scatter
 from . import occlusion
 from .light import around
-from .shade_strands import aim, hide
+from .shade_strands import aim, past_solids
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -51,21 +50,14 @@ PIXELS = 4096
 
 
 @parallel
-def surfaces(
-    keys, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    solids, paint, coats, skin, sized, spots, image,
-):  # fmt: skip
-    """Radiance of the solids that are seen: Lambertian, under a coat where there is one.
+def surfaces(screen, surround, strands, lights, shadows, solids, coating, image):
+    """Radiance of the solids that are seen, into image (height, width, 3): Lambertian, under a coat where there is one.
 
-    keys (height * width,) uint64; paint (m, 8): colour, fade distance (0: none), centre of the fading, unused; coats
-    (m, 4) as in `kernels.finish`;
-    spots (height * width, 2) float32: where on the screen each of these pixels lies, (0, 2) where at its own place;
-    bounce (3,): colour of a mass of strands; veil: of `strandcli.draw.fibre.dual.veil_of`;
-    image (height, width, 3), which holds the background before and keeps it elsewhere; the rest as in
-    `shade_strands.strands`. Where all solids are matte and even coats has no rows, and where strands shade in grey veil
-    has none. What blends may end in front of itself, which no identity tells: there the mean of 4×4
-    rays is taken.
+    screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
+    shadows: `ShadowArrays`; solids: `Solids`. The image holds the background before, and keeps it elsewhere. What
+    blends may end in front of itself, which no identity tells: there the mean of 4×4 rays is taken.
     """
+    keys = screen.keys
     count = np.int64(keys.shape[0])
     width = image.shape[1]
     picture = image.reshape(-1)
@@ -75,22 +67,19 @@ def surfaces(
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
         while p < end:
-            p, n, solid, fine = gather(
-                keys, p, end, width, view, solids, spots, work, which
-            )  # fmt: skip
+            p, n, solid, fine = gather(keys, p, end, width, screen.camera, solids, screen.spots, work, which)
             if n > 0:
-                batch(
-                    work, n, solid, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes,
-                    views, solids, paint, coats, skin, sized,
-                )  # fmt: skip
+                look(work, n, screen.camera)
+                batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
                 if fine:
                     average(work, n)
                 scatter(work, np.int64(1) if fine else n, which, picture)
 
 
 @device
-def surroundings(ambient, sky, x, y, z):
+def surroundings(surround, x, y, z):
     """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
+    ambient, sky = surround.ambient, surround.sky
     r, g, b = ambient[0], ambient[1], ambient[2]
     if sky.shape[0] > 0:
         r += around(sky, 1, 0, x, y, z)
@@ -100,44 +89,28 @@ def surroundings(ambient, sky, x, y, z):
 
 
 @device
-def batch(
-    work, n, which, view, ambient, sky, volume, box, bounce, lights, veil, maps, stacks, starts, sizes, views,
-    solids, paint, coats, skin, sized,
-):  # fmt: skip
+def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     """Radiance of the first n points of a batch, which are on solid number `which`."""
-    look(work, n, view)
+    paint, coats, rows = coating.paint, coating.coats, lights.rows
     face(work, n, solids, which)
-    surround(work, n, ambient, sky, volume, box, bounce)
+    light_around(work, n, surround, strands.bounce)
     fade(work, n, paint, which)
     if coats.shape[0] > 0:
-        cover(work, n, ambient, sky, volume, box, coats, which)
-    for i in range(lights.shape[0]):
-        aim(work, n, lights, i)
-        rise(work, n, skin)
-        if sized is None:
-            hide(work, n, solids, skin)
-        else:
-            soften(work, n, lights, i, solids, skin)
+        cover(work, n, surround, coats, which)
+    for i in range(rows.shape[0]):
+        aim(work, n, rows, i)
+        rise(work, n, lights.skin)
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
-        if lights[i, MAP_LAYERS] == ZERO:
-            for k in range(n):
-                if work[ARRIVES + k] > ZERO:
-                    work[ARRIVES + k] *= transmittance(
-                        work[X + k], work[Y + k], work[Z + k], lights, i, maps, starts, sizes, views
-                    )
-        if lights[i, MAP_LAYERS] > ZERO:
-            percentage_closer.leave(work, n, lights, i, veil, stacks, starts, sizes, views)
-        else:
-            for k in range(3 * W):
-                work[LEFT + k] = ONE
+        past_strands(work, n, rows, i, shadows, strands.loss)
         for c in range(3):
             for k in range(n):
-                arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
+                arrived = work[ARRIVES + k] * work[COSINE + k] * rows[i, POWER_R + c] * work[LEFT + c * W + k]
                 work[ARRIVED + c * W + k] = arrived
                 work[RADIANCE + c * W + k] += INV_PI * arrived
         if coats.shape[0] > 0:
-            gleam(work, n, lights, i, coats, which)
+            gleam(work, n, rows, i, coats, which)
     for c in range(3):
         tone = paint[which, c]
         for k in range(n):
@@ -146,6 +119,25 @@ def batch(
                 work[RADIANCE + c * W + k] = under * tone
             else:
                 work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
+
+
+@device
+def past_strands(work, n, lights, i, shadows, loss):
+    """What strands leave of light number i: of min/max maps taken from what arrives, of opacity maps in `LEFT`."""
+    if lights[i, MAP_LAYERS] == ZERO:
+        for k in range(n):
+            if work[ARRIVES + k] > ZERO:
+                work[ARRIVES + k] *= transmittance(
+                    work[X + k], work[Y + k], work[Z + k], lights, i,
+                    shadows.texels, shadows.starts, shadows.sizes, shadows.views,
+                )  # fmt: skip
+    if lights[i, MAP_LAYERS] > ZERO:
+        percentage_closer.leave(
+            work, n, lights, i, loss, shadows.stacks, shadows.starts, shadows.sizes, shadows.views
+        )  # fmt: skip
+    else:
+        for k in range(3 * W):
+            work[LEFT + k] = ONE
 
 
 @device
@@ -188,17 +180,18 @@ def face(work, n, solids, which):
 
 
 @device
-def surround(work, n, ambient, sky, volume, box, bounce):
+def light_around(work, n, surround, bounce):
     """Radiance of what is around, as far as it is seen."""
     for k in range(n):
-        r, g, b = surroundings(ambient, sky, work[NX + k], work[NY + k], work[NZ + k])
+        r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
         work[RADIANCE + k] = r
         work[RADIANCE + W + k] = g
         work[RADIANCE + 2 * W + k] = b
-    if volume.shape[0] > 0:
+    if surround.volume.shape[0] > 0:
         for k in range(n):
             share = occlusion.seen(
-                volume, box, work[X + k], work[Y + k], work[Z + k], work[NX + k], work[NY + k], work[NZ + k]
+                surround.volume, surround.box, work[X + k], work[Y + k], work[Z + k],
+                work[NX + k], work[NY + k], work[NZ + k],
             )
             for c in range(3):
                 work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)
@@ -219,7 +212,7 @@ def fade(work, n, paint, which):
 
 
 @device
-def cover(work, n, ambient, sky, volume, box, coats, which):
+def cover(work, n, surround, coats, which):
     """What a coat mirrors of what is around, and what it leaves, in patches, to what is under it."""
     for k in range(n):
         x, y, z = work[X + k], work[Y + k], work[Z + k]
@@ -235,9 +228,9 @@ def cover(work, n, ambient, sky, volume, box, coats, which):
             mx = (facing + facing) * nx - wx
             my = (facing + facing) * ny - wy
             mz = (facing + facing) * nz - wz
-            r, g, b = surroundings(ambient, sky, mx, my, mz)
-            if volume.shape[0] > 0:
-                share *= occlusion.seen(volume, box, x, y, z, mx, my, mz)
+            r, g, b = surroundings(surround, mx, my, mz)
+            if surround.volume.shape[0] > 0:
+                share *= occlusion.seen(surround.volume, surround.box, x, y, z, mx, my, mz)
             r *= share
             g *= share
             b *= share

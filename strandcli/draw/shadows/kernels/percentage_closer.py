@@ -33,6 +33,7 @@ from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
+from ...common.kernels.loss import HALF_WAY
 from ...common.kernels.surface_batch import (
     ACROSS,
     AWAY,
@@ -57,7 +58,6 @@ from ...common.kernels.surface_batch import (
     TOTAL,
     WEIGHT,
 )
-from ...common.kernels.veil import HALF_WAY
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
 from .minmax import texel_of
@@ -94,8 +94,8 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
 
     Rows of `surface_batch`: from the points and what `ARRIVES`, to `LEFT`, which is 1 where nothing arrives. lights …
     views: as `opacity.optical_depth`; lights [12]: the light's size,
-    of `strandcli.draw.lighting.shading.pack_lights`; veil
-    (n, 3): of `strandcli.draw.fibre.dual.veil_of`, none where strands shade in grey and by e^-τ alone.
+    of `strandcli.draw.lighting.pack_lights.pack_lights`; veil
+    (n, 3): of `strandcli.draw.fibre.dual.loss_table`, none where strands shade in grey and by e^-τ alone.
 
     Texel by texel, each of which is the same place about all points: those that a point has none at weigh nothing.
     """

@@ -1,0 +1,29 @@
+"""Fibre models, one driver each: how a strand scatters light once. `strandcli.registry.FIBRES` finds them by name.
+
+A fibre model is a module or object with
+
+* ``name`` — what `material.model` says;
+* ``roughness(material)`` — Chiang's β_n at which the colour of a mass of strands and their absorption correspond
+  (`strandcli.draw.fibre.pigment`);
+* ``tables(material)`` — what its kernel reads, or None where the material has no highlights: an object with
+
+  * ``arrays``, a NamedTuple of float32 arrays, whose class has an attribute ``highlights``: a function compiled with
+    `strandcli.jit.device`, (work, n, lights, i, tables), that adds to the radiance of the first n vertices of a batch
+    what they scatter of light number i. Its rows are those of `strandcli.draw.common.kernels.batch`: it reads
+    `TX`, `LX`, `EX` (unit tangent, to the light, to the eye, three rows each), `ARRIVES` (what arrives of the light),
+    `COLOUR` and `EXTRA`, and adds to `RADIANCE`; the rows held in the stage "highlights" are its own to write to.
+    lights[i, POWER_R], … (`light_columns`) is the light's power. It adds arrives · power · S cos θ_l, no other cosine;
+  * ``absorption``, (3,) σ_a in 1/radius that the tables stand for, which `EXTRA` is the difference from; or None.
+
+It may have, too,
+
+* ``Parameters`` — a frozen dataclass made of the helpers of `strandcli.scene.fields`: its own settings, which presets
+  write under `material.parameters`. Shipped models' settings stand in `material` itself;
+* ``plan(material)`` — in words what `strandcli plan` says of it;
+* ``memory(material)`` — bytes that its tables take;
+* ``columns(material)`` — its lobes in each column across a wide strand (`strandcli.draw.fibre.width_tables`), for
+  models with azimuthal tables; without them the light is even across;
+* ``optics(material)`` — how `strandcli study --axis tables` measures it (`strandcli.study.pictures.optics.Optics`).
+
+Drivers import numpy and numba only inside of functions: `strandcli plan` does without.
+"""

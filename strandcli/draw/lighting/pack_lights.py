@@ -1,0 +1,45 @@
+"""Lights as kernels read them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.model import DirectionalLight, Light
+from ..common.kernels.light_columns import COLUMNS
+from ..shadows.shadow import ShadowMaps, default_bias, is_traced
+
+
+def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(n, 16) float32, the columns of `light_columns`; lights that are dark are left out."""
+    rows: list[list[Any]] = []
+    traced = 0
+    for i, light in enumerate(lights):
+        if light.intensity <= 0 or not any(light.colour):
+            continue
+        if isinstance(light, DirectionalLight):
+            away = -np.array(light.direction, np.float64)
+            where = away / np.linalg.norm(away)
+        else:
+            where = np.array(light.position)
+        first, count = maps.owners[i] if maps is not None else (0, 0)
+        bias = light.shadow.bias
+        layers = maps.layers[first] if count and maps is not None else 0
+        if count and maps is not None and bias == 0 and layers == 0:
+            # an opacity map needs none: what a strand adds in front of itself is made up for by what is left out
+            bias = default_bias(maps.views[first], bounds)
+        power = np.array(light.colour) * light.intensity
+        kind = float(not isinstance(light, DirectionalLight))
+        traced += is_traced(light)
+        number = traced if is_traced(light) else 0
+        width, over = (maps.thickness.mean, maps.over) if maps is not None else (0.0, 0.0)
+        rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, over, 0.0])
+    return np.array(rows, np.float32).reshape(-1, COLUMNS)
+
+
+def _size(light: Light) -> float:
+    """Sine of the angular radius of a light that is far away, radius in metres of one that is near."""
+    return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2
