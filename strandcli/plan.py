@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, PORTION, W
 from .draw.geometry.detail import needed, shares
 from .errors import RefusedError
+from .registry import FIBRES
 from .scene.model import Scene
 from .scene.model.emitter import TIED
 from .simulate.rules import idle, registry
@@ -175,7 +176,8 @@ def _drawing(plan: Plan, scene: Scene, frames: Sequence[int]) -> None:
     else:
         skip(Stage("exact shadows", "there is no light" if not lit else "no light asks for them"))
     if scene.material.specular > 0 and lit:
-        use(Stage(f"{scene.material.model} tables", "highlights are on"))
+        says = getattr(FIBRES[scene.material.model], "plan", lambda material: "highlights are on")
+        use(Stage(f"{scene.material.model} tables", says(scene.material)))
     else:
         skip(Stage(f"{scene.material.model} tables", "there is no light" if not lit else "material.specular is zero"))
     material = scene.material
@@ -290,8 +292,9 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     if scene.image.resolver == "zbuffer" and not traced:
         vertices = min(vertices, PORTION + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
+    tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
-    total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+    total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32) + tables(scene.material)
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
         total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)

@@ -111,7 +111,8 @@ class KernelCache(_Cache):
         function = self._function
         parts = (
             sources.digest(function.__module__), function.__module__, function.__qualname__,
-            function.__code__.co_firstlineno, sorted(self._options.items()), str(sig), codegen.magic_tuple(),
+            function.__code__.co_firstlineno, sorted(self._options.items()), str(sig),
+            sources.digests_of_types(sig), codegen.magic_tuple(),
             numba.__version__, llvmlite.__version__, platform.python_version(),
             str(getattr(config, "OPT", "")), getattr(config, "BOUNDSCHECK", None),
         )  # fmt: skip

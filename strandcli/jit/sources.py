@@ -11,6 +11,9 @@ import hashlib
 import re
 import sys
 from pathlib import Path
+from typing import Any
+
+from numba.core import types
 
 PACKAGE = __name__.split(".")[0]
 ROOT = Path(__file__).parents[1]
@@ -39,6 +42,22 @@ def digest(module: str) -> str:
     return whole.hexdigest()
 
 
+def digests_of_types(signature: Any) -> tuple[str, ...]:
+    """The digests of the modules of all named tuples that a kernel is given: which functions it calls may follow from
+    their classes, and two classes of one name would have one signature."""
+    found: list[str] = []
+    waiting = list(signature)
+    while waiting:
+        one = waiting.pop(0)
+        if isinstance(one, types.BaseNamedTuple):
+            found.append(f"{one.instance_class.__module__} {digest(one.instance_class.__module__)}")
+        if isinstance(one, types.BaseTuple):
+            waiting += list(one)
+        elif isinstance(one, types.Optional):
+            waiting.append(one.type)
+    return tuple(found)
+
+
 @functools.cache
 def _text(module: str) -> bytes:
     """The text of a module: of its file, or, where a generated one could not be written to a file, as it holds it."""
@@ -64,7 +83,7 @@ def _path(module: str) -> Path | None:
 
 
 def _imported(module: str, text: bytes) -> list[str]:
-    """Modules of this package that a module's text imports."""
+    """Modules of this package, and of the module's own, that its text imports."""
     path = _path(module)
     package = module.split(".") if path is not None and path.name == "__init__.py" else module.split(".")[:-1]
     found = []
@@ -74,7 +93,7 @@ def _imported(module: str, text: bytes) -> list[str]:
         parts = [part for part in where.lstrip(".").split(".") if part]
         if dots:
             parts = package[: len(package) - dots + 1] + parts
-        if not parts or parts[0] != PACKAGE:
+        if not parts or parts[0] not in (PACKAGE, module.split(".")[0]):
             continue
         base = ".".join(parts)
         if _path(base) is not None:

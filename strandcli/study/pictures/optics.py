@@ -1,4 +1,4 @@
-"""The two models of a strand's light as the study of their tables sees them: built, read, integrated, exact."""
+"""Fibre models as the study of their tables sees them: built, read, integrated, exact."""
 
 from __future__ import annotations
 
@@ -15,10 +15,13 @@ from ...draw.fibre import chiang, marschner
 from ...draw.fibre.kernels import chiang as chiang_kernel
 from ...draw.fibre.kernels import lobes
 from ...draw.fibre.kernels import marschner as marschner_kernel
+from ...registry import FIBRES
 from ...scene.model import Material
 from .. import bsdf_reference, chiang_reference
 from ..kernels import direct
 
+AXIS = tuple(np.float32([0.0, 0.0, 1.0]))
+NO_EXTRA = tuple(np.float32([0.0, 0.0, 0.0]))
 STEEP = math.radians(75)
 """Inclinations up to here."""
 Angles = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
@@ -113,8 +116,7 @@ class Marschner(Optics):
 
     def read(self, tables: Any, light: Any, eye: Any) -> Any:
         """By the kernel."""
-        zero, one = np.float32(0), np.float32(1)
-        return marschner_kernel.marschner(zero, zero, one, *light, *eye, tables.lobes, tables.nodes, None, *[zero] * 3)
+        return marschner_kernel.marschner(AXIS, tuple(light), tuple(eye), tables.arrays, NO_EXTRA)
 
     def _fibre(self, sigma: float) -> bsdf_reference.Fibre:
         m = self.material
@@ -166,8 +168,7 @@ class Chiang(Optics):
 
     def read(self, tables: Any, light: Any, eye: Any) -> Any:
         """By the kernel."""
-        zero, one = np.float32(0), np.float32(1)
-        return chiang_kernel.chiang(zero, zero, one, *light, *eye, tables.fibre, tables.nodes, None, *[zero] * 3)
+        return chiang_kernel.chiang(AXIS, tuple(light), tuple(eye), tables.arrays, NO_EXTRA)
 
     def exact(self, channel: int, theta_l: float, theta_v: float, phi: NDArray[np.float64]) -> NDArray[np.float64]:
         """By `study.chiang_reference`."""
@@ -197,3 +198,13 @@ def _flat(angles: Angles) -> Angles:
 
 
 MODELS: dict[str, Callable[[Material], Optics]] = {"marschner": Marschner, "chiang": Chiang}
+"""Of the shipped models."""
+
+
+def optics_of(material: Material) -> Optics | None:
+    """A material's model as studies see it: a shipped one, or what a model from elsewhere gives as ``optics``; None
+    where it gives nothing."""
+    if material.model in MODELS:
+        return MODELS[material.model](material)
+    own: Callable[[Material], Optics] | None = getattr(FIBRES[material.model], "optics", None)
+    return None if own is None else own(material)

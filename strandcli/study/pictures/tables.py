@@ -12,7 +12,7 @@ from ...errors import UsageError
 from ..axes import Axis, Request
 from ..points import Knobs, Point
 from .experiment import Pictures
-from .optics import MODELS, STEEP
+from .optics import STEEP, optics_of
 from .subject import Picture, differences
 
 ROWS, COLUMNS = 40, 24
@@ -30,7 +30,10 @@ class TableStudy(Pictures):
         material = self.scene.material
         if material.specular == 0:
             raise UsageError(f"{request.name}: material.specular is 0, so there are no tables to be studied")
-        self.optics = MODELS[material.model](material)
+        optics = optics_of(material)
+        if optics is None:
+            raise UsageError(f"{request.name}: the fibre model {material.model} says nothing that could be studied")
+        self.optics = optics
         self.title += f" of {self.optics.name}'s model"
 
     def choices(self) -> list[Knobs]:

@@ -13,7 +13,7 @@ from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.draw.common.kernels import surface_batch
 from strandcli.draw.coverage.kernels import column_light, masks
-from strandcli.draw.fibre.kernels import chiang, dual, marschner
+from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, silhouette
 from strandcli.draw.lighting.kernels import light, shade_strands
@@ -83,7 +83,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "widen extents": (opacity_maps.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
-    "dual scattered": (dual.scattered, (ONE,) * 14),
+    "dual scattered": (dual.scattered, (*(ONE,) * 4, 2 * (ONE,), 5 * (ONE,), 2 * (ONE,), ONE)),
     "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
     "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
     "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
@@ -102,13 +102,15 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (
         marschner.marschner,
-        (*[ONE] * 9, np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)], ONE, ONE, ONE),
+        (*3 * (3 * (ONE,),), marschner.MarschnerArrays(
+            np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)]), 3 * (ONE,)),
     ),
     "chiang": (
         chiang.chiang,
-        (*[ONE] * 9, np.ones(20, np.float32), *[np.ones((3, 3, k), np.float32) for k in (12, 4)], ONE, ONE, ONE),
+        (*3 * (3 * (ONE,),), chiang.ChiangArrays(
+            np.ones(20, np.float32), *[np.ones((3, 3, k), np.float32) for k in (12, 4)]), 3 * (ONE,)),
     ),
-    "kajiya_diffuse": (marschner.kajiya_diffuse, (ONE,) * 6),
+    "kajiya_diffuse": (diffuse.kajiya_diffuse, (ONE,) * 6),
 }  # fmt: skip
 
 

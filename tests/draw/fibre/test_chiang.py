@@ -30,13 +30,13 @@ AXIS = np.array([1.0, 0.0, 0.0])
 
 
 @function
-def evaluate(ways_l, ways_v, fibre, nodes, out):
+def evaluate(ways_l, ways_v, tables, out):
     """The kernel for many pairs of directions about a tangent along x."""
     one, zero = np.float32(1), np.float32(0)
     for i in range(len(out)):
         out[i] = kernel.chiang(
-            one, zero, zero, ways_l[i, 0], ways_l[i, 1], ways_l[i, 2], ways_v[i, 0], ways_v[i, 1], ways_v[i, 2],
-            fibre, nodes, None, zero, zero, zero,
+            (one, zero, zero), (ways_l[i, 0], ways_l[i, 1], ways_l[i, 2]), (ways_v[i, 0], ways_v[i, 1], ways_v[i, 2]),
+            tables, (zero, zero, zero),
         )  # fmt: skip
 
 
@@ -51,7 +51,7 @@ def drawn(tables: tables_of.ChiangTables, theta_l: np.ndarray | float, theta_v: 
     theta, phi = np.broadcast_arrays(theta_l, phi)
     out = np.empty((theta.size, 3), np.float32)
     ways_v = np.repeat(way(theta_v, 0.0), theta.size, 0)
-    evaluate(way(theta, phi), ways_v, tables.fibre, tables.nodes, out)
+    evaluate(way(theta, phi), ways_v, replace(tables, paths=None).arrays, out)
     return out[:, 0].astype(np.float64).reshape(theta.shape)
 
 
@@ -205,9 +205,7 @@ def test_absorption_may_differ_from_the_tables() -> None:
             ways = [way(math.radians(light), float(p))[0] for p in phi]
             eye = way(math.radians(view), 0.0)[0]
             got = [
-                kernel.chiang(
-                    *AXIS.astype(np.float32), *one, *eye, found.fibre, found.nodes, found.paths, extra, extra, extra
-                )[0]
+                kernel.chiang(tuple(AXIS.astype(np.float32)), tuple(one), tuple(eye), found.arrays, (extra,) * 3)[0]
                 for one in ways
             ]
             exact = reference.scattering(Hair(0.3, 0.3, 2.0, sigma), math.radians(light), math.radians(view), phi)
@@ -238,10 +236,8 @@ def test_whatever_is_asked_light_is_a_number(
     assert found.paths is not None
     assert all(np.isfinite(array).all() for array in (found.fibre, found.nodes, found.paths))
     arguments = np.array(ways, np.float32)
-    light = kernel.chiang(*arguments, found.fibre, found.nodes, found.paths, ZERO, np.float32(-3), np.float32(3))
+    light = kernel.chiang(*map(tuple, arguments.reshape(3, 3)), found.arrays, (ZERO, np.float32(-3), np.float32(3)))
     assert all(math.isfinite(x) and x >= 0 for x in light)
-    grazing = kernel.chiang(
-        *AXIS.astype(np.float32), *-AXIS.astype(np.float32), *AXIS.astype(np.float32),
-        found.fibre, found.nodes, found.paths, ZERO, ZERO, ZERO,
-    )  # fmt: skip
+    along = tuple(AXIS.astype(np.float32))
+    grazing = kernel.chiang(along, tuple(-AXIS.astype(np.float32)), along, found.arrays, (ZERO, ZERO, ZERO))
     assert all(math.isfinite(x) and x >= 0 for x in grazing)

@@ -14,10 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strandcli.draw.common.kernels.light_columns import KIND, PLACE_X, PLACE_Y
-from strandcli.draw.common.kernels.view_columns import RIGHT_X, RIGHT_Y, RIGHT_Z
 from strandcli.draw.fibre import marschner as tables_of
 from strandcli.draw.fibre.kernels import marschner as kernel
+from strandcli.draw.fibre.kernels.diffuse import kajiya_diffuse
 from strandcli.draw.fibre.pigment import absorption
 from strandcli.jit import function
 from strandcli.scene.model import Material
@@ -29,12 +28,11 @@ ZERO = np.float32(0)
 
 
 @function
-def over(t, lights, views, lobes, nodes, paths, extra, out):
+def over(t, lights, views, tables, extra, out):
     for i in range(out.shape[0]):
         out[i] = kernel.marschner(
-            t[0], t[1], t[2], lights[i, KIND], lights[i, PLACE_X], lights[i, PLACE_Y], views[i, RIGHT_X], views[i,
-            RIGHT_Y], views[i, RIGHT_Z],
-            lobes, nodes, paths, extra[0], extra[1], extra[2],
+            (t[0], t[1], t[2]), (lights[i, 0], lights[i, 1], lights[i, 2]), (views[i, 0], views[i, 1], views[i, 2]),
+            tables, (extra[0], extra[1], extra[2]),
         )  # fmt: skip
 
 
@@ -48,7 +46,7 @@ def evaluate(tables, lights, views, extra=(0, 0, 0), t=(1, 0, 0)):
     lights, views = np.broadcast_arrays(np.float32(lights), np.float32(views))
     out = np.empty((len(lights), 3), np.float32)
     arrays = (np.float32(t), np.ascontiguousarray(lights), np.ascontiguousarray(views))
-    over(*arrays, tables.lobes, tables.nodes, tables.paths, np.float32(extra), out)
+    over(*arrays, tables.arrays, np.float32(extra), out)
     return out.astype(np.float64)
 
 
@@ -258,7 +256,7 @@ def test_a_strand_of_another_colour_against_tables_of_that_colour(ratio, bound):
     base = tables_of.build_tables(replace(BROWN, colour_variation=0.1))
     colour = tuple(ratio * c for c in BROWN.colour)
     exact = tables_of.build_tables(replace(BROWN, colour=colour))
-    extra = absorption(colour, base.roughness) - base.absorption
+    extra = absorption(colour, tables_of.azimuthal_beta(BROWN.azimuthal)) - base.absorption
     theta_v, phi = (a.ravel() for a in np.meshgrid(np.arange(-70, 71, 10), np.arange(0, 181, 5)))
     got, wanted = at(base, 15, theta_v, phi, extra), at(exact, 15, theta_v, phi)
     assert np.abs(got - wanted).max() < bound * wanted.max()
@@ -284,9 +282,10 @@ SHARP = tables_of.build_tables(Material(beta=0.1, azimuthal=1.0, colour_variatio
 def test_finite_and_not_negative_whatever_is_passed(numbers, tables):
     arguments = [np.float32(x) for x in numbers]
     with np.errstate(all="ignore"):
-        result = kernel.marschner(*arguments[:9], tables.lobes, tables.nodes, tables.paths, *arguments[9:])
-        plain = kernel.marschner(*arguments[:9], tables.lobes, tables.nodes, None, ZERO, ZERO, ZERO)
-        diffuse = kernel.kajiya_diffuse(*arguments[:6])
+        ways = [tuple(arguments[i : i + 3]) for i in (0, 3, 6)]
+        result = kernel.marschner(*ways, tables.arrays, tuple(arguments[9:]))
+        plain = kernel.marschner(*ways, replace(tables, paths=None).arrays, (ZERO, ZERO, ZERO))
+        diffuse = kajiya_diffuse(*arguments[:6])
     assert np.isfinite([*result, *plain, diffuse]).all()
     assert min(*result, *plain, diffuse) >= 0
 
@@ -312,8 +311,8 @@ from strandcli.scene.model import Material
 tables = build_tables(Material(colour_variation=0.2))
 for row in np.random.default_rng(9).normal(size=(50, 3, 3)).astype(np.float32):
     row /= np.linalg.norm(row, axis=1, keepdims=True)
-    extra = np.float32([0.1, -0.02, 0.3])
-    result = marschner(*row.ravel(), tables.lobes, tables.nodes, tables.paths, *extra)
+    extra = tuple(np.float32([0.1, -0.02, 0.3]))
+    result = marschner(*map(tuple, row), tables.arrays, extra)
     print(*(np.float32(x).tobytes().hex() for x in result))
 """
 
@@ -336,11 +335,11 @@ def test_compiled_and_plain_python_agree_to_the_bit():
 
 def test_diffuse_is_the_sine_to_the_light_over_pi():
     for theta in np.linspace(-90, 90, 19):
-        got = kernel.kajiya_diffuse(*np.float32([1, 0, 0]), *direction(theta, 33).astype(np.float32))
+        got = kajiya_diffuse(*np.float32([1, 0, 0]), *direction(theta, 33).astype(np.float32))
         assert got == pytest.approx(math.cos(theta * DEGREES) / math.pi, abs=2e-4)
 
 
 def test_a_mass_of_diffuse_strands_sends_out_no_more_than_falls_in():
     """Facing light and an opaque mass: exitance ∫ L cos dω = π L, which is the irradiance times diffuse · colour."""
-    facing = float(kernel.kajiya_diffuse(*np.float32([1, 0, 0]), *np.float32([0, 1, 0])))
+    facing = float(kajiya_diffuse(*np.float32([1, 0, 0]), *np.float32([0, 1, 0])))
     assert math.pi * facing == pytest.approx(1, rel=1e-6)

@@ -15,6 +15,7 @@ from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting import occlusion
 from strandcli.draw.lighting.kernels import ambient
+from strandcli.draw.lighting.kernels.inputs import Surround
 from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import pack_all
@@ -145,7 +146,8 @@ def lit(share: float, colour: float) -> float:
     volume = np.tile(np.array([share, 0, 0, 0], np.float32), (8, 1))
     box = np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32)
     no_sky = np.zeros((0, 9, 3), np.float32)
-    ambient.ambient_light.py_func(work, np.int64(1), np.ones(3, np.float32), no_sky, volume, box)
+    around = Surround(np.ones(3, np.float32), no_sky, volume, box)
+    ambient.ambient_light.py_func(work, np.int64(1), around)
     return float(work[batch.RADIANCE])
 
 

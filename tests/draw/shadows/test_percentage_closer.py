@@ -44,11 +44,11 @@ def left(
     by: ModuleType,
     light: Light,
     points: NDArray[np.float64],
-    veil: NDArray[np.float32] | None = None,
+    loss: NDArray[np.float32] | None = None,
     lines: Polylines = LINES,
     spacing: float = SPACING,
 ) -> NDArray[np.float64]:
-    """What a light's map leaves of it; in colour with a ``veil``."""
+    """What a light's map leaves of it; in colour with a ``loss``."""
     bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
     maps = plan_maps((light,), bounds, Scratch(), WIDE, spacing)
     assert maps is not None
@@ -57,16 +57,16 @@ def left(
     numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     if by is opacity:
         return np.exp([-opacity.optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
-    found = np.concatenate([leave(some, veil, *numbers) for some in np.split(points, range(W, len(points), W))])
-    return found[:, 0] if veil is None else found
+    found = np.concatenate([leave(some, loss, *numbers) for some in np.split(points, range(W, len(points), W))])
+    return found[:, 0] if loss is None else found
 
 
-def leave(points: NDArray[np.float64], veil: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
+def leave(points: NDArray[np.float64], loss: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
     """(n, 3) What strands leave each of a batch of points that light arrives at."""
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
-    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], given(veil, 3), *numbers[2:])
+    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], given(loss, 3), *numbers[2:])
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 
@@ -173,12 +173,12 @@ def test_an_edge_is_as_wide_as_the_light_sees_it(high: float, texel: float) -> N
 
 def test_light_that_strands_scatter_on_comes_down_beside_a_shadow_that_is_far_away() -> None:
     material = Material(model="chiang", pigment="blond")
-    veil = dual.loss_table(dual.build_tables(material, material.beta_n))
+    loss = dual.loss_table(dual.build_tables(material, material.beta_n))
     light = DirectionalLight(direction=(0.0, -1.0, 0.0), shadow=DEEP)
     warm = []
     for ground in (0.0, -0.05, -0.6):
         points = np.stack([np.linspace(-0.5, -0.1, 40), np.full(40, ground - 0.01), np.zeros(40)], 1)
-        grey, colours = (left(percentage_closer, light, points, one, thatch(70, 0.05), 0.02) for one in (None, veil))
+        grey, colours = (left(percentage_closer, light, points, one, thatch(70, 0.05), 0.02) for one in (None, loss))
         assert (colours.min(1) > grey - 1e-6).all()
         warm.append(float((colours[:, 0] - grey).mean()))
     assert warm[0] > 0.1
@@ -197,18 +197,18 @@ def test_nothing_in_front_of_all_strands_is_shaded_but_what_a_lamp_shades_is() -
 
 
 def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
-    """Where half of the light is hidden altogether and half not at all, no thin veil of strands is in between."""
+    """Where half of the light is hidden altogether and half not at all, no thin layer of strands is in between."""
     material = Material(model="chiang", pigment="blond")
     tables = dual.build_tables(material, material.beta_n)
-    streams, veil = dual.streams_of(tables), dual.loss_table(tables)
+    streams, loss = dual.streams_of(tables), dual.loss_table(tables)
     for passed in np.geomspace(0.01, 40, 60):
         at = passed / (passed + 2) * 64
         k = int(at)
-        got = 1 - (veil[k] + (at - k) * (veil[k + 1] - veil[k]))
+        got = 1 - (loss[k] + (at - k) * (loss[k + 1] - loss[k]))
         true = [kernel.through(np.float32(passed), streams, c) for c in range(3)]
         np.testing.assert_allclose(got, true, atol=2e-3)
     points = on_ground(60, height=-0.8)
-    red, green, blue = left(percentage_closer, SUN, points, veil).T
+    red, green, blue = left(percentage_closer, SUN, points, loss).T
     grey = left(percentage_closer, SUN, points)
     assert (red >= green).all()
     assert (green >= blue - 1e-6).all()
