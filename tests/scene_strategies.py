@@ -23,6 +23,7 @@ from strandcli.scene.specs import (
     ModelSpec,
     NamesSpec,
     NumberSpec,
+    ParametersSpec,
     Range,
     SizeSpec,
     Spec,
@@ -71,6 +72,8 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
             found = st.just(__file__)
         case TextSpec():
             found = texts
+        case ParametersSpec():
+            return st.none()  # shipped drivers have none of their own
         case NamesSpec():
             found = st.just(())
         case ModelSpec():

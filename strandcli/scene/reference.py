@@ -21,6 +21,7 @@ from .specs import (
     NamesSpec,
     NumberSpec,
     PanelsSpec,
+    ParametersSpec,
     RulesSpec,
     SizeSpec,
     Spec,
@@ -47,6 +48,7 @@ TYPES: Mapping[type[Spec], str] = {
     ModelSpec: "mapping",
     UnionSpec: "mapping",
     ItemsSpec: "list of mappings",
+    ParametersSpec: "mapping",
     RulesSpec: "list or mapping of rules",
     PanelsSpec: "list of panels",
 }

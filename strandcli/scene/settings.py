@@ -22,6 +22,7 @@ from .specs import (
     ModelSpec,
     NamesSpec,
     PanelsSpec,
+    ParametersSpec,
     RulesSpec,
     SizeSpec,
     Spec,
@@ -119,6 +120,8 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         return node.with_entry(part, Entry(value.mark if len(parts) == 1 or old is None else old.mark, child))
     if isinstance(spec, RulesSpec):
         return _place_rule(node, parts, value, rules)
+    if isinstance(spec, ParametersSpec) and len(parts) == 1 and (node is None or isinstance(node, MapNode)):
+        return (node or MapNode({}, value.mark)).with_entry(part, Entry(value.mark, value))
     if isinstance(spec, PanelsSpec):
         raise Unreachable("single panels are changed in the preset itself")
     if not isinstance(spec, ItemsSpec | VectorSpec | ColourSpec | SizeSpec | WindowSpec | NamesSpec):
