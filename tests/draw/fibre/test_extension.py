@@ -70,8 +70,9 @@ def test_its_settings_are_checked_where_they_are_written(model: Any) -> None:
         scene_of(SCENE % (light_at(0), ", parameters: {exponents: 3}"))
     with pytest.raises(SceneError, match=r"material.parameters: marschner has no settings of its own here"):
         scene_of("material: {parameters: {exponent: 3}}")
-    given = {"material.model": "kajiya_kay", "material.parameters": {"strength": 0.1}}
-    assert strandcli.load("hair", ["material.parameters.exponent=7"], given).material.parameters.exponent == 7
+    given = ["model=kajiya_kay", "parameters.strength=0.1", "parameters.exponent=7"]
+    own = strandcli.load("hair", [f"material.{one}" for one in given]).material.parameters
+    assert own == model.Parameters(exponent=7.0, strength=0.1)
     assert any(stage.stage == "kajiya_kay tables" for stage in make_plan(scene, [1]).used)
 
 
