@@ -17,10 +17,10 @@ PARTS = ("light", "coverage")
 """Of a frame, from its end."""
 
 
-def begin(scene: Any) -> None:
-    """Start the workers where the cache holds no kernel of light."""
+def begin(scene: Any, threads: int) -> None:
+    """Start the workers where the cache holds no kernel of light; ``threads``: processes that may be busy at once."""
     if service.enabled and next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None:
-        service.ahead(scene, PARTS)
+        service.ahead(scene, PARTS, threads)
 
 
 def end() -> None:

@@ -83,9 +83,11 @@ def _run(
     scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions, several: bool = True
 ) -> Iterator[Frame]:
     """Frames of a scene without panels; ``several``: more than one may be drawn at once."""
+    import numba
+
     ahead = options.draw and bool(frames)
     if ahead:
-        compile_ahead.begin(scene)
+        compile_ahead.begin(scene, numba.get_num_threads())
     try:
         moved = SimulationStage(scene, frames, given, options)
         notify = options.notify

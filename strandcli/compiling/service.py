@@ -110,10 +110,10 @@ class Service:
             self.enabled = False
         return bool(told == "done")
 
-    def ahead(self, scene: Any, parts: Sequence[str]) -> None:
-        """Have the kernels of a scene's parts compiled, by as many workers as there are cores but one."""
+    def ahead(self, scene: Any, parts: Sequence[str], most: int) -> None:
+        """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``."""
         with self._lock:
-            others = most_workers() - 1
+            others = min(most_workers(), most) - 1
             if not self._usable() or others < 1 or self._ahead:
                 return
             try:

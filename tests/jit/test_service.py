@@ -16,6 +16,8 @@ from numba import config
 from strandcli.compiling import folder, service
 from strandcli.compiling.claims import Claims
 from strandcli.draw.common.kernels import approximations
+from strandcli.draw.film.film import curve_of
+from strandcli.draw.film.kernels import film
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 
@@ -52,12 +54,15 @@ def hits(kernel: KernelDispatcher) -> int:
 def test_a_worker_compiles_what_a_process_of_its_own_compiles_without_patches(place: Path) -> None:
     """The same pixels, whoever approximations."""
     values = np.linspace(-1.5, 1.5, 999, dtype=np.float32)
+    image = np.random.default_rng(1).uniform(-0.1, 3, (24, 32, 3)).astype(np.float32)
     found = []
     for enabled in (True, False):
         mine().enabled = enabled
-        kernels = [fresh(one) for one in (approximations.asin, approximations.exp)]
-        found.append([[kernel(x) for x in values] for kernel in kernels])
-        assert [hits(kernel) for kernel in kernels] == [int(enabled)] * 2
+        kernels = [fresh(one) for one in (approximations.asin, approximations.exp, film.develop)]
+        out = np.zeros((12, 16, 3), np.uint8)
+        kernels[2](image, 2, np.float32(1.5), *curve_of("filmic"), out)
+        found.append(np.concatenate([[kernel(x) for x in values] for kernel in kernels[:2]] + [out.ravel()]))
+        assert [hits(kernel) for kernel in kernels] == [int(enabled)] * 3
         for path in place.glob("*.kernel"):
             path.unlink()
     mine().stop()
@@ -104,7 +109,7 @@ from pathlib import Path
 from strandcli.compiling import folder
 from strandcli.compiling.service import service
 folder.cache.use(Path(sys.argv[1]))
-service.ahead(None, ["light"])
+service.ahead(None, ["light"], 2)
 workers = [service._asked(), *service._ahead]
 print(*(one._process.pid for one in workers), flush=True)
 if sys.argv[2] == "waits": time.sleep(600)
