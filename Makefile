@@ -9,11 +9,12 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: demo test lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
+.PHONY: demo test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
+	@echo "make test-oldest   kernels with the oldest Numba that is supported, in an environment of its own"
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
@@ -33,6 +34,18 @@ demo: $(READY)
 # and each would compile all of Numba's Python again, two seconds
 test: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest $(or $(ARGS),-n 2 --dist loadfile)
+
+OLDEST := .venv-oldest
+OLDEST_NUMBA := $(shell sed -n 's/.*"numba>=\([0-9.]*\)".*/\1/p' pyproject.toml)
+
+test-oldest: $(OLDEST)/.ready
+	PYTHONDONTWRITEBYTECODE= $(OLDEST)/bin/python -m pytest -q tests/jit/test_cache.py tests/jit/test_service.py
+	PYTHONDONTWRITEBYTECODE= $(OLDEST)/bin/strandcli golden check tests/golden minimal
+
+$(OLDEST)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(OLDEST)
+	$(OLDEST)/bin/python -m pip install --quiet --no-compile --group dev --editable . "numba==$(OLDEST_NUMBA).0"
+	@touch $@
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -108,4 +121,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) $(CHECK) $(DOCS) out build dist
+	rm -rf $(VENV) $(OLDEST) $(CHECK) $(DOCS) out build dist

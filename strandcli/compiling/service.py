@@ -27,7 +27,7 @@ PROGRAM = (
     "from strandcli.compiling.worker import main; main(sys.argv[2])"
 )
 FAILURES = 3
-"""So many workers that end unasked, and no more are started."""
+"""After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
 
 
 class Worker:
@@ -106,8 +106,8 @@ class Service:
                     raise
                 self._fail()
                 return False
-        if told == "differs":  # settings of Numba's that it does not know: what it compiles is never loaded
-            self.enabled = False
+        if told == "lost":  # the disk is full, or Numba has settings here that the worker does not know
+            self._fail()
         return bool(told == "done")
 
     def ahead(self, scene: Any, parts: Sequence[str], most: int) -> None:

@@ -80,12 +80,6 @@ class KernelCache(_Cache):
         # in the meantime another process may have compiled it
         return self._load(path, key, target_context)
 
-    def entry_name(self, sig: Any) -> str:
-        """The file name of a signature's entry."""
-        from numba.core.registry import cpu_target
-
-        return self._entry(sig, cpu_target.target_context.codegen())[0].name
-
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel that was compiled, whole or not at all."""
         if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
