@@ -4,7 +4,7 @@
     python examples/dataset.py --count 4 -o out/dataset
 
 Each sample is a folder: `frame_0001.png`, layers as .npz with PNGs to look at (depth, mask, tangent, orientation,
-strand id; `strandcli/draw/aovs.py` tells what they hold), `scene.yaml`, which draws the same picture again, and
+strand id; `strandcli/draw/film/aovs.py` tells what they hold), `scene.yaml`, which draws the same picture again, and
 `camera.json`. `dataset.json` lists the samples. Sample i depends on --seed and i alone, so a set can be made in parts
 (--first), on any number of threads.
 
