@@ -159,3 +159,20 @@ def test_the_table_of_qualities_is_theirs() -> None:
         told = {path.replace("lights[]", "lights.*"): words for path, words in told.items()}
         assert told == {path: f"{value:g}" if isinstance(value, float) else str(value)
                         for path, value in QUALITIES[quality].items()}  # fmt: skip
+
+
+def test_extending_shows_each_example_in_less_than_sixty_lines() -> None:
+    """Whole examples are included by name, between the lines that begin so."""
+    page = (ROOT / "docs/extending.md").read_text(encoding="utf-8")
+    shown = re.findall(r"literalinclude\} \.\./(\S+)\n:language: python\n:start-at: (.+)\n:end-before: (.+)\n", page)
+    assert len(shown) == page.count("literalinclude") >= 1
+    for name, begin, end in shown:
+        text = (ROOT / name).read_text(encoding="utf-8")
+        assert f"`{name}`" in page
+        assert len(text[text.index(begin) : text.index(f"\n{end}")].splitlines()) < 60, name
+
+
+def test_every_example_is_listed() -> None:
+    readme = (ROOT / "examples/README.md").read_text(encoding="utf-8")
+    for program in (ROOT / "examples").glob("*.py"):
+        assert f"`{program.name}`" in readme, f"examples/README.md: {program.name} is missing"
