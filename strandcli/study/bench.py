@@ -191,6 +191,7 @@ def time_lines(strands: int, points: int, width: int, height: int, repeats: int 
     """A ball of drooping polylines into a z-buffer with a colour at every vertex: milliseconds a frame."""
     import numba
 
+    from ..draw.common.kernels.keys import EMPTY
     from ..draw.common.scratch import Scratch
     from ..draw.film.kernels import film
     from ..draw.geometry.curves import Polylines
@@ -205,7 +206,7 @@ def time_lines(strands: int, points: int, width: int, height: int, repeats: int 
     workers = numba.get_num_threads()
 
     def draw(_: int) -> None:
-        keys.fill(raster.kernel.EMPTY)
+        keys.fill(EMPTY)
         raster.draw(lines, screen, None, 0, (width, height), workers, scratch, keys)
         film.colours(keys, 0, screen, 0, 1, colours, image)
 

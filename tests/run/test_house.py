@@ -1,0 +1,211 @@
+"""Rules of the code that no linter knows: how long files and functions are, and what may import what.
+
+`KNOWN` lists what still breaks a rule. It only gets shorter: an entry that nothing needs any more fails too.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[2] / "strandcli"
+LINES_OF_FILE = 300
+LINES_OF_FUNCTION = 60
+"""Docstring and decorators included."""
+ARGUMENTS = 10
+"""Of a function; commands of `strandcli.cli` have one an option."""
+ROOMS = ("common", "view", "geometry", "zbuffer", "solids", "coverage", "fibre", "shadows", "lighting", "film")
+"""Of `strandcli.draw`: each imports those before it alone."""
+FOR_KERNELS = ("strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows")
+"""What modules in a folder `kernels` import beside kernels."""
+
+KNOWN: dict[str, set[str]] = {
+    "files": set(),
+    "functions": set(),
+    "arguments": set(),
+    "packages": set(),
+    "kernels": set(),
+}
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """The syntax trees of the package by the names of its modules."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = ["strandcli", *path.relative_to(PACKAGE).with_suffix("").parts]
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(path.read_text("utf-8"))
+    return found
+
+
+def path_of(module: str) -> Path:
+    """The file of a module."""
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def functions() -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    """All functions and methods with their names, as module:name."""
+    for module, tree in modules().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                yield f"{module}:{node.name}", node
+
+
+@cache
+def imports(module: str) -> set[str]:
+    """The modules of the package that a module imports, anywhere but for types alone."""
+    found = set()
+    for node in without_types(modules()[module]):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names if alias.name in modules()}
+        elif isinstance(node, ast.ImportFrom):
+            package = module.split(".") if path_of(module).name == "__init__.py" else module.split(".")[:-1]
+            base = package[: len(package) - node.level + 1] if node.level else []
+            name = ".".join([*base, node.module] if node.module else base)
+            for alias in node.names:
+                inner = f"{name}.{alias.name}"
+                found |= {inner if inner in modules() else name} & modules().keys()
+    return found - {module}
+
+
+def without_types(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those under ``if TYPE_CHECKING:``."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
+            yield from without_types(child)
+
+
+def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Sets of nodes that all lead to each other, sorted (Tarjan's components of more than one node)."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found = []
+
+    def visit(node: str) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in sorted(graph.get(node, ())):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            begin = stack.index(node)
+            found.append(sorted(stack[begin:]))
+            del stack[begin:]
+
+    for node in sorted(graph):
+        if node not in index:
+            visit(node)
+    return [circle for circle in found if len(circle) > 1]
+
+
+def only_known(kind: str, found: Iterable[str]) -> None:
+    """Fail for what breaks a rule and is not known, and for what is known and breaks it no more."""
+    broken = set(found)
+    assert not broken - KNOWN[kind], "these break a rule"
+    assert not KNOWN[kind] - broken, "these break no rule any more: take them out of KNOWN"
+
+
+def test_files_are_short() -> None:
+    long = {module for module in modules() if len(path_of(module).read_text("utf-8").splitlines()) > LINES_OF_FILE}
+    only_known("files", long)
+
+
+def test_functions_are_short() -> None:
+    def lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+        begin = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        return (node.end_lineno or begin) - begin + 1
+
+    only_known("functions", {name for name, node in functions() if lines(node) > LINES_OF_FUNCTION})
+
+
+def test_functions_have_few_arguments() -> None:
+    def many(node: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+        given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        return len([one for one in given if one.arg not in ("self", "cls")]) > ARGUMENTS
+
+    found = {name for name, node in functions() if many(node)}
+    only_known("arguments", {name for name in found if not (name.startswith("strandcli.cli.") and ":command" in name)})
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    """The package itself imports its parts when they are asked for, and does not count."""
+    graph = {module: imports(module) - {"strandcli"} for module in modules() if module != "strandcli"}
+    assert circles(graph) == []
+
+
+def test_no_packages_import_each_other_in_a_circle() -> None:
+    """A process that compiles is a program of its own, which imports what it compiles."""
+
+    def package(module: str) -> str:
+        return module if module == "strandcli.compiling.worker" else ".".join(module.split(".")[:2])
+
+    graph: dict[str, set[str]] = {}
+    for module in modules():
+        if module != "strandcli":
+            others = {package(one) for one in imports(module) if one != "strandcli"}
+            graph.setdefault(package(module), set()).update(others - {package(module)})
+    only_known("packages", {" ".join(one.removeprefix("strandcli.") for one in circle) for circle in circles(graph)})
+
+
+def test_rooms_import_those_before_them() -> None:
+    """And none imports a file of `strandcli.draw` itself, which is in no room."""
+    wrong = []
+    for module in modules():
+        room = module.split(".")[2:3]
+        if module.startswith("strandcli.draw.") and room[0] in ROOMS:
+            for other in imports(module):
+                if other.startswith("strandcli.draw."):
+                    there = other.split(".")[2]
+                    if there not in ROOMS or ROOMS.index(there) > ROOMS.index(room[0]):
+                        wrong.append(f"{module} imports {other}")
+    assert not wrong
+
+
+def test_kernels_import_no_drivers() -> None:
+    found = set()
+    for module in modules():
+        if ".kernels." in module:
+            others = {one for one in imports(module) if ".kernels" not in one and not one.startswith(FOR_KERNELS)}
+            found |= {f"{module} {other}" for other in others}
+    only_known("kernels", found)
+
+
+def test_parallel_kernels_write_to_no_member_of_a_tuple() -> None:
+    """Numba takes ``lines.screen[v] = x`` in a parallel kernel, where lines is a tuple, for dead code and leaves it
+    out: a function that the kernel calls has to write it."""
+    wrong = []
+    for name, node in functions():
+        if not any(ast.unparse(decorator) == "parallel" for decorator in node.decorator_list):
+            continue
+        assigned = [one for one in ast.walk(node) if isinstance(one, ast.Assign | ast.AugAssign)]
+        members = set()
+        for one in assigned:
+            if isinstance(one, ast.Assign):
+                for target in one.targets:
+                    members |= set(member_names(target, one.value))
+        for one in assigned:
+            for target in one.targets if isinstance(one, ast.Assign) else [one.target]:
+                if isinstance(target, ast.Subscript):
+                    array = target.value
+                    if isinstance(array, ast.Attribute) or (isinstance(array, ast.Name) and array.id in members):
+                        wrong.append(f"{name}: {ast.unparse(target)}")
+    assert not wrong
+
+
+def member_names(target: ast.expr, value: ast.expr) -> Iterator[str]:
+    """Names that an assignment makes stand for members of a tuple."""
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        for inner, one in zip(target.elts, value.elts, strict=True):
+            yield from member_names(inner, one)
+    elif isinstance(target, ast.Tuple) and isinstance(value, ast.Name):
+        yield from (inner.id for inner in target.elts if isinstance(inner, ast.Name))
+    elif isinstance(target, ast.Name) and isinstance(value, ast.Attribute):
+        yield target.id
