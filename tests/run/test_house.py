@@ -22,11 +22,91 @@ FOR_KERNELS = ("strandcli.constants", "strandcli.jit", "strandcli.simd", "strand
 """What modules in a folder `kernels` import beside kernels."""
 
 KNOWN: dict[str, set[str]] = {
-    "files": set(),
-    "functions": set(),
-    "arguments": set(),
-    "packages": set(),
-    "kernels": set(),
+    "files": {
+        "strandcli.cli.render",
+        "strandcli.compiling.faster",
+        "strandcli.draw.geometry.kernels.curves",
+        "strandcli.draw.lighting.kernels.occlusion",
+        "strandcli.draw.lighting.kernels.shade_strands",
+        "strandcli.draw.shadows.kernels.percentage_closer",
+        "strandcli.draw.zbuffer.kernels.raster",
+        "strandcli.plan",
+        "strandcli.simulate.rod",
+        "strandcli.study.golden",
+        "strandcli.study.pictures.subject",
+    },
+    "functions": {
+        "strandcli.cli.render:_run",
+        "strandcli.draw.coverage.kernels.composite:composite_masked",
+        "strandcli.draw.coverage.kernels.ribbon:ribbon",
+        "strandcli.draw.geometry.kernels.curves:count",
+        "strandcli.draw.geometry.kernels.curves:flatten",
+        "strandcli.draw.lighting.kernels.shade_strands:batch",
+        "strandcli.draw.renderer:_expose",
+        "strandcli.draw.shadows.shadow:plan_maps",
+        "strandcli.draw.zbuffer.kernels.raster:ribbon",
+        "strandcli.groom.kernels.children:lay",
+        "strandcli.plan:_drawing",
+        "strandcli.simulate.kernels.contact:touch",
+        "strandcli.simulate.kernels.rod_sweep:sweep",
+        "strandcli.simulate.kernels.rod_tension:observe",
+        "strandcli.simulate.rod:__init__",
+        "strandcli.simulate.rules.collision_segments:capsule",
+    },
+    "arguments": {
+        "strandcli.draw.fibre.kernels.chiang:chiang",
+        "strandcli.draw.fibre.kernels.dual:scattered",
+        "strandcli.draw.fibre.kernels.lobes:azimuthal",
+        "strandcli.draw.fibre.kernels.marschner:marschner",
+        "strandcli.draw.fibre.kernels.width_highlights:width_highlights",
+        "strandcli.draw.film.kernels.aovs:shadows",
+        "strandcli.draw.film.kernels.aovs:strands",
+        "strandcli.draw.geometry.kernels.curves:count",
+        "strandcli.draw.lighting.kernels.occlusion:across",
+        "strandcli.draw.lighting.kernels.shade_strands:batch",
+        "strandcli.draw.lighting.kernels.shade_strands:strands",
+        "strandcli.draw.lighting.kernels.shade_surfaces:batch",
+        "strandcli.draw.lighting.kernels.shade_surfaces:surfaces",
+        "strandcli.draw.shadows.kernels.opacity_maps:draw",
+        "strandcli.draw.shadows.kernels.opacity_maps:drop",
+        "strandcli.draw.shadows.kernels.opacity_maps:piece",
+        "strandcli.draw.shadows.kernels.opacity_maps:strand",
+        "strandcli.draw.shadows.kernels.penumbra:box",
+        "strandcli.draw.shadows.kernels.penumbra:capsule",
+        "strandcli.draw.shadows.kernels.penumbra:lit",
+        "strandcli.draw.shadows.kernels.penumbra:nearest",
+        "strandcli.draw.shadows.kernels.penumbra:past",
+        "strandcli.draw.shadows.kernels.strand_shadows:sink",
+        "strandcli.draw.solids.kernels.coat:gleam",
+        "strandcli.groom.kernels.children:grow",
+        "strandcli.groom.kernels.children:lay",
+        "strandcli.simulate.kernels.contact:off_solids",
+        "strandcli.simulate.kernels.contact:touch",
+        "strandcli.simulate.kernels.contact_shapes:find",
+        "strandcli.simulate.kernels.contact_shapes:nearest",
+        "strandcli.simulate.kernels.contact_shapes:past_edge",
+        "strandcli.simulate.kernels.contact_shapes:toward_axis",
+        "strandcli.simulate.kernels.rod_curl:frames",
+        "strandcli.simulate.kernels.rod_curl:react",
+        "strandcli.simulate.kernels.rod_curl:recall",
+        "strandcli.simulate.kernels.rod_start:start",
+        "strandcli.simulate.kernels.rod_step:run",
+        "strandcli.simulate.kernels.rod_sweep:fetch",
+        "strandcli.simulate.kernels.rod_sweep:sweep",
+        "strandcli.study.motion.kernels.foil:step",
+    },
+    "packages": {
+        "draw plan",
+        "groom simulate",
+    },
+    "kernels": {
+        "strandcli.simulate.kernels.contact_shapes strandcli.solids",
+        "strandcli.simulate.kernels.rod_curl strandcli.simulate.material",
+        "strandcli.solids.kernels.box strandcli.solids.shapes.box",
+        "strandcli.solids.kernels.capsule strandcli.solids.shapes.capsule",
+        "strandcli.solids.kernels.plane strandcli.solids.shapes.plane",
+        "strandcli.solids.kernels.sphere strandcli.solids.shapes.sphere",
+    },
 }
 
 
@@ -106,6 +186,11 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
     return [circle for circle in found if len(circle) > 1]
 
 
+def is_command(name: str) -> bool:
+    """Whether a function is one of click's commands, which have an argument an option."""
+    return name.startswith("strandcli.cli.") and name.endswith(":command")
+
+
 def only_known(kind: str, found: Iterable[str]) -> None:
     """Fail for what breaks a rule and is not known, and for what is known and breaks it no more."""
     broken = set(found)
@@ -119,11 +204,14 @@ def test_files_are_short() -> None:
 
 
 def test_functions_are_short() -> None:
-    def lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """Of commands what comes after their options."""
+
+    def lines(name: str, node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
         begin = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        begin = node.body[0].lineno if is_command(name) else begin
         return (node.end_lineno or begin) - begin + 1
 
-    only_known("functions", {name for name, node in functions() if lines(node) > LINES_OF_FUNCTION})
+    only_known("functions", {name for name, node in functions() if lines(name, node) > LINES_OF_FUNCTION})
 
 
 def test_functions_have_few_arguments() -> None:
@@ -132,7 +220,7 @@ def test_functions_have_few_arguments() -> None:
         return len([one for one in given if one.arg not in ("self", "cls")]) > ARGUMENTS
 
     found = {name for name, node in functions() if many(node)}
-    only_known("arguments", {name for name in found if not (name.startswith("strandcli.cli.") and ":command" in name)})
+    only_known("arguments", {name for name in found if not is_command(name)})
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:
