@@ -21,7 +21,7 @@ from thread_runs import Drawer
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 FEWER = {entry.preset: list(entry.overrides) for entry in golden.read_entries(GOLDEN)}
-FEWER |= dict.fromkeys(["hair", "portrait", "ponytail"], ["children.count=10"]) | {"minimal": []}
+FEWER |= {name: ["children.count=10"] for name in ("hair", "portrait", "ponytail")} | {"minimal": []}
 """Strands so few that all presets take seconds, and enough that some cross every band of a map."""
 SIZE = [101, 141]
 MAPS = 200
@@ -81,7 +81,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
         "camera": {"position": [0.2, 0.5, 2.6], "target": [0, 0.1, 0], "kind": draw(KINDS)},
         "image": {
             "size": [draw(st.integers(1, 131)), draw(st.integers(1, 207))], "resolver": resolver,
-            "supersample": draw(st.sampled_from([1, 2])), "aovs": draw(st.sampled_from([[], ["depth", "mask", "shadow"]])),
+            "supersample": draw(st.sampled_from([1, 2])), "aovs": draw(LAYERS),
         },
         "curves": {"mode": draw(st.sampled_from(["off", "fixed", "adaptive"]))},
         "material": {"width": wide, "model": "chiang", "pigment": "brown", "scatter": draw(SCATTER)},
@@ -90,6 +90,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     }  # fmt: skip
 
 
+LAYERS = st.sampled_from([[], ["depth", "mask", "shadow"]])
 KINDS = st.sampled_from(["perspective", "orthographic"])
 SCATTER = st.sampled_from(["diffuse", "dual"])
 
