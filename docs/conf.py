@@ -21,7 +21,7 @@ myst_heading_anchors = 3
 
 html_theme = "furo"
 html_title = f"strandcli {version}"
-html_show_sphinx = False
+html_show_copyright = html_show_sphinx = False
 html_copy_source = False
 html_static_path = ["site"]
 html_css_files = ["site.css"]

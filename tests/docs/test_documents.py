@@ -176,3 +176,10 @@ def test_every_example_is_listed() -> None:
     readme = (ROOT / "examples/README.md").read_text(encoding="utf-8")
     for program in (ROOT / "examples").glob("*.py"):
         assert f"`{program.name}`" in readme, f"examples/README.md: {program.name} is missing"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_formulas_survive_plain_markdown(page: Path) -> None:
+    """GitHub takes a backslash before punctuation, and a star, for Markdown's own, within formulas too."""
+    formulas = re.findall(r"\$\$(.+?)\$\$|\$([^$\n]+)\$", prose(page), re.DOTALL)
+    assert not [one for pair in formulas for one in pair if re.search(r"\\[,;:!{}%#&_*]|\*", one)]
