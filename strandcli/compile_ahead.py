@@ -18,9 +18,13 @@ PARTS = ("light", "coverage")
 
 
 def begin(scene: Any, threads: int) -> None:
-    """Start the workers where the cache holds no kernel of light; ``threads``: processes that may be busy at once."""
-    if service.enabled and next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None:
-        service.ahead(scene, PARTS, threads)
+    """Start the workers at once where the cache holds no kernel of light, else when several kernels turn out to be
+    missing; ``threads``: processes that may be busy at once."""
+    if not service.enabled:
+        return
+    empty = next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None
+    start = service.ahead if empty else service.ahead_if_missing
+    start(scene, PARTS, threads)
 
 
 def end() -> None:

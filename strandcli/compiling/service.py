@@ -26,6 +26,8 @@ PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from strandcli.compiling.worker import main; main(sys.argv[2])"
 )
+MISSES = 3
+"""So many kernels that are not in the cache mean that most are not: other sources, another version of Numba."""
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
 
@@ -81,6 +83,8 @@ class Service:
         self._ahead: list[Worker] = []
         self._failures = 0
         self._process = 0
+        self._misses = 0
+        self._pending: tuple[Any, Sequence[str], int] | None = None
 
     def compile(self, function: Any, sig: Any, entry: str) -> bool:
         """Have a kernel compiled into the cache; False where this process has to do it."""
@@ -93,6 +97,9 @@ class Service:
         if function.__module__ == "__main__" or "<locals>" in function.__qualname__ or file is None:
             return False
         with self._lock:
+            self._misses += 1
+            if self._pending is not None and self._misses >= MISSES:
+                self.ahead(*self._pending)
             worker = self._asked()
             if worker is None:
                 return False
@@ -113,6 +120,7 @@ class Service:
     def ahead(self, scene: Any, parts: Sequence[str], most: int) -> None:
         """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``."""
         with self._lock:
+            self._pending = None
             others = min(most_workers(), most) - 1
             if not self._usable() or others < 1 or self._ahead:
                 return
@@ -126,9 +134,16 @@ class Service:
             except Exception:  # a scene with rules of this process alone
                 self.rest()
 
+    def ahead_if_missing(self, scene: Any, parts: Sequence[str], most: int) -> None:
+        """The same, once kernels have been asked for that are not in the cache."""
+        with self._lock:
+            self._misses = 0
+            self._pending = scene, parts, most
+
     def rest(self) -> None:
         """End the workers that compile ahead."""
         with self._lock:
+            self._pending = None
             if self._process == os.getpid():
                 for worker in self._ahead:
                     worker.stop()

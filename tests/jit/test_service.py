@@ -69,6 +69,17 @@ def test_a_worker_compiles_what_a_process_of_its_own_compiles_without_patches(pl
     np.testing.assert_array_equal(found[0], found[1])
 
 
+def test_workers_compile_ahead_once_several_kernels_are_missing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one, begun = mine(), []
+    monkeypatch.setattr(one, "ahead", lambda *what: begun.append(what))
+    monkeypatch.setattr(one, "_asked", lambda: None)
+    one.ahead_if_missing("scene", ["light"], 2)
+    for kernel, expected in ((approximations.asin, 0), (approximations.exp, 0), (approximations.log, 1)):
+        assert np.isfinite(fresh(kernel)(np.float32(0.5)))
+        assert len(begun) == expected
+    assert begun == [("scene", ["light"], 2)]
+
+
 def test_what_only_this_process_has_is_compiled_here(place: Path) -> None:
     @function
     def local(x):
