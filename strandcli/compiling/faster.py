@@ -1,55 +1,43 @@
-"""Numba's compiler, spared what it does twice.
+"""Patches of Numba's compiler that spare it double work; for worker processes alone, which compile nothing else.
 
-A kernel of a few hundred lines takes Numba seconds, of which most are Python's and many are spent again on what is
-known: machine code of functions that are only ever part of a kernel, the types of the hundredth sum of two floats.
-Nothing here changes what kernels compute. All of it leans on Numba's inside, of versions that it has been tested with;
-any other is left as it is, and compiling takes longer.
+A kernel of a few hundred lines takes Numba seconds, most of them in Python. Nothing here changes what kernels compute.
+All of it depends on Numba's insides, of the versions that it has been tested with; with any other nothing is patched.
 """
 
 from __future__ import annotations
 
 import ctypes
 import gc
+from collections.abc import Sequence
 from typing import Any
 
 TESTED = ("0.68",)
 """Versions of Numba."""
 _LOOP = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers._GufuncWrapper", "parallelgufuncwrapper")
-"""How Numba names the body of a parallel loop, what calls it for a part of the range, and what shares the range out."""
-_ROOM = (100_000, 50, 1000)
-"""New objects, and younger collections, between two collections of garbage: Numba's trees are large, and next to
-nothing of them is garbage before a kernel is done."""
+"""Prefixes of names: the body of a parallel loop, its caller for a part of the range, and what divides the range."""
 
 
-class Kernel:
-    """What is known while a kernel is compiled, with all that it calls."""
+class Compilation:
+    """State of the kernel that is being compiled, with all functions that it calls."""
 
     def __init__(self) -> None:
         self.depth = 0
         self.calls: dict[Any, tuple[Any, Any]] = {}
-        """The signature of a call, and by what it is lowered."""
+        """Signature and implementation key by call."""
         self.flags: dict[int, Any] = {}
-        """Settings by their id, which is their own as long as they are here."""
+        """Flags by their id, kept alive so that no other object gets the id."""
         self.environments: list[tuple[str, Any]] = []
-        """Of functions without machine code: names in the kernel's, and the Python objects meant."""
-        self._threshold = (0, 0, 0)
-        self._told: list[Any] = []
+        """Of functions without machine code of their own: symbol in the kernel, and environment object."""
 
     def begin(self) -> None:
-        """A function begins to be compiled; within the compiler's lock."""
-        if self.depth == 0:
-            self._threshold = gc.get_threshold()
-            gc.set_threshold(*_ROOM)
-            self._told = _deafen()
+        """Note that a function begins to be compiled, within the compiler's lock."""
         self.depth += 1
 
     def end(self) -> None:
-        """It has been compiled, or could not be."""
+        """Note that it has been compiled, or could not be; after the outermost one, set environments."""
         self.depth -= 1
         if self.depth > 0:
             return
-        gc.set_threshold(*self._threshold)
-        _hear(self._told)
         self.calls.clear()
         self.flags.clear()
         waiting, self.environments = self.environments, []
@@ -57,7 +45,7 @@ class Kernel:
             _set_environment(name, environment)
 
     def is_part(self, library: Any) -> bool:
-        """Whether code is for kernels alone, each of which holds a copy of it: Python has no way to call it."""
+        """Whether a library is for kernels alone, each of which holds a copy: it needs no machine code."""
         from numba.core.targetconfig import ConfigStack
 
         flags = ConfigStack.top_or_none()
@@ -65,11 +53,11 @@ class Kernel:
         return self.depth > 0 and (bare or library.name.startswith(_LOOP))
 
 
-kernel = Kernel()
+kernel = Compilation()
 
 
 def _set_environment(name: str, environment: Any) -> None:
-    """Tell machine code where the Python objects of a function are, where there is machine code that asks for them."""
+    """Store the address of a function's environment in its symbol, where linked machine code has one."""
     from numba.core.registry import cpu_target
 
     address = cpu_target.target_context.codegen()._engine.get_global_value_address(name)
@@ -77,34 +65,27 @@ def _set_environment(name: str, environment: Any) -> None:
         (ctypes.c_void_p * 1).from_address(address)[0] = ctypes.c_void_p(id(environment))
 
 
-def _deafen() -> list[Any]:
-    """Have nobody told of each of the hundred thousand calls to LLVM; returns who was."""
+def _collect_seldom() -> None:
+    """Collect garbage seldom: Numba's trees are large, and next to nothing of them is garbage before the end."""
+    gc.set_threshold(100_000, 50, 1000)
+
+
+def _time_no_locks() -> None:
+    """Unregister llvmlite's lock callbacks, which time each of a hundred thousand calls."""
     from llvmlite.binding import ffi
 
-    told = list(getattr(getattr(ffi.lib, "_lock", None), "_cblist", ()))
-    for pair in told:
+    for pair in list(getattr(getattr(ffi.lib, "_lock", None), "_cblist", ())):
         ffi.unregister_lock_callback(*pair)
-    return told
-
-
-def _hear(told: list[Any]) -> None:
-    """Tell them again."""
-    from llvmlite.binding import ffi
-
-    for pair in told:
-        ffi.register_lock_callback(*pair)
 
 
 PATCHES = (
     "emit_whole_kernels", "wrap_nothing_of_numba", "remember_calls", "compare_flags", "list_variables", "run_passes",
-    "ask_late_for_lives", "copy_sets",
+    "ask_late_for_lives", "copy_sets", "collect_seldom", "time_no_locks",
 )  # fmt: skip
 
 
-def spare() -> None:
-    """Have Numba do no more than it must; once, before the first kernel is compiled."""
-    import os
-
+def patch(without: Sequence[str] = ()) -> None:
+    """Patch Numba in this process; once, before the first kernel is compiled. ``without``: names of `PATCHES`."""
     import numba
     from numba.core import event
 
@@ -119,9 +100,8 @@ def spare() -> None:
             kernel.end()
 
     event.register("numba:compile", Compiling())
-    left_out = os.environ.get("STRANDCLI_PATCHES_OFF", "").split(",")
     for part in PATCHES:
-        if part in left_out:
+        if part in without:
             continue
         try:
             globals()[f"_{part}"]()
@@ -130,10 +110,12 @@ def spare() -> None:
 
 
 def _emit_whole_kernels() -> None:
-    """No machine code for parts, which is dear. A parallel loop, which Numba optimises by itself, in what calls it, in
-    what calls that and in the kernel, is optimised by itself, where its arrays are known to be apart, and linked to the
-    kernel when that has been. (To leave out the passes over each function of a part, before those over the whole, saves
-    a twentieth too, and some kernels come out slower.)"""
+    """Emit machine code for whole kernels alone, and optimise a parallel loop once.
+
+    Numba optimises a loop's body by itself, in its caller, in that one's caller and in the kernel. Here it is optimised
+    by itself, where its arrays are known not to overlap, and linked to the kernel afterwards. (To skip the passes over
+    each function before those over the whole module saves 5 % more, but some kernels come out slower.)
+    """
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 
     link, finish, optimise, note = (
@@ -175,7 +157,7 @@ def _emit_whole_kernels() -> None:
 
 
 def _wrap_nothing_of_numba() -> None:
-    """What Numba has its own functions made of is part of kernels as well: closures, which nobody else can call."""
+    """Make no wrappers for closures of Numba's own functions, which only kernels call."""
     from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 
     customise = _FunctionCompiler._customize_flags
@@ -191,8 +173,7 @@ def _wrap_nothing_of_numba() -> None:
 
 
 def _remember_calls() -> None:
-    """The types of a call to what Numba offers are looked up once for each function that is compiled, not at each call
-    and each time that types are passed on, among dozens of candidates."""
+    """Resolve a call of a Numba function once for each function that is compiled, not at each call and type pass."""
     from numba.core.targetconfig import ConfigStack
     from numba.core.types import Function
 
@@ -215,7 +196,7 @@ def _remember_calls() -> None:
 
 
 def _compare_flags() -> None:
-    """Settings are compared by those that are set: it happens at every look into Numba's own memory."""
+    """Compare flags by those that are set: it happens at each look-up in Numba's caches."""
     from numba.core.targetconfig import TargetConfig
 
     def same(self: Any, other: Any) -> Any:
@@ -230,7 +211,7 @@ def _compare_flags() -> None:
 
 
 def _list_variables() -> None:
-    """Variables of a statement, without a call for each line number and text in it."""
+    """List a statement's variables without a call for each line number and text in it."""
     from numba.core.ir import Inst, Var
 
     def variables(self: Any, value: Any) -> list[Any]:
@@ -255,8 +236,7 @@ def _list_variables() -> None:
 
 
 def _run_passes() -> None:
-    """Each of the thirty passes over a function, without timers, a description of it and of its settings for listeners
-    that nobody is, and a look at whether Numba keeps its own rules."""
+    """Run passes without timers, without descriptions for listeners, and without checks of Numba's own rules."""
     from numba.core import errors
     from numba.core.compiler_machinery import PassManager
 
@@ -276,8 +256,8 @@ def _run_passes() -> None:
 
 
 def _ask_late_for_lives() -> None:
-    """Where variables begin and end to live is found out when somebody asks, not after each pass; and which are there
-    where a block begins, which only generators and Python's own objects need."""
+    """Compute the lifetimes of variables when they are asked for, not after each pass, and the variables that are alive
+    at the entry of blocks only where generators and object mode ask for them."""
     from numba.core import analysis, transforms
     from numba.core.ir import FunctionIR
     from numba.core.postproc import PostProcessor, VariableLifetime
@@ -310,7 +290,7 @@ def _ask_late_for_lives() -> None:
 
 
 def _copy_sets() -> None:
-    """What is compared with what it was is sets of names, which need no deep copies."""
+    """Copy dictionaries of sets of names flat: Numba compares them with what they were before."""
     import copy
     from types import SimpleNamespace
 

@@ -36,9 +36,9 @@ def main(settings: str) -> None:
     service.enabled = False
     import numba
 
-    from .faster import spare
+    from . import faster
 
-    spare()
+    faster.patch()
     numba.set_num_threads(1)
     if preload:
         for name in ("pipeline", "draw.renderer"):
