@@ -3,8 +3,8 @@
 W = 128
 """Strands a block, one a lane: LLVM's interleaved vector loops need 64 to run at all; 128 measured a sixth faster."""
 
-PORTION = 6_000_000
-"""Vertices that are drawn at once, 36 bytes each: more go through in portions."""
+BATCH_VERTICES = 6_000_000
+"""Vertices that are drawn at once, 36 bytes each: more strands go through in batches."""
 
 GRID_BYTES = 1_000_000_000
 """For the lists of a light with exact shadows, about; where they would take more, they are coarser."""

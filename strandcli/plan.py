@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .constants import FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, PORTION, W
+from .constants import BATCH_VERTICES, FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, W
 from .draw.geometry.detail import needed, shares
 from .errors import RefusedError
 from .registry import FIBRES
@@ -290,7 +290,7 @@ def _picture_bytes(plan: Plan, scene: Scene) -> int:
     vertices = strands * per_strand
     traced = sum(light.shadow.model == "traced" and light.intensity > 0 for light in scene.lights)
     if scene.image.resolver == "zbuffer" and not traced:
-        vertices = min(vertices, PORTION + per_strand * W)
+        vertices = min(vertices, BATCH_VERTICES + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8

@@ -1,4 +1,4 @@
-"""A linear picture in the making, onto which strands are drawn portion by portion.
+"""A linear picture in the making, onto which strands are drawn batch by batch.
 
 What is not seen is never shaded: either the z-buffer is filled first and holds, for each sample, the segment in front;
 or fragments are sorted first, and those that too much stands before are left out.
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .common.drawing import Drawing
 from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
-from .coverage.coverage import Coverage
+from .coverage.coverage import Coverage, Layer
 from .coverage.width_profiles import add_to_zbuffer, profiles_of
 from .film import haze
 from .film.aovs import Recorder
@@ -26,16 +26,16 @@ from .shadows.traced import Grid
 from .solids.edges import find_edges
 from .solids.kernels import rasterise
 from .solids.solids import frames_of
-from .strand_batches import Portion
+from .strand_batches import StrandBatch
 from .zbuffer import raster
 
-Shade = Callable[[Lighting, Portion, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
+Shade = Callable[[Lighting, StrandBatch, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
 """Light at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
 
 
 @dataclass
 class Canvas:
-    """The picture so far: `sort` all strands, or `hide` portion after portion and `finish`."""
+    """The picture so far: `composite_sorted` all strands, or `rasterise` batch after batch and `finish`."""
 
     size: tuple[int, int]
     """Samples."""
@@ -51,8 +51,8 @@ class Canvas:
     workers: int
     drawing: Drawing
     scratch: Scratch
-    everywhere: bool = False
-    """Whether exact shadows are wanted all about lit vertices, and not only where a sample shows strands."""
+    trace_unseen: bool = False
+    """As `Renderer.trace_unseen`."""
     segments: int = 0
     fragments: int = 0
     """Samples in which a strand is seen; of sorted strands, all that they cover before the solids."""
@@ -61,8 +61,8 @@ class Canvas:
     image: NDArray[np.float32] = field(init=False)
     """(height, width, 3) linear."""
     _base: int = 0
-    """Number of the next portion's first vertex."""
-    _portions: int = 0
+    """Number of the next batch's first vertex."""
+    _batches: int = 0
 
     def __post_init__(self) -> None:
         width, height = self.size
@@ -73,96 +73,99 @@ class Canvas:
         np.copyto(self.image, self.backdrop)
         self.drawing.lap("film")
 
-    def sort(self, portion: Portion, coverage: Coverage) -> None:
-        """Lay all strands, which are in one portion, over the solids, sorted in each pixel."""
-        lines, screen, light = portion.lines, portion.screen, self.lighting
+    def composite_sorted(self, batch: StrandBatch, coverage: Coverage) -> None:
+        """Lay all strands, which are in one batch, over the solids, sorted in each pixel."""
+        lines, screen, light = batch.lines, batch.screen, self.lighting
         front = None if self.recorder is None else self.keys.copy()
-        edges = (
-            None if light.solids is None else find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
-        )
-        exact = bool(self.grids)
+        edges = None
+        if light.solids is not None:
+            edges = find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
         for layer in coverage.layers(
-            lines, screen, portion.widths, edges, self.workers, self.scratch, exact, light.view.depth_slope
+            lines, screen, batch.widths, edges, self.workers, self.scratch, bool(self.grids), light.view.depth_slope
         ):
             self.drawing.lap("raster")
             if edges is not None and layer.fragments.top == 0:
                 self._surfaces(self.keys, self.image)
                 edges.lay(self._surfaces, self.image, self.backdrop)
-            portion = self._embodied(portion, layer.marks)
-            shown = None
-            if exact and portion.body is not None and not self.everywhere:
-                shown = layer.shown(portion.body, self.scratch)
-            colours = self._shade(portion, layer.marks, shown)
-            layer.compose(colours, self.image)
-            if portion.body is not None:
-                layer.add_departures(portion.body, self.image)
+            self._lay(layer, batch)
             if self.recorder is not None and front is not None:
                 self.recorder.layer(layer, lines, screen, front)
             self.drawing.lap("film")
         if self.recorder is not None and front is not None:
-            self.recorder.strands(lines, screen, front, 0, portion.begin, light.view)
+            self.recorder.strands(lines, screen, front, 0, batch.begin, light.view)
             self.recorder.rest(front, light)
         self.segments, self.fragments = lines.segments, coverage.fragments
 
-    def hide(self, portion: Portion) -> None:
+    def _lay(self, layer: Layer, batch: StrandBatch) -> None:
+        """Light the strands of a layer and lay it over the picture."""
+        batch = self._with_profiles(batch, layer.marks)
+        shown = None
+        if self.grids and batch.profiles is not None and not self.trace_unseen:
+            shown = layer.shown(batch.profiles, self.scratch)
+        colours = self._shade(batch, layer.marks, shown)
+        layer.compose(colours, self.image)
+        if batch.profiles is not None:
+            layer.add_departures(batch.profiles, self.image)
+
+    def rasterise(self, batch: StrandBatch) -> None:
         """Draw strands in the z-buffer, and light what is seen of them so far."""
-        lines, screen = portion.lines, portion.screen
+        lines, screen = batch.lines, batch.screen
         raster.draw(
-            lines, screen, portion.widths, self._base, self.size, self.workers, self.scratch, self.keys,
+            lines, screen, batch.widths, self._base, self.size, self.workers, self.scratch, self.keys,
             self.lighting.view.depth_slope,
         )  # fmt: skip
         if self.recorder is not None:
-            self.recorder.strands(lines, screen, self.keys, self._base, portion.begin, self.lighting.view)
+            self.recorder.strands(lines, screen, self.keys, self._base, batch.begin, self.lighting.view)
         self.drawing.lap("raster")
         marks, seen = mark(self.keys, lines, self._base, self.scratch)
-        portion = self._embodied(portion, marks)
-        colours = self._shade(portion, marks)
+        batch = self._with_profiles(batch, marks)
+        colours = self._shade(batch, marks)
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
-        if portion.body is not None:
-            add_to_zbuffer(portion.body, self.keys, self._base, lines, self.image)
+        if batch.profiles is not None:
+            add_to_zbuffer(batch.profiles, self.keys, self._base, lines, self.image)
         self.drawing.lap("film")
         self.fragments = seen
         self.segments += lines.segments
         self._base += len(lines.world)
-        self._portions += 1
+        self._batches += 1
 
     def finish(self) -> None:
         """When the z-buffer holds all strands: light the solids that are seen in it."""
-        if self._portions > 1:  # a later one may hide what an earlier one counted
+        if self._batches > 1:  # a later one may hide what an earlier one counted
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < FIRST))
         self._surfaces(self.keys, self.image)
         self.drawing.lap("shade")
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)
 
-    def _embodied(self, portion: Portion, marks: NDArray[np.uint8]) -> Portion:
-        """A portion with the body of what is seen of it, where shadows are exact."""
+    def _with_profiles(self, batch: StrandBatch, marks: NDArray[np.uint8]) -> StrandBatch:
+        """A batch with profiles of what is seen of it, where shadows are exact."""
         if not self.grids or not self.lighting.scene.material.rounded:
-            return portion
-        lines, screen, widths = portion.lines, portion.screen, portion.widths
-        body = profiles_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
-        return replace(portion, body=body)
+            return batch
+        lines, screen, widths = batch.lines, batch.screen, batch.widths
+        profiles = profiles_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
+        return replace(batch, profiles=profiles)
 
     def _shade(
-        self, portion: Portion, marks: NDArray[np.uint8], shown: NDArray[np.uint64] | None = None
+        self, batch: StrandBatch, marks: NDArray[np.uint8], shown: NDArray[np.uint64] | None = None
     ) -> NDArray[np.float32]:
         """(V, 3) light at the marked vertices; shown: places that exact shadows are wanted at, or None: all."""
         found = None
         if self.grids:
-            found = self.scratch.take("clear", (len(self.grids), len(portion.lines.world)), np.float32)
-            body, view = portion.body, self.lighting.view
+            found = self.scratch.take("clear", (len(self.grids), len(batch.lines.world)), np.float32)
+            profiles, view = batch.profiles, self.lighting.view
             for number, (row, grid) in enumerate(zip(found, self.grids, strict=True)):
-                if body is None or body.shades is None:
-                    grid.visibility(portion.lines, marks, portion.screen, row)
+                if profiles is None or profiles.shades is None:
+                    grid.visibility(batch.lines, marks, batch.screen, row)
                 else:
-                    shades = body.shades[number]
-                    grid.visibility(portion.lines, marks, portion.screen, row, view, body.slots, shown, shades)
+                    shades = profiles.shades[number]
+                    grid.visibility(batch.lines, marks, batch.screen, row, view, profiles.slots, shown, shades)
             self.drawing.lap("shadow")
-        colours = self.shade(self.lighting, portion, marks, found)
+        colours = self.shade(self.lighting, batch, marks, found)
         thick = self.lighting.scene.image.haze
         if thick is not None:
             haze.veil_strands(
-                thick, self.lighting.view, self.backdrop, portion.screen, marks, colours, portion.body
+                thick, self.lighting.view, self.backdrop, batch.screen, marks, colours, batch.profiles
             )  # fmt: skip
         self.drawing.lap("shade")
         return colours

@@ -15,7 +15,7 @@ from .lighting.pack_lights import pack_lights
 from .renderer import Renderer
 from .shadows.shadow import plan_maps
 from .solids.edges import find_edges
-from .strand_batches import Portion
+from .strand_batches import StrandBatch
 from .view.camera import camera_view
 
 BOUNDS = np.array([[-1.0] * 3, [1.0] * 3])
@@ -38,7 +38,7 @@ def _light(renderer: Renderer) -> None:
     image = renderer.backdrop.copy()
     marks = mark(keys, lines, 0, renderer.scratch)[0] if renderer.coverage is None else np.zeros(1, np.uint8)
     clear = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
-    colours = renderer.shade(lighting, Portion(0, 1, lines, lines.world, None, None), marks, clear)
+    colours = renderer.shade(lighting, StrandBatch(0, 1, lines, lines.world, None, None), marks, clear)
     if renderer.coverage is None:
         film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
     else:

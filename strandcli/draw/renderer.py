@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,8 @@ from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.emit import Groom
 from ..plan import needs_counts
+from ..scene.model import Scene
 from ..solids import Solids
-from . import strand_batches
 from .canvas import Canvas
 from .common.drawing import Drawing
 from .common.scratch import Scratch
@@ -22,18 +21,19 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.detail import level_of, needed
-from .geometry.extent import bounds_of, thickness_of
+from .geometry.detail import Level, level_of, needed
+from .geometry.extent import Thickness, bounds_of, thickness_of
 from .geometry.spacing import STEADY, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
 from .lighting.lighting import Lighting
+from .lighting.occlusion import Occlusion
 from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
 from .shadows.shadow import ShadowMaps, is_traced, plan_maps, wants_map
 from .shadows.traced import grid_of
 from .solids.solids import packed as pack_solids
-from .strand_batches import Portion, Portions
+from .strand_batches import StrandBatch, StrandBatches, Strands, cut
 from .view import lens
 from .view.camera import View, camera_view
 
@@ -41,13 +41,14 @@ from .view.camera import View, camera_view
 class Renderer:
     """Draws frames of one scene; holds what stays the same from frame to frame."""
 
-    everywhere = False
-    """Whether exact shadows are wanted all about lit vertices, and not only where a sample shows strands."""
+    trace_unseen = False
+    """Whether exact shadows are traced all along the pieces beside lit vertices, and not only where a sample shows
+    them."""
 
     def __init__(
-        self, scene: Any, groom: Groom, children: Children | None = None, combed: Combed | None = None
+        self, scene: Scene, groom: Groom, children: Children | None = None, combed: Combed | None = None
     ) -> None:  # fmt: skip
-        """``children``, ``combed``: of this scene and groom, where somebody has them already."""
+        """``children``, ``combed``: of this scene and groom, where they are made already."""
         self.scene = scene
         self.tones = groom.tones
         self.scratch = Scratch()
@@ -132,48 +133,26 @@ class Renderer:
     ) -> tuple[NDArray[np.float32], Lighting]:  # fmt: skip
         """One exposure, linear, and its light, which has the shadows and occlusion of that ``made`` before, or its
         own."""
-        scene, scratch, drawing, at = self.scene, self.scratch, self._drawing, shot.at
-        strands = len(self.tones)
-        if self.ids is None:  # and so those that level of detail draws are the first
-            strands = min(needed(scene, at), strands)
-        if self.children is not None:
-            positions, lengths = self.children.grow(positions, lengths, at, strands, scratch, self.ids)
-            drawing.lap("children")
-        if self.combed is not None:
-            ids = None if self.children is None else self.ids  # without children both stand as the groom does
-            positions = self.combed.join(positions, at, strands, scratch, ids)
-            drawing.lap("combed")
-        level = level_of(scene, at, positions, strands, self.ids, self._thins)
-        bounds = bounds_of(positions, strands, None if level is None else level.fade)
+        scene, drawing, at = self.scene, self._drawing, shot.at
+        strands = self._strands(positions, lengths, at)
+        level = strands.level
+        bounds = bounds_of(strands.positions, strands.count, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
         solids = self.solids(at)
         thickness = thickness_of(scene.material, view, bounds)
         if made is None:
-            spacing = self._spacing(positions, strands, level)
-            maps = plan_maps(scene.lights, bounds, scratch, thickness, spacing, self._counts)
-            hidden = None
-            if scene.occluded:
-                hidden = occlusion.build(
-                    scene.ambient_occlusion, positions, strands, bounds, thickness, level, solids, scratch
-                )
+            maps, hidden = self._plan_shadows(strands, bounds, thickness, solids)
         else:
             maps, hidden = made.maps, made.occlusion
         drawing.lap("shadow")
-        # to be sorted, and to be held against each other, strands have to be there together
-        whole = self.coverage is not None or bool(self.traced)
-        ranges = [(0, strands)] if whole else strand_batches.cut(strands, positions.shape[1] - 1, scene.curves)
-        shaded = maps is not None or bool(self.traced)
-        feed = Portions(
-            scene, positions, None if self.combed is not None else lengths, strands, level, view, self._thins, ranges,
-            shaded, len(self.traced), drawing, scratch,
-        )  # fmt: skip
-        lines = next(feed.lines()) if len(ranges) == 1 else None
+        batches = self._batches(strands, view, maps is not None)
+        lines = next(batches.lines()) if len(batches.ranges) == 1 else None
         if maps is not None and made is None:
-            self._cast(maps, feed, lines, workers)
+            self._fill_maps(maps, batches, lines, workers)
         grids = []
         if self.traced and lines is not None:
             grids = [
-                grid_of(light, lines, thickness, scene.material.opacity, bounds, workers, scratch, number)
+                grid_of(light, lines, thickness, scene.material.opacity, bounds, workers, self.scratch, number)
                 for number, light in enumerate(self.traced)
             ]
         drawing.lap("shadow")
@@ -181,34 +160,58 @@ class Renderer:
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids)
         canvas = Canvas(
             self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, recorder,
-            workers, drawing, scratch, self.everywhere,
+            workers, drawing, self.scratch, self.trace_unseen,
         )  # fmt: skip
-        for portion in feed.seen(1.0 if self.coverage is None else 0.0, lines):
-            if self.coverage is None:
-                canvas.hide(portion)
-            else:
-                canvas.sort(portion, self.coverage)
-        if self.coverage is None:
-            canvas.finish()
-        drawn = strands if level is None else int(np.count_nonzero(level.fade))
-        drawing.counts |= {
-            "strands": drawn,
-            "particles": drawn * (positions.shape[1] - 1),
-            "segments": canvas.segments,
-            "fragments": canvas.fragments,
-        }
-        if self.coverage is not None:
-            drawing.counts["fragment_bytes"] = self.coverage.most
-        if grids:
-            drawing.counts["grid_bytes"] = sum(grid.nbytes for grid in grids)
+        self._draw_batches(canvas, batches, lines)
+        self._note_counts(strands, canvas)
         drawing.lap("film")
         return canvas.image, lighting
 
-    def _cast(self, maps: ShadowMaps, feed: Portions, lines: Polylines | None, workers: int) -> None:
+    def _strands(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float) -> Strands:
+        """The strands that are drawn at a moment, from those that are simulated."""
+        scene, scratch, drawing = self.scene, self.scratch, self._drawing
+        count = len(self.tones)
+        if self.ids is None:  # and so those that level of detail draws are the first
+            count = min(needed(scene, at), count)
+        if self.children is not None:
+            positions, lengths = self.children.grow(positions, lengths, at, count, scratch, self.ids)
+            drawing.lap("children")
+        if self.combed is not None:
+            ids = None if self.children is None else self.ids  # without children both stand as the groom does
+            positions = self.combed.join(positions, at, count, scratch, ids)
+            drawing.lap("combed")
+        level = level_of(scene, at, positions, count, self.ids, self._thins)
+        return Strands(positions, None if self.combed is not None else lengths, count, level)
+
+    def _plan_shadows(
+        self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None
+    ) -> tuple[ShadowMaps | None, Occlusion | None]:
+        """Empty shadow maps, and what is hidden of the light from everywhere; None where the scene has none."""
+        scene, positions, level = self.scene, strands.positions, strands.level
+        spacing = self._spacing(positions, strands.count, level)
+        maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
+        if not scene.occluded or scene.ambient_occlusion is None:
+            return maps, None
+        return maps, occlusion.build(
+            scene.ambient_occlusion, positions, strands.count, bounds, thickness, level, solids, self.scratch
+        )
+
+    def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:
+        """The batches that strands are drawn in; ``mapped``: whether they are drawn into shadow maps too."""
+        # to be sorted, and to be traced against each other, strands have to be there together
+        whole = self.coverage is not None or bool(self.traced)
+        segments = strands.positions.shape[1] - 1
+        ranges = [(0, strands.count)] if whole else cut(strands.count, segments, self.scene.curves)
+        return StrandBatches(
+            self.scene, strands.positions, strands.lengths, strands.level, view, self._thins, ranges,
+            mapped or bool(self.traced), len(self.traced), self._drawing, self.scratch,
+        )  # fmt: skip
+
+    def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw strands, or the ``lines`` that are all of them, into shadow maps: every strand has to be in them before
         the first is shaded."""
         for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
-            for some in feed.lines() if lines is None else (lines,):
+            for some in batches.lines() if lines is None else (lines,):
                 draw(some, workers, self.scratch)
                 self._drawing.lap("shadow")
             if draw == maps.add:
@@ -216,16 +219,41 @@ class Renderer:
             else:
                 maps.finish()
 
+    def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
+        """Draw all strands; ``lines``: those of the only batch, where they are known."""
+        if self.coverage is None:
+            for batch in batches.seen(1.0, lines):
+                canvas.rasterise(batch)
+            canvas.finish()
+        else:
+            for batch in batches.seen(0.0, lines):
+                canvas.composite_sorted(batch, self.coverage)
+
+    def _note_counts(self, strands: Strands, canvas: Canvas) -> None:
+        """Tell the report how much was drawn."""
+        level, counts = strands.level, self._drawing.counts
+        drawn = strands.count if level is None else int(np.count_nonzero(level.fade))
+        counts |= {
+            "strands": drawn,
+            "particles": drawn * (strands.positions.shape[1] - 1),
+            "segments": canvas.segments,
+            "fragments": canvas.fragments,
+        }
+        if self.coverage is not None:
+            counts["fragment_bytes"] = self.coverage.most
+        if canvas.grids:
+            counts["grid_bytes"] = sum(grid.nbytes for grid in canvas.grids)
+
     def shade(
-        self, lighting: Lighting, portion: Portion, marks: NDArray[np.uint8], clear: NDArray[np.float32] | None
+        self, lighting: Lighting, batch: StrandBatch, marks: NDArray[np.uint8], clear: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
         """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others.
 
         clear (lights, V): what strands leave of each light with exact shadows.
         """
-        colours = self.scratch.take("colours", (len(portion.lines.world), 3), np.float32)
-        tones = self.tones[portion.begin : portion.end]
-        lighting.shade_strands(portion.lines, marks, tones, clear, portion.body, colours)
+        colours = self.scratch.take("colours", (len(batch.lines.world), 3), np.float32)
+        tones = self.tones[batch.begin : batch.end]
+        lighting.shade_strands(batch.lines, marks, tones, clear, batch.profiles, colours)
         return colours
 
     def solids(self, at: float) -> Solids | None:
@@ -257,7 +285,7 @@ class Renderer:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
-    def _spacing(self, positions: NDArray[np.float32], strands: int, level: Any) -> float:
+    def _spacing(self, positions: NDArray[np.float32], strands: int, level: Level | None) -> float:
         """Metres from strand to strand, for opacity maps: of those that level of detail leaves, though ever fewer of
         the rest be there."""
         if not self._deep:

@@ -1,15 +1,15 @@
-"""The strands of one exposure, portion by portion, so that memory stays bounded however many there are."""
+"""The strands of one exposure, batch by batch, so that memory stays bounded however many there are."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import PORTION, W
+from ..constants import BATCH_VERTICES, W
+from ..scene.model import Curves, Scene
 from .common.drawing import Drawing
 from .common.scratch import Scratch
 from .coverage.kernels.width_profiles import Profiles
@@ -23,7 +23,20 @@ from .zbuffer import raster
 
 
 @dataclass(frozen=True)
-class Portion:
+class Strands:
+    """The strands of one exposure."""
+
+    positions: NDArray[np.float32]
+    """(blocks, n + 1, 3 W) metres."""
+    lengths: NDArray[np.float32] | None
+    """(blocks, W) rest lengths of their segments; None where those of a strand differ."""
+    count: int
+    level: Level | None
+    """What is drawn of each; None: all of it."""
+
+
+@dataclass(frozen=True)
+class StrandBatch:
     """Strands begin <= s < end as a camera sees them."""
 
     begin: int
@@ -33,19 +46,19 @@ class Portion:
     """(V, 3) see `strandcli.draw.zbuffer.raster.to_screen`."""
     widths: NDArray[np.float32] | None
     """(V,) pixels; None: lines a pixel wide."""
-    body: Profiles | None
-    """None also where shadows are exact: it is made when it is known what is seen."""
+    profiles: Profiles | None
+    """Light across wide strands; None also where shadows are exact: it is made when it is known what is seen."""
 
 
 @dataclass(frozen=True)
-class Portions:
-    """Positions (blocks, n + 1, 3 W) of so many strands, and how to look at them; rest lengths (blocks, W) of their
-    segments, or None where those of a strand differ."""
+class StrandBatches:
+    """The strands of one exposure, and how they are seen."""
 
-    scene: Any
+    scene: Scene
     positions: NDArray[np.float32]
+    """(blocks, n + 1, 3 W) metres."""
     lengths: NDArray[np.float32] | None
-    strands: int
+    """(blocks, W) rest lengths of segments, metres; None where those of a strand differ."""
     level: Level | None
     view: View
     thins: bool
@@ -53,22 +66,22 @@ class Portions:
     ranges: list[tuple[int, int]]
     """From `cut`."""
     shaded: bool
-    """Whether anybody asks for more than is seen: shadow maps do."""
+    """Whether strands cast shadows, and are needed off the screen too."""
     traced: int
     """Lights with exact shadows: these are finer than half a segment, and light is wanted at every vertex."""
     drawing: Drawing
     scratch: Scratch
 
     def lines(self) -> Iterator[Polylines]:
-        """Curves only, a portion at a time, each to be used before the next is asked for."""
+        """Curves only, a batch at a time, each to be used before the next is asked for."""
         for begin, end in self.ranges:
             yield self._flatten(begin, end)
 
-    def seen(self, least: float, lines: Polylines | None = None) -> Iterator[Portion]:
-        """Portion after portion, each to be used before the next is asked for.
+    def seen(self, least: float, lines: Polylines | None = None) -> Iterator[StrandBatch]:
+        """Batch after batch, each to be used before the next is asked for.
 
-        ``least``: width in pixels that a strand has at the least; ``lines``: those of the only portion, where somebody
-        has them already.
+        ``least``: width in pixels that a strand has at the least; ``lines``: those of the only batch, where they
+        are known already.
         """
         scene, scratch = self.scene, self.scratch
         for begin, end in self.ranges:
@@ -80,11 +93,11 @@ class Portions:
                     np.float32(scene.material.taper), here.scale, screen,
                 )  # fmt: skip
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
-            body = None
+            profiles = None
             if scene.material.rounded and not self.traced:
-                body = profiles_of(here, screen, widths, scene.image.supersample, scratch)
+                profiles = profiles_of(here, screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
-            yield Portion(begin, end, here, screen, widths, body)
+            yield StrandBatch(begin, end, here, screen, widths, profiles)
 
     def _flatten(self, begin: int, end: int) -> Polylines:
         blocks, level = slice(begin // W, -(-end // W)), self.level
@@ -96,7 +109,7 @@ class Portions:
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:
-                detail.shorten(lines.first, lines.world, fade)
+                detail.shorten(lines.first, lines.world, level.fade[begin:end])
         if self.traced:
             lines = replace(lines, stride=1)
         if lines.error is not None:
@@ -105,8 +118,8 @@ class Portions:
         return lines
 
 
-def cut(strands: int, n: int, curves: Any) -> list[tuple[int, int]]:
-    """Ranges of strands of n segments, whole blocks each, that hold at most `PORTION` vertices."""
+def cut(strands: int, n: int, curves: Curves) -> list[tuple[int, int]]:
+    """Ranges of strands of n segments, whole blocks each, that hold at most `BATCH_VERTICES` vertices."""
     vertices = (n - 1) * greatest_pieces(curves) + 1
-    step = max(PORTION // vertices // W, 1) * W
+    step = max(BATCH_VERTICES // vertices // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]

@@ -84,7 +84,7 @@ def test_seeds_change_everything_that_is_random(everything: Scene, frames: list[
 def test_portions_of_a_large_groom_give_the_same_picture(
     everything: Scene, frames: list[Frame], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("strandcli.draw.strand_batches.PORTION", 200)
+    monkeypatch.setattr("strandcli.draw.strand_batches.BATCH_VERTICES", 200)
     alike(frames, frames_of(everything, 1, 4))
 
 

@@ -40,7 +40,7 @@ LEAST = 1 / 64
 
 
 class Recorder:
-    """Gathers the layers of one frame while it is drawn: `strands` after each portion, then `rest`."""
+    """Gathers the layers of one frame while it is drawn: `strands` after each batch, then `rest`."""
 
     def __init__(self, image: Any, ids: NDArray[np.int32] | None) -> None:
         """``image``: the scene's settings; ``ids``: of each strand its place in the order of emission, where they do
@@ -71,7 +71,7 @@ class Recorder:
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,
         view: View,
     ) -> None:  # fmt: skip
-        """Note the strands of a portion, the first of which is strand ``begin``, that are in front in ``keys``
+        """Note the strands of a batch, the first of which is strand ``begin``, that are in front in ``keys``
         (samples · samples · height · width,); their vertices are numbered from ``base``."""
         found = self._found
         kernel.strands(

@@ -17,7 +17,7 @@ from ...draw.fibre.marschner import MarschnerTables
 from ...draw.geometry.curves import Polylines
 from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
-from ...draw.strand_batches import Portion
+from ...draw.strand_batches import StrandBatch
 from ...draw.view.camera import View, camera_view
 from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
@@ -63,7 +63,7 @@ class LinearRenderer(Renderer):
     def draw(self, *args: Any, **kwargs: Any) -> Any:
         """As in `Renderer`."""
         self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
-        """By the first strand of a portion."""
+        """By the first strand of a batch."""
         return super().draw(*args, **kwargs)
 
     def develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
@@ -75,13 +75,13 @@ class LinearRenderer(Renderer):
         )
         return super().develop(image, *rest)
 
-    def shade(self, lighting: Any, portion: Portion, *rest: Any) -> NDArray[np.float32]:
+    def shade(self, lighting: Any, batch: StrandBatch, *rest: Any) -> NDArray[np.float32]:
         """As in `Renderer`."""
         if not self.keep_shading:
-            return super().shade(lighting, portion, *rest)
-        lines, begin = portion.lines, portion.begin
+            return super().shade(lighting, batch, *rest)
+        lines, begin = batch.lines, batch.begin
         self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
-        colours = super().shade(lighting, portion, *rest)
+        colours = super().shade(lighting, batch, *rest)
         if begin in self.shaded:  # the picture's next rows show others of the same strands
             kept = self.shaded[begin][1]
             np.copyto(kept, colours, where=np.isnan(kept))
@@ -210,7 +210,7 @@ class Subject:
                 f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
             )
         renderer = renderer or LinearRenderer(scene, self.groom)
-        renderer.keep_shading = renderer.everywhere = keep_shading
+        renderer.keep_shading = renderer.trace_unseen = keep_shading
         if tables is not None:
             renderer.palette.use(tables)
         seconds: dict[str, float] = {}

@@ -223,7 +223,7 @@ def test_layers_are_a_pinholes_whatever_the_lens_does(lens: str) -> None:
 def test_portions_of_strands_change_no_layer(monkeypatch: pytest.MonkeyPatch) -> None:
     ball = "[{kind: sphere, radius: 0.3, position: [0.2, 0, 0]}]"
     whole = drawn(500, samples=2, solids=ball)[1].aovs
-    monkeypatch.setattr("strandcli.draw.strand_batches.PORTION", 256)
+    monkeypatch.setattr("strandcli.draw.strand_batches.BATCH_VERTICES", 256)
     parts = drawn(500, samples=2, solids=ball)[1].aovs
     for name in AOVS:
         np.testing.assert_array_equal(whole[name], parts[name])
