@@ -1,13 +1,10 @@
 #!/usr/bin/env python3
-"""A fibre model of one's own, the highlight of Kajiya and Kay (1989): python examples/fibre_model.py out/kajiya_kay
-
-A package names the module under the entry point ``strandcli.fibres`` (see `strandcli.draw.fibre.models`)."""
+"""A fibre model of one's own, the highlight of Kajiya and Kay (1989): python examples/fibre_model.py out/kajiya_kay"""
 
 import math
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +14,7 @@ import strandcli
 from strandcli.constants import W
 from strandcli.draw.common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from strandcli.draw.common.kernels.light_columns import POWER_R
+from strandcli.draw.fibre.kernels.highlights import shaded_by
 from strandcli.jit import device
 from strandcli.registry import FIBRES
 from strandcli.scene.fields import number
@@ -44,27 +42,18 @@ def highlights(work, n, lights, i, tables):  # type: ignore[no-untyped-def]
             work[RADIANCE + c * W + k] += work[ARRIVES + k] * lights[i, POWER_R + c] * lobe
 
 
+@shaded_by(highlights)
 class Arrays(NamedTuple):
     numbers: Any  # (2,) float32: exponent and strength
-    highlights = highlights
 
 
-def roughness(material: Any) -> float:
-    """Chiang's β_n at which colour and absorption correspond."""
-    return 0.3
-
-
-def tables(material: Any) -> Any:
-    own = material.parameters
-    return SimpleNamespace(arrays=Arrays(np.array([own.exponent, own.strength], np.float32)), absorption=None)
+def tables(material: Any) -> Arrays:
+    return Arrays(np.array([material.parameters.exponent, material.parameters.strength], np.float32))
 
 
 if __name__ == "__main__":
-    import fibre_model  # by the name that kernels import it by
-
-    FIBRES.register(fibre_model)
-    material = {"material.model": "kajiya_kay", "material.parameters": {"exponent": 80.0}}
+    FIBRES.register(__import__("fibre_model"))  # by the name that kernels import it by
     path = Path(sys.argv[1] if len(sys.argv) > 1 else "out/kajiya_kay") / "frame_0001.png"
     path.parent.mkdir(parents=True, exist_ok=True)
-    (frame,) = strandcli.render(strandcli.load("headline", settings=material), frames=[1])
+    (frame,) = strandcli.render(strandcli.load("headline", ["material.model=kajiya_kay"]), frames=[1])
     Image.fromarray(frame.image).save(path)

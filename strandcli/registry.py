@@ -99,5 +99,5 @@ def _entry_points() -> tuple[str, ...]:
     return tuple(found)
 
 
-FIBRES = Registry("fibre model", "strandcli.fibres", "draw.fibre.models", "marschner", ("name", "roughness", "tables"))
+FIBRES = Registry("fibre model", "strandcli.fibres", "draw.fibre.models", "marschner", ("name", "tables"))
 """Models of a strand's light: `material.model`."""

@@ -50,9 +50,10 @@ def digests_of_types(signature: Any) -> tuple[str, ...]:
     while waiting:
         one = waiting.pop(0)
         if isinstance(one, types.BaseNamedTuple):
-            found.append(f"{one.instance_class.__module__} {digest(one.instance_class.__module__)}")
+            module = one.instance_class.__module__  # type: ignore[attr-defined]
+            found.append(f"{module} {digest(module)}")
         if isinstance(one, types.BaseTuple):
-            waiting += list(one)
+            waiting += list(one)  # type: ignore[call-overload]
         elif isinstance(one, types.Optional):
             waiting.append(one.type)
     return tuple(found)

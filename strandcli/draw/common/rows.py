@@ -50,7 +50,7 @@ class RowAllocator:
 
     def one(self, name: str, **held: str) -> int:
         """The offset of a single row, as `take`."""
-        return self.take(name, **held)[0]
+        return self.take(name, 1, **held)[0]
 
     def count(self, user: str) -> int:
         """Rows that a user's array has."""

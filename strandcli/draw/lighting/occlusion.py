@@ -24,6 +24,8 @@ from ..geometry.extent import Thickness
 from ..solids.solids import NONE, ball_of
 from ..view.camera import ball
 from .kernels import occlusion as kernel
+from .kernels import occlusion_cells, occlusion_sweep
+from .kernels.occlusion_columns import CHANNELS
 
 FEWEST, MOST = 12, 256
 """Cells along each axis."""
@@ -43,7 +45,7 @@ class Occlusion:
     volume: NDArray[np.float32]
     """(V, 4): what is seen, as the best linear fit v₀ + v · ω over directions ω."""
     box: NDArray[np.float32]
-    """(10,) as in `kernels.occlusion.count`."""
+    """(10,) columns of `kernels.occlusion_columns`."""
 
     def at(self, points: NDArray[np.floating], normals: NDArray[np.floating] | None = None) -> NDArray[np.float64]:
         """(P,) shares of the sky that points (P, 3) see: all of it, or what faces unit normals (P, 3)."""
@@ -61,19 +63,19 @@ def build(
     low, high = _box(bounds, packed)
     counts, sides, box = _grid(low, high, settings.cells)
     total = int(np.prod(counts))
-    cells = scratch.take("occlusion_cells", (total, kernel.CHANNELS), np.float32)
+    cells = scratch.take("occlusion_cells", (total, CHANNELS), np.float32)
     cells.fill(0)
     step = max(strands // ENOUGH, 1)
     weight = strands / len(range(0, strands, step)) / float(np.prod(sides.astype(np.float64)))
-    kernel.count(
+    occlusion_cells.count_strands(
         positions, np.int64(strands), np.int64(step), np.float32(thickness.width), np.float32(thickness.taper),
         None if level is None else level.scale, np.float32(weight), box, cells,
     )  # fmt: skip
     ways = directions(settings.directions)
     left = scratch.take("occlusion_left", (len(ways), total), np.uint8)
-    kernel.sweep(cells, counts, sides, ways, left)
+    occlusion_sweep.sweep(cells, counts, sides, ways, left)
     volume = scratch.take("occlusion", (total, 4), np.float32)
-    kernel.combine(cells, counts, sides, box, ways, left, packed or NONE, volume)
+    occlusion_sweep.combine(cells, counts, sides, box, ways, left, packed or NONE, volume)
     return Occlusion(volume, box)
 
 

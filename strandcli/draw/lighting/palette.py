@@ -29,12 +29,12 @@ class Palette:
         self._material = material
         self.use(tables)
         self.diffuse = np.float32(material.diffuse)
-        roughness = model.roughness(material)
+        roughness = model.roughness(material) if hasattr(model, "roughness") else material.beta_n
         self.colour = colour_of(material, roughness).astype(np.float32)
         self.dual = dual.build_tables(material, roughness) if counts and material.scatter == "dual" else None
         self.loss = None if self.dual is None else dual.loss_table(self.dual)
         """Light that strands keep from solids behind them."""
-        base = None if tables is None else tables.absorption
+        base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
 
     @cached_property
@@ -44,8 +44,8 @@ class Palette:
         return found
 
     def use(self, tables: Any) -> None:
-        """Shade with these tables of a fibre model; None: no highlights."""
-        self.arrays = None if tables is None else tables.arrays
+        """Shade with these tables of a fibre model, or their arrays alone; None: no highlights."""
+        self.arrays = getattr(tables, "arrays", tables)
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:

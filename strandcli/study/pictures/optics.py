@@ -20,8 +20,8 @@ from ...scene.model import Material
 from .. import bsdf_reference, chiang_reference
 from ..kernels import direct
 
-AXIS = tuple(np.float32([0.0, 0.0, 1.0]))
-NO_EXTRA = tuple(np.float32([0.0, 0.0, 0.0]))
+AXIS = np.float32(0.0), np.float32(0.0), np.float32(1.0)
+NO_EXTRA = np.float32(0.0), np.float32(0.0), np.float32(0.0)
 STEEP = math.radians(75)
 """Inclinations up to here."""
 Angles = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]

@@ -77,10 +77,10 @@ def test_its_settings_are_checked_where_they_are_written(model: Any) -> None:
 
 
 def test_a_model_that_lacks_a_part_or_takes_a_name_is_refused() -> None:
-    with pytest.raises(UsageError, match="fibre model 'bare': has no `roughness`"):
+    with pytest.raises(UsageError, match="fibre model 'bare': has no `tables`"):
         FIBRES.register(SimpleNamespace(name="bare"))
     with pytest.raises(UsageError, match="fibre model 'chiang': another fibre model has this name"):
-        FIBRES.register(SimpleNamespace(name="chiang", roughness=None, tables=None))
+        FIBRES.register(SimpleNamespace(name="chiang", tables=None))
     assert FIBRES.names()[:2] == ("marschner", "chiang")
     with pytest.raises(SceneError, match=r"material.model: must be one of marschner, chiang.*not 'kajiya'"):
         scene_of("material: {model: kajiya}")

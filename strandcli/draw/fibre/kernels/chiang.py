@@ -42,6 +42,7 @@ from ...common.kernels.batch import (
     R,
 )
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
+from .highlights import shaded_by
 from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
@@ -153,6 +154,7 @@ def highlights(work, n, lights, i, tables):
             work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
 
 
+@shaded_by(highlights)
 class ChiangArrays(NamedTuple):
     """Tables of Chiang's model as kernels read them, float32 in C order.
 
@@ -166,5 +168,3 @@ class ChiangArrays(NamedTuple):
     paths: NDArray[np.float32]
     """(n_θ, n_φ, 4) log₂ e times the mean path length in TT, TRT and the rest, in radii, 0; no nodes where no colour
     varies."""
-
-    highlights = highlights

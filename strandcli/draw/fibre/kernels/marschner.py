@@ -44,6 +44,7 @@ from ...common.kernels.batch import (
     R,
 )
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
+from .highlights import shaded_by
 from .lobes import azimuthal
 
 ZERO = np.float32(0.0)
@@ -138,6 +139,7 @@ def highlights(work, n, lights, i, tables):
             work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
 
 
+@shaded_by(highlights)
 class MarschnerArrays(NamedTuple):
     """Tables of Marschner's model as kernels read them, float32 in C order.
 
@@ -150,5 +152,3 @@ class MarschnerArrays(NamedTuple):
     """(n_θ, n_φ, 8) R, TT rgb, TRT rgb, 0: N_p times the peak of M_p times material.specular."""
     paths: NDArray[np.float32]
     """(n_θ, n_φ, 2) log₂ e times the mean path length in TT and TRT, in radii; no nodes where no colour varies."""
-
-    highlights = highlights

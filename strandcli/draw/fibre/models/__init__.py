@@ -3,20 +3,22 @@
 A fibre model is a module or object with
 
 * ``name`` — what `material.model` says;
-* ``roughness(material)`` — Chiang's β_n at which the colour of a mass of strands and their absorption correspond
-  (`strandcli.draw.fibre.pigment`);
-* ``tables(material)`` — what its kernel reads, or None where the material has no highlights: an object with
+* ``tables(material)`` — what its kernel reads, or None where the material has no highlights: a NamedTuple of float32
+  arrays, or an object that has one as ``arrays`` and
 
-  * ``arrays``, a NamedTuple of float32 arrays, whose class has an attribute ``highlights``: a function compiled with
-    `strandcli.jit.device`, (work, n, lights, i, tables), that adds to the radiance of the first n vertices of a batch
-    what they scatter of light number i. Its rows are those of `strandcli.draw.common.kernels.batch`: it reads
-    `TX`, `LX`, `EX` (unit tangent, to the light, to the eye, three rows each), `ARRIVES` (what arrives of the light),
-    `COLOUR` and `EXTRA`, and adds to `RADIANCE`; the rows held in the stage "highlights" are its own to write to.
-    lights[i, POWER_R], … (`light_columns`) is the light's power. It adds arrives · power · S cos θ_l, no other cosine;
-  * ``absorption``, (3,) σ_a in 1/radius that the tables stand for, which `EXTRA` is the difference from; or None.
+  * ``absorption``, (3,) σ_a in 1/radius that the tables stand for, which the row `EXTRA` is the difference from.
+
+The NamedTuple's class is decorated with `strandcli.draw.fibre.kernels.highlights.shaded_by` and a function compiled
+with `strandcli.jit.device`: (work, n, lights, i, tables) adds to the radiance of the first n vertices of a batch what
+they scatter of light number i. Rows of work are those of `strandcli.draw.common.kernels.batch`. The function reads
+`TX`, `LX`, `EX` (unit tangent, to the light, to the eye, three rows each), `ARRIVES` (what arrives of the light),
+`COLOUR` and `EXTRA`, and adds arrives · power · S cos θ_l to `RADIANCE`, no other cosine, where power is lights[i,
+POWER_R] and so on (`light_columns`). The rows held in the stage "highlights" are its own to write to.
 
 It may have, too,
 
+* ``roughness(material)`` — Chiang's β_n at which the colour of a mass of strands and their absorption correspond
+  (`strandcli.draw.fibre.pigment`); without it `material.beta_n`;
 * ``Parameters`` — a frozen dataclass made of the helpers of `strandcli.scene.fields`: its own settings, which presets
   write under `material.parameters`. Shipped models' settings stand in `material` itself;
 * ``plan(material)`` — in words what `strandcli plan` says of it;

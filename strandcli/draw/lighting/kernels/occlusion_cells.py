@@ -1,0 +1,90 @@
+"""Strands counted in the cells of the grid of ambient occlusion (`occlusion_sweep`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device, function
+from .occlusion_columns import (
+    COUNT_X,
+    COUNT_Y,
+    COUNT_Z,
+    DENSITY,
+    MIDDLE_X,
+    PER_METRE_X,
+    PER_METRE_Y,
+    PER_METRE_Z,
+    XX,
+    XY,
+    XZ,
+    YY,
+    YZ,
+    ZZ,
+)
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+
+
+@function
+def count_strands(positions, strands, step, width, taper, scale, weight, box, cells):
+    """Add every step-th strand of positions (blocks, n + 1, 3 W) to the cells (V, 7), times ``weight``.
+
+    width: metres at the root, of which `taper` is lost to the tip; scale (strands,): factor of each, or None;
+    box (`BOX_SIZE`,): columns of `occlusion_columns`.
+    """
+    n = positions.shape[1] - 1
+    for s in range(np.int64(0), strands, step):
+        block = s // W
+        lane = s % W
+        own = weight * (width if scale is None else width * scale[s])
+        x = positions[block, 1, lane]
+        y = positions[block, 1, W + lane]
+        z = positions[block, 1, 2 * W + lane]
+        for j in range(2, n + 1):
+            dx = positions[block, j, lane] - x
+            dy = positions[block, j, W + lane] - y
+            dz = positions[block, j, 2 * W + lane] - z
+            length = math.sqrt(dx * dx + dy * dy + dz * dz)
+            if length > ZERO:
+                w = own * (ONE - taper * (np.float32(j) - np.float32(1.5)) / np.float32(n - 1))
+                piece(x, y, z, dx, dy, dz, length, w, box, cells)
+            x += dx
+            y += dy
+            z += dz
+
+
+@device
+def piece(x, y, z, dx, dy, dz, length, width, box, cells):
+    """A straight piece of a strand, a sample for each cell that it crosses along its longest way."""
+    most = max(max(abs(dx) * box[PER_METRE_X], abs(dy) * box[PER_METRE_Y]), abs(dz) * box[PER_METRE_Z])
+    steps = np.ceil(min(most, np.float32(1e4))) + ONE
+    per = ONE / steps
+    share = width * length * per
+    tx = dx / length
+    ty = dy / length
+    tz = dz / length
+    for i in range(np.int64(steps)):
+        t = (np.float32(i) + HALF) * per
+        a = place(x + t * dx, box, 0)
+        b = place(y + t * dy, box, 1)
+        c = place(z + t * dz, box, 2)
+        cell = (a * np.int64(box[COUNT_Y]) + b) * np.int64(box[COUNT_Z]) + c
+        cells[cell, DENSITY] += share
+        cells[cell, XX] += share * tx * tx
+        cells[cell, XY] += share * tx * ty
+        cells[cell, XZ] += share * tx * tz
+        cells[cell, YY] += share * ty * ty
+        cells[cell, YZ] += share * ty * tz
+        cells[cell, ZZ] += share * tz * tz
+
+
+@device
+def place(x, box, axis):
+    """Number of the cell along an axis; the outermost takes what is beyond."""
+    u = (x - box[MIDDLE_X + axis]) * box[PER_METRE_X + axis] + HALF
+    return np.int64(min(max(u, ZERO), box[COUNT_X + axis] - ONE))

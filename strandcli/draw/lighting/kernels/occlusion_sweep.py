@@ -1,0 +1,224 @@
+"""Ambient occlusion by a grid of cells: light swept through them from many directions.
+
+Of its strands a cell holds ρ = Σ width · length / volume and M, the same sum over the squares t tᵀ of their directions.
+Across a direction ω such strands cover σ = √(ρ² − ρ ωᵀM ω) of each metre (Heitz et al. 2015, "The SGGX Microflake
+Distribution"): exactly where they are parallel, 4 % too much where they lie in all directions. The light that is left
+is swept from slab to slab against ω, interpolated between the cells of the slab before (short characteristics, Kunasz &
+Auer 1988), which spreads it sideways by a cell now and then.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....constants import W
+from ....jit import device, parallel, prange
+from ....solids.kernels import capsule, sphere
+from ....solids.kernels.outside import count as count_solids
+from ....solids.kernels.outside import outside
+from ...common.kernels.approximations import exp
+from ...solids.kernels import rays
+from .occlusion_columns import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z, XX, XY, XZ, YY, YZ, ZZ
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+THREE = np.float32(3.0)
+LEVELS = np.float32(255.0)
+FAR = np.float32(1e30)
+LX, LY, LZ, LIGHT = (i * W for i in range(4))
+ROWS = 4
+"""Rows of numbers, one a direction: where to, and what of its light arrives."""
+
+
+class Grid(NamedTuple):
+    """The cells."""
+
+    counts: NDArray[np.int64]
+    """(3,) along each axis."""
+    sides: NDArray[np.float32]
+    """(3,) metres of a cell."""
+
+
+class Planes(NamedTuple):
+    """The light of a slab and how thick it is, with a cell more on each side, float32."""
+
+    before: NDArray[np.float32]
+    """Light that the slab before has left."""
+    after: NDArray[np.float32]
+    """Light that this one leaves."""
+    thick: NDArray[np.float32]
+    """What strands cover of a metre in the slab before."""
+    thicker: NDArray[np.float32]
+    """What they cover in this one."""
+
+
+@parallel
+def sweep(cells, counts, sides, ways, left):
+    """What strands leave of the light from each direction.
+
+    cells (V, 7) in 1/m; counts (3,) int64; sides (3,) metres of a cell; ways (K, 3) unit vectors toward the light;
+    left (K, V) uint8: 255 where all of it arrives at a cell's middle.
+    """
+    for way in prange(ways.shape[0]):
+        d = np.int64(way)
+        axis = np.int64(0)  # a literal would have all that follows compiled twice
+        for k in range(1, 3):
+            if abs(ways[d, k]) * sides[axis] > abs(ways[d, axis]) * sides[k]:
+                axis = k
+        one = 1 if axis == 0 else 0
+        two = 1 if axis == 2 else 2
+        size = (counts[one] + 2) * (counts[two] + 2)
+        planes = Planes(
+            np.ones(size, np.float32), np.ones(size, np.float32), np.zeros(size, np.float32), np.zeros(size, np.float32)
+        )
+        across(cells, Grid(counts, sides), ways, d, axis, one, two, planes, left)
+
+
+@device
+def across(cells, grid, ways, d, axis, one, two, planes, left):
+    """`sweep` of direction d, slab by slab along the axis on which it crosses most cells; one and two: the others."""
+    counts, sides = grid.counts, grid.sides
+    before, after, thick, thicker = planes.before, planes.after, planes.thick, planes.thicker
+    stride_z = np.int64(1)
+    stride_y = counts[2]
+    stride_x = counts[1] * counts[2]
+    down = stride_x if axis == 0 else (stride_y if axis == 1 else stride_z)
+    along = stride_x if one == 0 else stride_y
+    beside = stride_y if two == 1 else stride_z
+    x = ways[d, 0]
+    y = ways[d, 1]
+    z = ways[d, 2]
+    steep = abs(ways[d, axis])
+    half = HALF * sides[axis] / steep
+    ratio = sides[axis] / steep
+    f = ways[d, one] / sides[one] * ratio
+    g = ways[d, two] / sides[two] * ratio
+    low_f = np.int64(min(np.floor(f), ZERO))
+    low_g = np.int64(min(np.floor(g), ZERO))
+    f -= np.float32(low_f)
+    g -= np.float32(low_g)
+    row = counts[two] + 2
+    for m in range(counts[axis]):
+        slab = (counts[axis] - 1 - m if ways[d, axis] > ZERO else m) * down
+        for p in range(counts[one]):
+            base = slab + p * along
+            own = (p + 1) * row + 1
+            up = (p + 1 + low_f) * row + 1 + low_g
+            for q in range(counts[two]):
+                cell = base + q * beside
+                r = cells[cell, DENSITY]
+                inside = x * x * cells[cell, XX] + y * y * cells[cell, YY] + z * z * cells[cell, ZZ]
+                inside += (ONE + ONE) * (x * y * cells[cell, XY] + x * z * cells[cell, XZ] + y * z * cells[cell, YZ])
+                thicker[own + q] = math.sqrt(max(r * (r - inside), ZERO))
+            for q in range(counts[two]):
+                came = mixed(before, up + q, row, f, g)
+                met = half * (thicker[own + q] + mixed(thick, up + q, row, f, g))
+                after[own + q] = came * exp(-met)
+            for q in range(counts[two]):
+                left[d, base + q * beside] = np.uint8(after[own + q] * LEVELS + HALF)
+        before, after = after, before
+        thick, thicker = thicker, thick
+
+
+@device
+def mixed(plane, at, row, f, g):
+    """Bilinear in a plane, from the place `at`."""
+    upper = plane[at] + g * (plane[at + 1] - plane[at])
+    lower = plane[at + row] + g * (plane[at + row + 1] - plane[at + row])
+    return upper + f * (lower - upper)
+
+
+@parallel
+def combine(cells, counts, sides, box, ways, left, solids, volume):
+    """Of what strands and solids leave of each direction, the mean and thrice the mean times the direction.
+
+    As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear fit. A middle inside of a solid
+    stands for the nearest point of its surface. Only cells with strands about them, or near a surface, ask for solids:
+    others are never looked up.
+    """
+    wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
+    skin = np.float32(1e-3) * wide
+    per = ONE / (LEVELS * np.float32(ways.shape[0]))
+    solid = count_solids(solids) > 0
+    for slab in prange(counts[0]):
+        i = np.int64(slab)
+        work = np.zeros(ROWS * W, np.float32)
+        for j in range(counts[1]):
+            for k in range(counts[2]):
+                cell = (i * counts[1] + j) * counts[2] + k
+                x = box[MIDDLE_X] + np.float32(i) * sides[0]
+                y = box[MIDDLE_Y] + np.float32(j) * sides[1]
+                z = box[MIDDLE_Z] + np.float32(k) * sides[2]
+                near = False
+                if solid:
+                    ox, oy, oz = outside(x, y, z, wide, solids)
+                    near = (ox != x) | (oy != y) | (oz != z) | occupied(cells, counts, i, j, k)
+                    if near:
+                        x, y, z = outside(x, y, z, skin + skin, solids)
+                mean = ZERO
+                vx = ZERO
+                vy = ZERO
+                vz = ZERO
+                for low in range(0, ways.shape[0], W):
+                    n = min(ways.shape[0] - low, W)
+                    for d in range(n):
+                        work[LX + d] = ways[low + d, 0]
+                        work[LY + d] = ways[low + d, 1]
+                        work[LZ + d] = ways[low + d, 2]
+                        work[LIGHT + d] = np.float32(left[low + d, cell])
+                    if near:
+                        hide(work, n, x, y, z, solids, skin)
+                    for d in range(n):
+                        light = work[LIGHT + d]
+                        mean += light
+                        vx += light * work[LX + d]
+                        vy += light * work[LY + d]
+                        vz += light * work[LZ + d]
+                volume[cell, 0] = mean * per
+                volume[cell, 1] = THREE * vx * per
+                volume[cell, 2] = THREE * vy * per
+                volume[cell, 3] = THREE * vz * per
+
+
+@device
+def hide(work, n, x, y, z, solids, skin):
+    """No light from the first n directions where a solid stands between: `rays.lit` of each, row by row."""
+    for s in range(solids.spheres.shape[0]):
+        for d in range(n):
+            work[LIGHT + d] *= sphere.past(
+                solids.spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
+    for s in range(solids.capsules.shape[0]):
+        beside = np.int64(0)
+        for d in range(n):
+            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+            free = capsule.passes(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+            beside += np.int64(free | (work[LIGHT + d] == ZERO))
+        if beside < n:
+            for d in range(n):
+                ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+                t = capsule.meet(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+                work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
+    others = count_solids(solids) - solids.spheres.shape[0] - solids.capsules.shape[0]
+    for d in range(n):
+        if others > 0 and work[LIGHT + d] > ZERO:
+            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+            work[LIGHT + d] *= rays.past_flat(
+                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
+
+
+@device
+def occupied(cells, counts, i, j, k):
+    """Whether a cell or one beside it holds a strand."""
+    for a in range(max(i - 1, 0), min(i + 2, counts[0])):
+        for b in range(max(j - 1, 0), min(j + 2, counts[1])):
+            for c in range(max(k - 1, 0), min(k + 2, counts[2])):
+                if cells[(a * counts[1] + b) * counts[2] + c, DENSITY] > ZERO:
+                    return True
+    return False
