@@ -51,3 +51,10 @@ class SimulationError(StrandError):
     def __init__(self, message: str, trouble: Any = None) -> None:
         super().__init__(message)
         self.trouble = trouble
+
+
+def one_line(text: str) -> str:
+    """``text`` with everything that does not print on one line escaped, so that a message stays one line."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)

@@ -10,6 +10,7 @@ import click
 from ..errors import UsageError
 from . import options
 from .progress import Progress
+from .say import say
 
 OWN = {
     "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",
@@ -93,7 +94,7 @@ def command(
     if as_json:
         options.print_json(data)
     elif not quiet:
-        click.echo(growth_table(data) if growth else table(data))
+        say(growth_table(data) if growth else table(data))
 
 
 def table(data: Mapping[str, Any]) -> str:

@@ -10,6 +10,7 @@ import click
 
 from . import options
 from .progress import Progress
+from .say import say
 
 HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 
@@ -30,7 +31,7 @@ def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_p
     if as_json:
         options.print_json(data)
     elif not quiet:
-        click.echo(table(data["claims"]))
+        say(table(data["claims"]))
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -8,6 +8,7 @@ import click
 
 from ..errors import MismatchError
 from . import options
+from .say import say
 
 
 @click.command()
@@ -47,9 +48,9 @@ def command(
     if as_json:
         options.print_json({"a": str(first), "b": str(second), **found.as_dict()})
     elif not quiet:
-        click.echo(str(found))
+        say(str(found))
         if not found.equal and found.psnr_db is not None:
-            click.echo(f"PSNR {found.psnr_db:.1f} dB")
+            say(f"PSNR {found.psnr_db:.1f} dB")
     if 100 * found.over_fraction > allow:
         raise MismatchError(f"{first} and {second} differ: {found}")
     if rmse is not None and found.rmse > rmse:

@@ -11,6 +11,7 @@ import click
 from ..errors import MismatchError
 from . import options
 from .progress import Progress
+from .say import say
 
 
 @click.group(no_args_is_help=False)
@@ -107,4 +108,4 @@ def update(
     if as_json:
         options.print_json({"machine_class": golden.machine_class(), "changes": changes})
     if not quiet:
-        click.echo(f"{directory}: {len(changes)} of {len(entries)} golden images changed", err=True)
+        say(f"{directory}: {len(changes)} of {len(entries)} golden images changed", err=True)

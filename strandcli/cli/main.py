@@ -15,6 +15,7 @@ import click
 from .. import __version__, runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
 from . import signals
+from .say import printable
 
 # name: module of this package and what --help says. Commands for pictures first, tools after.
 COMMANDS = {
@@ -186,7 +187,7 @@ def _os_error(error: OSError) -> str:
 
 
 def _one_line(text: object) -> str:
-    return " ".join(str(text).split("\n"))
+    return printable(" ".join(str(text).split("\n")))
 
 
 def _say(message: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -14,6 +13,7 @@ import click
 from ..errors import UsageError
 from .frame_range import FrameRange, FrameRangeType
 from .main import set_debug
+from .say import json_text, say
 
 if TYPE_CHECKING:
     from ..output.positions import PositionCache
@@ -173,7 +173,7 @@ def load_scene(
     hidden = hidden_by_shipped(preset)
     context = click.get_current_context(silent=True)
     if hidden is not None and not (context is not None and context.params.get("quiet")):
-        click.echo(f"{preset}: takes the shipped preset of this name; write {hidden} for yours", err=True)
+        say(f"{preset}: takes the shipped preset of this name; write {hidden} for yours", err=True)
 
     chosen: dict[str, Any] = {
         "image.size": size,
@@ -250,7 +250,7 @@ def open_cache(
 
 def print_json(data: Any) -> None:
     """Machine data alone on stdout."""
-    click.echo(json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False))
+    click.echo(json_text(data))
 
 
 def refuse_existing(path: Path, overwrite: bool) -> None:

@@ -9,6 +9,7 @@ import click
 
 from . import options
 from .frame_range import FrameRange
+from .say import say
 
 
 @click.command()
@@ -32,21 +33,21 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
             read(drawn.environment.image)
     plan = make_plan(scene, numbers)
-    warnings = _warnings(scene, numbers)
+    warnings = [*_warnings(scene, numbers), *plan.warnings]
     if as_json:
         options.print_json({**dataclasses.asdict(plan), "warnings": warnings})
         return
     stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
     width = max((len(stage) for stage, _ in stages), default=0)
     for title, part in (("Runs", plan.used), ("Left out", plan.left_out)):
-        click.echo(f"{title}:")
+        say(f"{title}:")
         for one in part:
-            click.echo(f"  {one.stage:<{width}}  {one.why}")
+            say(f"  {one.stage:<{width}}  {one.why}")
         if not part:
-            click.echo("  nothing")
+            say("  nothing")
     _totals(plan)
     for words in warnings:
-        click.echo(f"warning: {words}", err=True)
+        say(f"warning: {words}", err=True)
 
 
 def _warnings(scene: Any, numbers: Any) -> list[str]:
@@ -64,7 +65,7 @@ def _warnings(scene: Any, numbers: Any) -> list[str]:
 
 def _totals(plan: Any) -> None:
     frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
-    click.echo("Cost:")
-    click.echo(f"  {plan.strands:,} strands, {plan.particles:,} particles, {plan.steps:,} solver steps for {frames}")
-    click.echo(f"  at most {plan.segments_max:,} line pieces on {plan.samples:,} samples a frame")
-    click.echo(f"  about {plan.memory_bytes / 1e6:,.0f} MB of memory")
+    say("Cost:")
+    say(f"  {plan.strands:,} strands, {plan.particles:,} particles, {plan.steps:,} solver steps for {frames}")
+    say(f"  at most {plan.segments_max:,} line pieces on {plan.samples:,} samples a frame")
+    say(f"  about {plan.memory_bytes / 1e6:,.0f} MB of memory")

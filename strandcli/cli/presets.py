@@ -8,6 +8,7 @@ import click
 
 from ..errors import UsageError
 from . import options
+from .say import say
 
 
 @click.group(invoke_without_command=True)
@@ -31,7 +32,7 @@ def list_all(as_json: bool = False) -> None:
         return
     width = max((len(name) for name, _ in found), default=0)
     for name, title in found:
-        click.echo(f"{name:<{width}}  {title}".rstrip())
+        say(f"{name:<{width}}  {title}".rstrip())
 
 
 @command.command("show")
@@ -64,4 +65,4 @@ def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
     options.refuse_existing(path, overwrite)
     write_pieces(path, [source.read_bytes()])
     if not quiet:
-        click.echo(f"{path}: copied from {name}; draw it with 'strandcli render {path}'", err=True)
+        say(f"{path}: copied from {name}; draw it with 'strandcli render {path}'", err=True)

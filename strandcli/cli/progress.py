@@ -11,7 +11,7 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
-import click
+from .say import printable, say
 
 _TICK = 0.2
 
@@ -30,7 +30,7 @@ class Progress:
         lines: bool = False,
     ) -> None:  # fmt: skip
         self.total = total
-        self.label = label
+        self.label = printable(label)
         self.each = each
         self.stream: TextIO = sys.stderr
         self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
@@ -68,9 +68,9 @@ class Progress:
             if _kind(text) != _kind(self._note):
                 self._first += self._pause(now)
                 self._note_since = now
-            self._note = text
+            self._note = printable(text)
         if text and self.verbose and not self.live:
-            click.echo(text, err=True)
+            say(text, err=True)
         elif self.lines and not self._compiled and _kind(text) == "compiling":
             self._compiled = True
             self.line(f"{self.label}: compiling kernels (only on first use)")
@@ -96,7 +96,7 @@ class Progress:
         """Print a line above the progress line."""
         with self._lock:
             self._clear()
-            click.echo(text, err=True)
+            say(text, err=True)
 
     def _tick(self) -> None:
         while not self._stop.wait(_TICK):

@@ -13,50 +13,15 @@ from ..errors import SimulationError, StrandError, UsageError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, duration, pace
+from .say import say
 from .study import beginner, stepper
 from .study import max_error as max_error_option
+from .values import KindsType, LayersType
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
     from ..output.report import RunReport
     from ..scene.model import Scene
-
-
-class KindsType(click.ParamType):
-    """Kinds of animation, separated by commas."""
-
-    name = "KIND"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
-        for kind in kinds:
-            if kind not in ("gif", "webp"):
-                self.fail(f"'{kind}' is not an animation that can be written; choose gif, webp or gif,webp", param, ctx)
-        return kinds
-
-
-class LayersType(click.ParamType):
-    """Names of layers, separated by commas."""
-
-    name = "LAYERS"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        names = tuple(word.strip() for word in str(value).split(","))
-        if not all(names):
-            self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
-        from ..scene.faults import hint, shown
-        from ..scene.model import AOVS
-
-        for place, name in enumerate(names):
-            if name not in AOVS:
-                self.fail(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}", param, ctx)
-            if name in names[:place]:
-                self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
-        return names
 
 
 @click.command()
@@ -185,7 +150,7 @@ def _advised(
         name = options.preset_name(preset)
         advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
     if not quiet:
-        click.echo(f"{name}: under {share(max_error)}: {advice.text()}", err=True)
+        say(f"{name}: under {share(max_error)}: {advice.text()}", err=True)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 
@@ -214,6 +179,8 @@ def _run(
     if others:
         there = f"{_count(len(others))} there of another scene or other settings, such as {others[0]}"
         warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
+    for words in report.plan_warnings:
+        warn(words)
     before = runtime.compile_seconds()  # a study may have compiled already
     status = "failed"
     started = False
@@ -294,10 +261,10 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
         shown = write_animation(path, paths, numbers, fps)
     except KeyboardInterrupt:
         if not quiet:
-            click.echo(_interrupted(writer, f"{path.name} is not written; "), err=True)
+            say(_interrupted(writer, f"{path.name} is not written; "), err=True)
         raise
     if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
-        click.echo(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
+        say(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
     return path
 
 
@@ -331,7 +298,7 @@ def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> Non
         words += f"; {kept} kept"
     for path in made:
         words += f"; {path.name}"
-    click.echo(words, err=True)
+    say(words, err=True)
 
 
 def _seconds(seconds: float) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from . import options
+from .say import say
 
 
 @click.command()
@@ -37,4 +38,4 @@ def command(sources: tuple[Path, ...], output: Path, columns: int, width: int, o
     prepare_folder(output.parent, 0)
     wide, high = write_sheet(output, cells, columns, width)
     if not quiet:
-        click.echo(f"{output}: {len(cells)} {'image' if len(cells) == 1 else 'images'}, {wide}x{high}", err=True)
+        say(f"{output}: {len(cells)} {'image' if len(cells) == 1 else 'images'}, {wide}x{high}", err=True)

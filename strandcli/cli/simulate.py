@@ -11,6 +11,7 @@ from ..errors import UsageError
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress
+from .say import say
 
 
 @click.command()
@@ -91,4 +92,4 @@ def command(
     if not quiet:
         kept = f"; {len(writer.kept)} kept" if writer.kept else ""
         count = len(writer.wanted)
-        click.echo(f"{output}: {count} {'frame' if count == 1 else 'frames'} of positions{kept}", err=True)
+        say(f"{output}: {count} {'frame' if count == 1 else 'frames'} of positions{kept}", err=True)

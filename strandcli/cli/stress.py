@@ -11,6 +11,7 @@ import click
 from ..errors import MismatchError, UsageError
 from . import options
 from .progress import Progress
+from .say import say
 
 if TYPE_CHECKING:
     from ..study.stress.run import Result
@@ -63,7 +64,7 @@ def command(
     if not names:
         raise UsageError(f"--filter {pattern}: no case has such a name; --list names them all")
     if listing:
-        click.echo("\n".join(names))
+        say("\n".join(names))
         return
     hidden = no_progress or quiet
     with Progress(len(names), "stress", hidden=hidden, verbose=verbose, each="case", lines=len(names) > 1) as progress:
@@ -77,14 +78,14 @@ def command(
             step=lambda count: progress.step(count=count), tell=tell,
         )
     if accept:
-        click.echo(f"{result.accept()}: rewritten", err=True)
+        say(f"{result.accept()}: rewritten", err=True)
         return
     if as_json:
         _print_json(result)
     elif case and not quiet:
-        click.echo("\n".join(detail(one) for one in result.verdicts))
+        say("\n".join(detail(one) for one in result.verdicts))
     elif not quiet:
-        click.echo(table(result))
+        say(table(result))
     failed = [one for one in result.verdicts if one.verdict == "fail"]
     if failed:
         told = f"{failed[0].name}: {failed[0].why}"
@@ -195,4 +196,4 @@ def _print_json(result: Result) -> None:
 
     lines = ",\n".join(f"  {text(case)}" for case in cases)
     rest = ",\n".join(f"{text(key)}: {text(value)}" for key, value in data.items())
-    click.echo(f'{{{rest},\n"cases": [\n{lines}\n]}}')
+    say(f'{{{rest},\n"cases": [\n{lines}\n]}}')

@@ -13,6 +13,7 @@ import click
 from ..errors import MismatchError, UsageError
 from . import options, signals
 from .progress import Progress
+from .say import say
 from .values import ErrorType, ListType, count, integrator, step, word
 
 if TYPE_CHECKING:
@@ -119,10 +120,10 @@ def command(
         texts = [to_text(one) for one in studies]
         if len(studies) > 1:
             texts.append(summary.to_text(summary.rows(studies, max_error)))
-        click.echo("\n\n".join(texts))
+        say("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
-        click.echo(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
+        say(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
     missed = [one for one in studies if one.offered and not one.recommended]
     if max_error is not None and missed:
         from ..study.remedy import why_missed

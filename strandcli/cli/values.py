@@ -1,4 +1,4 @@
-"""Values of options of `strandcli study`: errors, steps, and lists."""
+"""Types of options: errors, steps, lists, kinds of animation and layers."""
 
 from __future__ import annotations
 
@@ -43,6 +43,43 @@ class ListType(click.ParamType):
             except ValueError as error:
                 self.fail(f"{error}; write for instance {self.example}", param, ctx)
         return tuple(dict.fromkeys(found))
+
+
+class KindsType(click.ParamType):
+    """Kinds of animation, separated by commas."""
+
+    name = "KIND"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
+        for kind in kinds:
+            if kind not in ("gif", "webp"):
+                self.fail(f"'{kind}' is not an animation that can be written; choose gif, webp or gif,webp", param, ctx)
+        return kinds
+
+
+class LayersType(click.ParamType):
+    """Names of layers, separated by commas."""
+
+    name = "LAYERS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        names = tuple(word.strip() for word in str(value).split(","))
+        if not all(names):
+            self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
+        from ..scene.faults import hint, shown
+        from ..scene.model import AOVS
+
+        for place, name in enumerate(names):
+            if name not in AOVS:
+                self.fail(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}", param, ctx)
+            if name in names[:place]:
+                self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
+        return names
 
 
 def count(low: int, high: int) -> Callable[[str], int]:

@@ -6,6 +6,7 @@ import click
 
 from . import options, signals
 from .progress import Progress
+from .say import say
 
 # Kernels depend on what a scene uses, not on how much of it: two frames of a small version compile all of them.
 SMALL = {"image.size": (64, 48), "emitter.strands": 128}
@@ -47,4 +48,4 @@ def command(
         options.print_json({"presets": names, "compile_seconds": seconds, "cache": str(runtime.cache_folder())})
     if not quiet:
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
-        click.echo(f"warmup: {told}; kernels are in {runtime.cache_folder()}", err=True)
+        say(f"warmup: {told}; kernels are in {runtime.cache_folder()}", err=True)

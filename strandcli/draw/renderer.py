@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.emit import Groom
-from ..plan import needs_counts
 from ..scene.model import Scene
 from ..solids import Solids
 from .canvas import Canvas
@@ -30,6 +29,7 @@ from .lighting.lighting import Lighting
 from .lighting.occlusion import Occlusion
 from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
+from .shadows.needs import needs_counts
 from .shadows.shadow import ShadowMaps, is_traced, plan_maps, wants_map
 from .shadows.traced import grid_of
 from .solids.solids import packed as pack_solids

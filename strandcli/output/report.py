@@ -66,6 +66,7 @@ class RunReport:
         `fingerprint` that frames have in their files."""
         self.preset = {"name": preset, "sha256": sha256 or None}
         self.plan = plan_stages(plan)
+        self.plan_warnings: list[str] = list(getattr(plan, "warnings", ()))
         self.scene = scene
         self.frames: dict[int, dict[str, Any]] = {}
         self.failure: dict[str, Any] | None = None

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 
 LONGEST_SHOWN = 60
 _ALIKE = 0.55  # of 1; difflib's own 0.6 does not take "boks" for "box"
@@ -59,13 +59,6 @@ class SceneError(UsageError):
 def fault_at(mark: Mark, path: str, message: str) -> Fault:
     """The fault with this message at ``mark``."""
     return Fault(mark.file, mark.line, mark.column, path, message)
-
-
-def one_line(text: str) -> str:
-    """``text`` with everything that does not print on one line escaped, so that a message stays one line."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def shown(text: str) -> str:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from ..registry import Registry
 from .specs import (
+    MOST_ITEMS,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -138,10 +139,12 @@ def union(default: Any, kinds: Mapping[str, type], *, doc: str = "") -> Any:
     return _field(UnionSpec(default, MappingProxyType(dict(kinds)), doc=doc))
 
 
-def items(of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), doc: str = "") -> Any:
-    """A field that is a tuple of instances of a class, or of classes told apart by ``kind``."""
+def items(
+    of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), most: int = MOST_ITEMS, doc: str = ""
+) -> Any:
+    """A field that is a tuple of instances of a class, or of classes told apart by ``kind``, ``most`` at the most."""
     kinds = {"": of} if isinstance(of, type) else dict(of)
-    return _field(ItemsSpec(default, MappingProxyType(kinds), doc=doc))
+    return _field(ItemsSpec(default, MappingProxyType(kinds), most=most, doc=doc))
 
 
 def parameters(registry: Registry, chooser: str, *, doc: str = "") -> Any:

@@ -15,6 +15,7 @@ from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .rule_type import RuleType, check_of, refusal
 from .settings import Unreachable, place
+from .specs import MOST_PANELS
 from .validate import Reader
 from .with_quality import with_quality
 from .yaml_source import read, read_value
@@ -109,6 +110,11 @@ def _whole(root: MapNode, rules: Rules, faults: list[Fault]) -> Scene:
     if not isinstance(panels_entry.node, ListNode):
         given = kind_of(panels_entry.node)
         faults.append(fault_at(panels_entry.node.mark, "panels", f"must be a list of panels, not {given}"))
+        return scene
+    count = len(panels_entry.node.items)
+    if count > MOST_PANELS:
+        message = f"may have {MOST_PANELS} entries at the most, not {count:,}"
+        faults.append(fault_at(panels_entry.node.mark, "panels", message))
         return scene
     known = {(fault.mark, fault.message) for fault in found}
     panels = []

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import functools
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from typing import NamedTuple, Protocol, TypeVar
 
 from .fields import Vector
@@ -176,10 +176,15 @@ def _between(keys: Sequence[Key], time: float) -> tuple[Key, Key, float]:
     """The keys on both sides of ``time`` and the eased share of the way between them; held outside of all keys."""
     if time <= keys[0].time:
         return keys[0], keys[0], 0.0
-    for before, after in pairwise(keys):
-        if time < after.time:
-            return before, after, EASES[before.ease]((time - before.time) / (after.time - before.time))
-    return keys[-1], keys[-1], 0.0
+    place = bisect_right(keys, time, key=_time_of)
+    if place == len(keys):
+        return keys[-1], keys[-1], 0.0
+    before, after = keys[place - 1], keys[place]
+    return before, after, EASES[before.ease]((time - before.time) / (after.time - before.time))
+
+
+def _time_of(key: _Key) -> float:
+    return key.time
 
 
 def _smooth(share: float) -> float:

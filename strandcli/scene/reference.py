@@ -11,6 +11,7 @@ from .fields import Setting, settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of
 from .specs import (
+    MOST_PANELS,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -127,6 +128,9 @@ def _row(setting: Setting) -> tuple[str, ...]:
 def _range(spec: Spec) -> str:
     if isinstance(spec, ChoiceSpec):
         return ", ".join(f"`{option}`" for option in spec.options)
+    most = spec.most if isinstance(spec, ItemsSpec) else MOST_PANELS if isinstance(spec, PanelsSpec) else None
+    if most is not None:
+        return f"≤ {most:,} entries"
     limits = spec.limits
     bounds = (("≥", limits.low), (">", limits.above), ("<", limits.below), ("≤", limits.high))
     words = ", ".join(f"{sign} {_number(limit)}" for sign, limit in bounds if limit is not None)

@@ -14,6 +14,7 @@ from .fields import settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of, first_paragraph
 from .specs import (
+    MOST_PANELS,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -135,14 +136,15 @@ class _Writer:
                 return {"anyOf": [self.kind(cls, cls is not type(spec.default)) for cls in spec.kinds.values()]}
             case ItemsSpec():
                 kinds = [self.kind(cls, spec.tagged) for cls in spec.kinds.values()]
-                return {"type": "array", "items": kinds[0] if len(kinds) == 1 else {"anyOf": kinds}}
+                each = kinds[0] if len(kinds) == 1 else {"anyOf": kinds}
+                return {"type": "array", "items": each, "maxItems": spec.most}
             case ParametersSpec():
                 own = [cls for name in spec.registry.names() if (cls := spec.registry.settings(name)) is not None]
                 return {"anyOf": [self.reference(cls) for cls in own] or [{"type": "object", "maxProperties": 0}]}
             case RulesSpec():
                 return self.rule_uses()
             case PanelsSpec():
-                return {"type": "array", "items": self.panel()}
+                return {"type": "array", "items": self.panel(), "maxItems": MOST_PANELS}
         raise TypeError(f"no such kind of setting: {type(spec).__name__}")
 
     def kind(self, cls: type, tagged: bool) -> Json:

@@ -13,6 +13,12 @@ SMALLEST = 1e-9
 """Least positive number where zero is excluded; its square is still a normal number in single precision."""
 
 
+MOST_ITEMS = 100_000
+"""Entries of a list at the most, where nothing less is said."""
+MOST_PANELS = 100
+"""Panels of a preset at the most: each is a scene of its own."""
+
+
 class Range:
     """What a number may be; None is no limit."""
 
@@ -152,9 +158,12 @@ class UnionSpec(Spec):
 class ItemsSpec(Spec):
     """A list of mappings, of one class (under the key "" of ``kinds``) or each of the class that its ``kind`` names."""
 
-    def __init__(self, default: tuple[Any, ...], kinds: Mapping[str, type], *, doc: str = "") -> None:
+    def __init__(
+        self, default: tuple[Any, ...], kinds: Mapping[str, type], *, most: int = MOST_ITEMS, doc: str = ""
+    ) -> None:
         super().__init__(default, doc=doc)
         self.kinds = kinds
+        self.most = most
 
     @property
     def tagged(self) -> bool:

@@ -222,6 +222,9 @@ class Reader:
         """A tuple of instances; what cannot be read is replaced by a stand-in, so that places stay right."""
         if not isinstance(node, ListNode):
             raise Refusal(f"not {given(node)}")
+        if len(node.items) > spec.most:
+            self.refuse(node.mark, path, f"may have {spec.most:,} entries at the most, not {len(node.items):,}")
+            return spec.default
         found = []
         for index, item in enumerate(node.items):
             where = f"{path}.{index}"

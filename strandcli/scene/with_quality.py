@@ -9,6 +9,7 @@ from .dump import plain
 from .fields import settings_of
 from .look import LOOKS
 from .model import Scene
+from .model.lights import MOST_LIGHTS
 from .nodes import ListNode, MapNode, Node, Placed, Scalar, node_of, without_placed
 from .quality import expanded
 from .rule_type import RuleType
@@ -32,7 +33,7 @@ def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode |
     lights = root.get("lights")
     if lights is None:
         lights = node_of(plain(settings_of(Scene)["lights"].spec.default), name.mark)
-    items = lights.items if isinstance(lights, ListNode) else ()
+    items = lights.items[:MOST_LIGHTS] if isinstance(lights, ListNode) else ()
     shadowed = [i for i, light in enumerate(items) if not _is_off(_at(light, ["shadow", "model"]))]
     look = root.get("look")
     fixed = {one.path for one in LOOKS.get(look.text, ())} if isinstance(look, Scalar) else set()

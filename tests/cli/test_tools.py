@@ -318,3 +318,26 @@ def test_warmup_takes_all_shipped_presets_when_none_is_named(run: Runner, monkey
     monkeypatch.setattr(pipeline, "render", lambda scene, frames, **options: drawn.append(scene.source) or [])
     assert run("warmup", "-q").err == ""
     assert drawn == [str(path) for _, path in list_presets()]
+
+
+HOSTILE = "a\\u009b31m\\u202eb"
+
+
+def test_nothing_of_a_preset_or_a_name_reaches_the_terminal_as_a_control(run: Runner) -> None:
+    Path("odd\x1b[31m\u202e.yaml").write_text(f'panels: [{{label: "{HOSTILE}"}}]\ntitle: "{HOSTILE}"\n')
+    for result in (run("plan", "odd\x1b[31m\u202e.yaml"), run("plan", "odd\x1b[31m\u202e.yaml", "--json"),
+                   run("plan", "no\x1b[31m\u202e.yaml"), run("compare", "no\x9b.png", "no\u2066.png")):  # fmt: skip
+        assert all(line.isprintable() for line in (result.out + result.err).splitlines())
+    data = json.loads(run("plan", "odd\x1b[31m\u202e.yaml", "--json").out)
+    assert data["used"][0]["stage"].startswith("a\x9b31m\u202eb")
+
+
+def test_thin_strands_as_lines_of_a_pixel_are_warned_of(run: Runner) -> None:
+    Path("thin.yaml").write_text(TINY + "material: {width: 0.0003}\n")
+    told = run("plan", "thin.yaml")
+    assert told.code == 0
+    assert told.error().startswith("warning: strands 0.3 mm wide are 0.004 pixels wide here")
+    assert json.loads(run("plan", "thin.yaml", "--json").out)["warnings"] == [told.error().removeprefix("warning: ")]
+    for fine in (["--quality", "default"], ["--set", "look=source"], ["--set", "material.width=0.3"],
+                 ["--set", "image.resolver=sorted"], ["--set", "material.width=0"]):  # fmt: skip
+        assert run("plan", "thin.yaml", *fine).err == ""

@@ -464,3 +464,13 @@ def test_locks_are_listed_from_wide_to_narrow() -> None:
     assert [clump.size for clump in scene("children: {clumps: [{size: 0.02}, {size: 0.01}]}").children.clumps] == [
         0.02, 0.01
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("quality", ["", "quality: default\n"])
+def test_too_many_lights_or_panels_are_refused_at_once(quality: str) -> None:
+    assert refused(f"{quality}lights:\n" + "- {kind: nope}\n" * 30_000).endswith(
+        "lights: may have 256 entries at the most, not 30,000"
+    )
+    assert refused(f"{quality}panels:\n" + "- {label: a}\n" * 20_000).endswith(
+        "panels: may have 100 entries at the most, not 20,000"
+    )

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from strandcli.scene.model import BoxSolid, Camera, CameraKey, Emitter, PoseKey, SphereSolid
 from strandcli.scene.motion import (
     Pose,
+    _between,
     apply,
     camera_at,
     compose,
@@ -193,3 +194,27 @@ def test_camera_keys_take_what_they_leave_out_from_the_camera() -> None:
     assert camera_at(camera, 1.0) == ((2.0, 0.0, 5.0), (0.0, 1.0, 0.0), 35.0, 4.25)
     assert camera_at(camera, 3.0) == ((2.0, 0.0, 5.0), (0.0, 2.0, 0.0), 50.0, 4.25)
     assert camera_at(camera, 9.0) == ((0.0, 0.0, 5.0), (0.0, 3.0, 0.0), 50.0, 3.5)
+
+
+class CountedKey:
+    """A key that counts how often its time is asked for."""
+
+    asked = 0
+
+    def __init__(self, time: float) -> None:
+        self._time, self.ease = time, "linear"
+
+    @property
+    def time(self) -> float:
+        CountedKey.asked += 1
+        return self._time
+
+
+def test_of_many_keys_a_few_are_looked_at() -> None:
+    keys = [CountedKey(float(i)) for i in range(12_000)]
+    CountedKey.asked = 0
+    before, after, share = _between(keys, 7_000.25)
+    assert (before, after, share) == (keys[7_000], keys[7_001], 0.25)
+    assert _between(keys, 11_999.0) == (keys[-1], keys[-1], 0.0)
+    assert _between(keys, -1.0) == (keys[0], keys[0], 0.0)
+    assert CountedKey.asked < 100

@@ -63,6 +63,8 @@ class PointLight:
 
 
 Light = DirectionalLight | PointLight
+MOST_LIGHTS = 256
+"""Lights of a preset at the most: each is drawn into a shadow map of its own, and met by every strand."""
 LIGHTS = {"directional": DirectionalLight, "point": PointLight}
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from ..fields import Colour, choice, colour, integer, items, model, number, optional, panels, rules, text
 from .camera import Camera, Image
 from .emitter import Emitter
-from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
+from .lights import LIGHTS, MOST_LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
 from .rod import Rod
 from .solids import SOLIDS, Solid
 from .strands import Curves, Detail, Material
@@ -71,7 +71,9 @@ class Scene:
     solids: tuple[Solid, ...] = items(SOLIDS, doc="things that are drawn, hide, cast shadows and can be collided with")
     camera: Camera = model(Camera, doc="the point of view")
     image: Image = model(Image, doc="the picture")
-    lights: tuple[Light, ...] = items(LIGHTS, default=(DirectionalLight(),), doc="lights; an empty list is darkness")
+    lights: tuple[Light, ...] = items(
+        LIGHTS, default=(DirectionalLight(),), most=MOST_LIGHTS, doc="lights; an empty list is darkness"
+    )
     ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
     environment: Environment | None = optional(
         Environment, doc="light from all round by a picture, added to `ambient`; absent: none"

@@ -1,0 +1,158 @@
+"""What is drawn: a function for each part of the house, whose decisions follow each other in the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from ..constants import FRAGMENTS, GRID_BYTES
+from ..decision import Decision, left_out
+from ..draw.geometry.detail import shares
+from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
+from ..registry import FIBRES
+from ..scene.model.emitter import TIED
+from .memory import fragment_bytes
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+Decide = Callable[["Scene"], Iterator[Decision]]
+"""What a driver says of its stages in a scene."""
+
+
+def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iterator[Decision]:
+    """Decide on the stages of drawing some frames, where so many strands are simulated."""
+    yield from _groom(scene, strands)
+    for decide in BEFORE_DETAIL:
+        yield from decide(scene)
+    yield from _detail(scene, frames)
+    for decide in AFTER_DETAIL:
+        yield from decide(scene)
+
+
+def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
+    if scene.children is None:
+        yield left_out("children", "the strands that are simulated are drawn")
+    else:
+        yield Decision("children", f"{scene.drawn_strands} strands are drawn about {strands}")
+    if scene.emitter.tie is None:
+        yield left_out("combed parts", "strands are not tied")
+    else:
+        yield Decision("combed parts", f"{TIED} points a strand from its root to the tie, which are not simulated")
+
+
+def _curves(scene: Scene) -> Iterator[Decision]:
+    curves = scene.curves
+    pieces = 2**curves.level
+    if curves.mode == "off":
+        yield left_out("curves", "the preset draws straight segments")
+    elif curves.mode == "fixed":
+        yield Decision("curves", f"each segment becomes {pieces} pieces")
+    else:
+        enough = f"within {curves.tolerance:g} px where {pieces} pieces a segment are enough, else so many"
+        yield Decision("curves", enough)
+        if not needs_shadow_maps(scene):
+            yield left_out("curves off the screen", "no shadow map needs them")
+
+
+def _shadows(scene: Scene) -> Iterator[Decision]:
+    lit = shining(scene)
+    dark = len(scene.lights) - len(lit)
+    if dark:
+        yield left_out("lights", f"{dark} of {len(scene.lights)} are dark")
+    exact = sum(light.shadow.model == "traced" for light in lit)
+    maps = sum(light.shadow.model not in ("off", "traced") for light in lit) + (exact if needs_counts(scene) else 0)
+    none = "there is no light" if not lit else ""
+    if maps:
+        yield Decision("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows")
+    else:
+        yield left_out("shadow maps", none or "no light asks for one")
+    if exact:
+        lights = f"{exact} {'light' if exact == 1 else 'lights'}"
+        lists = f"lists of about {GRID_BYTES / 1e6:,.0f} MB a light at most"
+        yield Decision("exact shadows", f"every strand against all others in {lights}; {lists}")
+    else:
+        yield left_out("exact shadows", none or "no light asks for them")
+
+
+def _fibre(scene: Scene) -> Iterator[Decision]:
+    material, lit = scene.material, shining(scene)
+    if material.specular > 0 and lit:
+        says = getattr(FIBRES[material.model], "plan", lambda material: "highlights are on")
+        yield Decision(f"{material.model} tables", says(material))
+    else:
+        yield left_out(f"{material.model} tables", "material.specular is zero" if lit else "there is no light")
+    if material.scatter != "dual":
+        yield left_out("dual scattering", "material.scatter is the diffuse stand-in")
+    elif any(light.shadow.model in ("opacity", "traced") for light in lit):
+        yield Decision("dual scattering", "light goes from strand to strand under lights with opacity maps")
+    else:
+        yield left_out("dual scattering", "no light has an opacity map to count strands by")
+
+
+def _surround(scene: Scene) -> Iterator[Decision]:
+    if scene.environment is not None:
+        yield Decision("environment", "a picture lights strands and solids from all round")
+    grid = scene.ambient_occlusion
+    if scene.occluded and grid is not None:
+        yield Decision("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions")
+    else:
+        none = "the preset has none" if grid is None else "there is no light from everywhere"
+        yield left_out("ambient occlusion", none)
+
+
+def _things(scene: Scene) -> Iterator[Decision]:
+    material = scene.material
+    varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
+    yield Decision("colour variation", "strands differ" if varied else "all strands have one colour", runs=varied)
+    visible = sum(solid.visible for solid in scene.solids)
+    if visible:
+        yield Decision("solids", f"{visible} to draw, to hide strands and to cast shadows")
+    else:
+        yield left_out("solids", "there are none to see")
+
+
+def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
+    if scene.detail is None:
+        yield left_out("level of detail", "the preset has none")
+        return
+    least = min((shares(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
+    if least < 1:
+        yield Decision("level of detail", f"down to {least:.3g} of the strands where they are farthest")
+    else:
+        blind = scene.detail.near is None and scene.material.width == 0
+        why = "lines have no width, and no near is given" if blind else "every frame is near"
+        yield left_out("level of detail", why)
+
+
+def _coverage(scene: Scene) -> Iterator[Decision]:
+    sorts = scene.image.resolver != "zbuffer"
+    if sorts:
+        held = f"at most {FRAGMENTS:,} fragments at once, {fragment_bytes(scene) / 1e6:,.0f} MB"
+        yield Decision("coverage", f"all strands of a pixel by depth; {held}")
+    else:
+        yield left_out("coverage", "each sample shows the nearest strand")
+    if scene.material.width == 0:
+        yield left_out("body", "material.width is zero: lines are a pixel wide")
+    else:
+        yield Decision("body", "true widths" if sorts else "where a strand is wider than a pixel")
+    samples = scene.image.supersample
+    if samples > 1:
+        yield Decision("supersampling", f"{samples} x {samples} samples a pixel")
+    else:
+        yield left_out("supersampling", "one sample a pixel")
+    yield Decision("shading", "only vertices of segments that are seen")
+
+
+def _camera(scene: Scene) -> Iterator[Decision]:
+    camera = scene.camera
+    times = f"{camera.samples} pictures a frame"
+    sharp, still = camera.aperture == 0, camera.shutter == 0
+    yield Decision("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
+    yield Decision("motion blur", "the shutter is not open" if still else times, runs=not still)
+    layers = scene.image.aovs
+    yield Decision("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
+
+
+BEFORE_DETAIL: tuple[Decide, ...] = (_curves, _shadows, _fibre, _surround, _things)
+AFTER_DETAIL: tuple[Decide, ...] = (_coverage, _camera)

@@ -1,0 +1,39 @@
+"""Memory that is free, and the refusal of a run that would take more."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import RefusedError
+
+if TYPE_CHECKING:
+    from .make import Plan
+
+
+def require_memory(plan: Plan) -> None:
+    """Raise `RefusedError` where the estimate exceeds the memory that is free."""
+    free = available_memory()
+    if free is not None and plan.memory_bytes > free:
+        raise RefusedError(
+            f"this run would take about {plan.memory_bytes / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: "
+            "use fewer --strands or --particles, or a smaller --size"
+        )
+
+
+def available_memory() -> int | None:
+    """Free bytes, by the system and by the control group of this process; None where neither says."""
+    found = []
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable")]
+    except OSError:
+        pass
+    group = Path("/sys/fs/cgroup")
+    try:
+        most = (group / "memory.max").read_text(encoding="ascii").strip()
+        if most != "max":
+            found.append(int(most) - int((group / "memory.current").read_text(encoding="ascii")))
+    except (OSError, ValueError):
+        pass
+    return min(found, default=None)

@@ -1,0 +1,115 @@
+"""The plan of a scene: its stages, its cost, its memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ..draw.geometry.detail import needed
+from .drawing import drawing_decisions
+from .free import available_memory
+from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
+from .motion import motion_decisions, solver_steps
+from .warnings import warnings_of
+
+if TYPE_CHECKING:
+    from ..decision import Decision
+    from ..scene.model import Scene
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the run and the reason why it is run or left out."""
+
+    stage: str
+    why: str
+
+
+@dataclass
+class Plan:
+    """What would run for some frames of a scene."""
+
+    used: list[Stage] = field(default_factory=list)
+    left_out: list[Stage] = field(default_factory=list)
+    strands: int = 0
+    """Strands that are simulated: no more than any frame draws."""
+    particles: int = 0
+    steps: int = 0
+    """Solver steps, those of the pre-roll and of frames that are not drawn included."""
+    frames: int = 0
+    segments_max: int = 0
+    """Line pieces a frame at the most."""
+    pixels: int = 0
+    samples: int = 0
+    memory_bytes: int = 0
+    """Peak of the whole process, estimated."""
+    warnings: list[str] = field(default_factory=list)
+    """What is hardly meant, one line each."""
+
+    def add(self, decisions: Iterable[Decision]) -> None:
+        """Note stages that run or are left out."""
+        for one in decisions:
+            (self.used if one.runs else self.left_out).append(Stage(one.stage, one.why))
+
+
+def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
+    """The plan for some frames (numbered from 1). Panels add up."""
+    if scene.panels:
+        return _of_panels(scene, frames, draw)
+    plan = Plan(frames=len(frames))
+    plan.strands = needed_strands(scene, frames) if draw else scene.emitter.strands
+    plan.particles = plan.strands * scene.emitter.particles
+    plan.steps = solver_steps(scene, frames)
+    plan.add(motion_decisions(scene, plan.strands))
+    if draw:
+        _measure(plan, scene)
+        plan.add(drawing_decisions(scene, plan.strands, frames))
+        plan.warnings += warnings_of(scene, frames)
+    plan.memory_bytes = memory_of(plan, scene, draw)
+    return plan
+
+
+def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
+    parts = [make_plan(panel, frames, draw) for panel in scene.panels]
+    plan = Plan(frames=len(frames))
+    for panel, part in zip(scene.panels, parts, strict=True):
+        name = panel.label or "panel"
+        for stages, more in ((plan.used, part.used), (plan.left_out, part.left_out)):
+            stages += [Stage(f"{name}: {one.stage}", one.why) for one in more]
+        for total in ("strands", "particles", "steps", "segments_max", "pixels", "samples"):
+            setattr(plan, total, getattr(plan, total) + getattr(part, total))
+        plan.warnings += [f"{name}: {words}" for words in part.warnings]
+    plan.memory_bytes = RESIDENT + sum(part.memory_bytes - RESIDENT for part in parts)
+    return plan
+
+
+def _measure(plan: Plan, scene: Scene) -> None:
+    """Note how many line pieces, pixels and samples a frame has."""
+    curves = scene.curves
+    pieces = 1 if curves.mode == "off" else 2**curves.level
+    plan.segments_max = drawn_strands(plan, scene) * (drawn_particles(scene) - 1) * pieces
+    width, height = scene.image.drawn
+    plan.pixels = width * height
+    plan.samples = plan.pixels * scene.image.supersample**2
+
+
+def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
+    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made,
+    unless it guides others."""
+    if scene.children is not None:
+        return scene.emitter.strands
+    if scene.detail is None:  # every frame needs the same
+        frames = frames[:1]
+    counts = (needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
+    return max(counts, default=scene.emitter.strands)
+
+
+def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:
+    """How many frames may be drawn at once: more than one may at most double what the run takes, and use up half of
+    what is free."""
+    plan = make_plan(scene, frames)
+    free = available_memory()
+    spare = plan.memory_bytes if free is None else min(plan.memory_bytes, free // 2)
+    state = plan.strands * 12 * (scene.emitter.particles + 1)  # of which each has a copy
+    return 1 + spare // (picture_bytes(plan, scene) + state)

@@ -1,0 +1,119 @@
+"""Estimates of the memory that a run takes at its peak."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..constants import BATCH_VERTICES, FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, W
+from ..draw.shadows.needs import needs_counts, needs_shadow_maps
+from ..registry import FIBRES
+from ..scene.model.emitter import TIED
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+    from .make import Plan
+
+RESIDENT = 190_000_000
+"""Bytes of the interpreter, its libraries and the compiled kernels."""
+
+
+def drawn_particles(scene: Scene) -> int:
+    """Particles of a strand as it is drawn."""
+    n = scene.emitter.particles
+    if scene.children is not None:
+        n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
+    return n if scene.emitter.tie is None else n + TIED
+
+
+def drawn_strands(plan: Plan, scene: Scene) -> int:
+    """Strands that are drawn at the most."""
+    return plan.strands if scene.children is None else scene.drawn_strands
+
+
+def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
+    """Bytes of the whole process at its peak."""
+    n = scene.emitter.particles
+    blocks = -(-plan.strands // W) * W
+    # the state, the emitted groom, and the float64 work of one row while strands are emitted
+    total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160)
+    return total + (picture_bytes(plan, scene) if draw else plan.strands * n * 24)
+
+
+def picture_bytes(plan: Plan, scene: Scene) -> int:
+    """Bytes that drawing one frame takes at the most."""
+    strands, n = drawn_strands(plan, scene), drawn_particles(scene)
+    per_strand = plan.segments_max // max(strands, 1) + 1
+    vertices = strands * per_strand
+    traced = sum(light.shadow.model == "traced" and light.intensity > 0 for light in scene.lights)
+    if scene.image.resolver == "zbuffer" and not traced:
+        vertices = min(vertices, BATCH_VERTICES + per_strand * W)
+    light = 12 if needs_shadow_maps(scene) else 0
+    total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
+    total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+    tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
+    total += tables(scene.material)
+    total += _groom_bytes(plan, scene) + _traced_bytes(scene, vertices, traced) + _light_bytes(scene)
+    return total + _film_bytes(plan, scene, vertices)
+
+
+def _groom_bytes(plan: Plan, scene: Scene) -> int:
+    """Bytes of children and of strands that are tied."""
+    strands, n = drawn_strands(plan, scene), drawn_particles(scene)
+    total = 0
+    if scene.children is not None:  # the guides as finely, the strands, and what they follow
+        levels, waves = len(scene.children.clumps), len(scene.children.waves)
+        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
+    if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
+        total += strands * 12 * (2 * (TIED + 1) + n)
+    return total
+
+
+def _traced_bytes(scene: Scene, vertices: int, traced: int) -> int:
+    """Bytes of exact shadows in so many lights."""
+    # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
+    # piece is usual, and one the least
+    total = traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
+    if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
+        marked = scene.image.resolver != "zbuffer"  # which of their places are seen
+        total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
+    return total
+
+
+def _light_bytes(scene: Scene) -> int:
+    """Bytes of ambient occlusion and of shadow maps."""
+    total = 0
+    if scene.occluded and scene.ambient_occlusion is not None:
+        total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
+    maps, counts = needs_shadow_maps(scene), needs_counts(scene)
+    for one in scene.lights:
+        if maps and one.shadow.model != "off":
+            if one.shadow.model == "traced" and not counts:
+                continue
+            # of a cell's numbers a quarter, where strands are: no box takes more than 1 / √3 of what the ball about it
+            # does of a map
+            cell = 4 * (2 + 5 * (one.shadow.layers + 1)) / 4 * (0.6 if one.kind == "directional" else 1)
+            texel = 8 if one.shadow.model == "minmax" else 4 + cell
+            total += int(texel * one.shadow.side**2) * (1 if one.kind == "directional" else 6)
+    return total
+
+
+def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
+    """Bytes of fragments, samples and pixels."""
+    total = 0
+    if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
+        total += fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
+    if scene.image.haze is not None:  # the picture before solids are lit
+        total += plan.samples * 12
+    if scene.camera.shutter > 0:  # the frame before, and the moment between
+        total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
+    if scene.camera.aperture > 0 or scene.camera.shutter > 0:
+        total += plan.samples * 12
+    if scene.image.aovs:
+        total += plan.pixels * 60 * 3  # three more pictures may wait to be written
+    return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8
+
+
+def fragment_bytes(scene: Scene) -> int:
+    """Bytes of sorted fragments that are held at once, at the most."""
+    exact = any(light.shadow.model == "traced" for light in scene.lights) and scene.image.resolver == "sorted"
+    return FRAGMENTS * (FRAGMENT_BYTES + (2 * POINTS_BYTES if exact else 0))

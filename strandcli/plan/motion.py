@@ -1,0 +1,53 @@
+"""What moves the strands: rules, keys, pre-roll."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from ..decision import Decision, left_out
+from ..scene.rule_type import OWN_OF
+from ..simulate.rules import idle, registry
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+
+def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
+    """Decide on the stages of simulation, where so many strands are simulated."""
+    emitter = scene.emitter
+    if strands < emitter.strands:
+        hidden = f"{emitter.strands - strands} of {emitter.strands}"
+        yield left_out("strands", f"{hidden} are too far to be drawn in any frame")
+    listed = {use.name for use in scene.rules}
+    for use in scene.rules:
+        why = idle(use, scene)
+        if use.name in OWN_OF.get(scene.solver, ()):
+            why = "rods keep their lengths exactly and bend by their material"
+        yield Decision(f"rule {use.name}", why or "the preset lists it", runs=not why)
+    for name in registry():
+        if name not in listed:
+            yield left_out(f"rule {name}", "the preset does not list it")
+    if "emitter_motion" not in listed and len(emitter.keys) > 1:
+        yield left_out("emitter keys", "no rule emitter_motion carries the roots along")
+    if not _moving(scene):
+        return
+    if scene.time.preroll == 0:
+        yield left_out("pre-roll", "its time is zero")
+    else:
+        yield Decision("pre-roll", f"{scene.time.preroll:g} s, {_preroll_steps(scene)} steps before frame 1")
+
+
+def solver_steps(scene: Scene, frames: Sequence[int]) -> int:
+    """Steps of the solver up to the last of the frames, those of the pre-roll included."""
+    if not _moving(scene):
+        return 0
+    return _preroll_steps(scene) + (max(frames, default=1) - 1) * scene.time.substeps
+
+
+def _moving(scene: Scene) -> bool:
+    return any(not idle(use, scene) for use in scene.rules)
+
+
+def _preroll_steps(scene: Scene) -> int:
+    return round(scene.time.preroll * scene.time.fps * scene.time.substeps)

@@ -1,0 +1,39 @@
+"""What a picture's settings hardly mean, told before it is drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from ..scene.motion import camera_at, emitter_pose
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+THIN = 0.7
+"""Samples that a root is wide on the screen, below which lines of the z-buffer show that they are a sample wide."""
+
+
+def warnings_of(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
+    """Lines about settings of drawing that a person hardly means, for some frames."""
+    width = scene.material.width
+    if width == 0 or scene.image.resolver != "zbuffer" or scene.look == "source" or not frames:
+        return
+    seen = width * samples_a_metre(scene, (frames[0] - 1) / scene.time.fps)
+    if seen < THIN:
+        yield (
+            f"strands {1000 * width:g} mm wide are {seen:.2g} pixels wide here, and image.resolver zbuffer draws hard "
+            "lines of one pixel: add --quality default, or set image.resolver=sorted; look: source keeps the lines"
+        )
+
+
+def samples_a_metre(scene: Scene, time: float) -> float:
+    """Samples that a metre at the emitter is wide on the screen at a time."""
+    camera = scene.camera
+    view = camera_at(camera, time)
+    samples = scene.image.size[1] * scene.image.supersample
+    if camera.kind == "orthographic":
+        return samples / view.height
+    away = math.dist(view.position, emitter_pose(scene.emitter, time).translation)
+    return samples / 2 / math.tan(math.radians(view.fov) / 2) / max(away, camera.near)
