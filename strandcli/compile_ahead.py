@@ -11,17 +11,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from .compiling.folder import cache
-from .compiling.service import service
+from .compiling.service import cores, service
 
 PARTS = ("light", "coverage")
 """Of a frame, from its end."""
 
 
-def begin(scene: Any, threads: int) -> None:
+def begin(scene: Any, threads: int | None) -> None:
     """Start the workers at once where the cache holds no kernel of light, else when several kernels turn out to be
-    missing; ``threads``: processes that may be busy at once."""
+    missing; ``threads``: processes that may be busy at once, None for as many as there are cores."""
     if not service.enabled:
         return
+    threads = cores() if threads is None else threads
     empty = next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None
     start = service.ahead if empty else service.ahead_if_missing
     start(scene, PARTS, threads)

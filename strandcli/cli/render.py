@@ -171,7 +171,7 @@ def _run(
         if not quiet:
             progress.line(f"warning: {message}")
 
-    from .. import runtime
+    from .. import compile_ahead, runtime
     from ..output.report import of_another_film, read_report
 
     numbers = (*writer.wanted, *writer.written)
@@ -187,6 +187,8 @@ def _run(
     try:
         with writer:
             if writer.wanted:
+                if not scene.panels:  # before Numba is imported here, which takes half a second
+                    compile_ahead.begin(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
                 from .. import pipeline
