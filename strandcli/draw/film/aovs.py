@@ -75,8 +75,8 @@ class Recorder:
         (samples · samples · height · width,); their vertices are numbered from ``base``."""
         found = self._found
         kernel.strands(
-            keys, self._samples, base, begin, lines.first, lines.world, screen, view.pack(), found["strand_id"],
-            found["tangent"], found["orientation"],
+            keys, self._samples, base, begin, kernel.SeenLines(lines.first, lines.world, screen), view.pack(),
+            found["strand_id"], found["tangent"], found["orientation"],
         )  # fmt: skip
 
     def rest(self, keys: NDArray[np.uint64], lighting: Lighting) -> None:
@@ -93,7 +93,7 @@ class Recorder:
         if "shadow" in self._names:
             through = np.ones(shape, np.float32)
             kernel.shadows(
-                self._found["strand_id"], keys, self._samples, point, lighting.lights, *map_arrays(lighting.maps),
+                self._found["strand_id"], keys, self._samples, point, lighting.lights, map_arrays(lighting.maps),
                 solids, lighting.skin, lighting.sized, through,
             )  # fmt: skip
             self._found["shadow"] = through

@@ -84,8 +84,11 @@ def flatten(
         bound = scratch.take("curve_error", strands, np.float32)
         sizes = scratch.take("sizes", strands, np.int64)
         kernel.count(
-            positions, lengths, strands, view.pack(), most, np.float32(curves.tolerance), int(keep_unseen),
-            NONE_LEFT_OUT if kept is None else kept, printed, pieces, sizes, bound,
+            positions, lengths, strands, view.pack(),
+            kernel.Splitting(
+                most, np.float32(curves.tolerance), int(keep_unseen), NONE_LEFT_OUT if kept is None else kept, printed
+            ),
+            pieces, sizes, bound,
         )  # fmt: skip
         np.cumsum(sizes, out=first[1:])
         error = float(bound.max())

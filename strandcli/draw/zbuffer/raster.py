@@ -13,8 +13,9 @@ from ..geometry.kernels.screen_lines import ScreenLines
 from ..view.camera import View
 from ..view.kernels import project
 from ..view.kernels.depth_slope import FLAT, DepthSlope
+from .kernels import bands as band_lists
 from .kernels import raster as kernel
-from .kernels.raster import Bands
+from .kernels.bands import Bands
 
 ROWS = 64
 """Height of a band."""
@@ -40,11 +41,11 @@ def into_bands(
         strands = len(first) - 1
         return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
     ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
-    kernel.bands(first, screen, height, ROWS, np.float32(margin), ranges)
+    band_lists.find(first, screen, height, ROWS, np.float32(margin), ranges)
     begin = np.zeros(-(-height // ROWS) + 1, np.int64)
-    kernel.count(ranges, begin)
+    band_lists.count(ranges, begin)
     members = scratch.take("members", int(begin[-1]), np.int32)
-    kernel.scatter(ranges, begin[:-1].copy(), members)
+    band_lists.scatter(ranges, begin[:-1].copy(), members)
     return Bands(begin, members, ROWS, workers)
 
 

@@ -15,7 +15,7 @@ from strandcli.draw.common.kernels import surface_batch
 from strandcli.draw.coverage.kernels import column_light, masks
 from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import curves, joints, silhouette
+from strandcli.draw.geometry.kernels import curves, joints, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
 from strandcli.draw.solids.kernels import rays, sphere_tracing
@@ -41,8 +41,8 @@ SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
 
 SLOPE = DepthSlope(*4 * (ONE,))
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "difference": (curves.difference, (BLOCK, 0, 1, 4)),
-    "printed": (curves.printed, (BLOCK, 0, 1, 4)),
+    "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
+    "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
     "reach": (curves.reach, (*[ONE] * 7, ROW)),
     "into": (into, (ONE, ONE, ONE, ROW)),
     "cubic": (curves.cubic, (ONE, ONE, ONE)),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
@@ -40,6 +42,17 @@ TINY = np.float32(1e-30)
 PI = np.float32(math.pi)
 RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
 INF = np.float32(np.inf)
+
+
+class SeenLines(NamedTuple):
+    """Polylines in the world and on the screen: strand s owns the vertices first[s] … first[s + 1] − 1."""
+
+    first: NDArray[np.int64]
+    """(S + 1,)"""
+    world: NDArray[np.float32]
+    """(V, 3) metres."""
+    screen: NDArray[np.float32]
+    """(V, 3) as in `ScreenLines`."""
 
 
 @device
@@ -101,15 +114,16 @@ def front(fragments, vertices, screen, least, keys, mask):
 
 
 @parallel
-def strands(keys, samples, base, begin, first, world, screen, view, ids, tangents, angles):
+def strands(keys, samples, base, begin, lines, view, ids, tangents, angles):
     """Which strand is in front, and which way it runs there: tangents are linear between those at vertices, which are
     the directions from the vertex before to the one after.
 
     keys (samples² · height · width,) uint64; base: number that was added to vertex indices; begin: number of the first
-    of these strands; first (S + 1,), world (V, 3), screen (V, 3), view (26,) as in `project.points`; ids (height,
-    width) int32, tangents (height, width, 3), angles (height, width): written where one of these strands is in front.
+    of these strands; lines: `SeenLines`; view (26,) as in `view_columns`; ids (height, width) int32, tangents (height,
+    width, 3), angles (height, width): written where one of these strands is in front.
     """
     height, width = ids.shape
+    first, world, screen = lines
     last = world.shape[0] - 1
     for y in prange(height):
         for x in range(width):
@@ -204,16 +218,14 @@ def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
 
 
 @parallel
-def shadows(
-    ids, keys, samples, point, lights, maps, stacks, starts, sizes, views, solids, skin,
-    sized, out,
-):  # fmt: skip
+def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
     """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
 
-    lights (n, 16), maps and solids as in `shade_strands.strands`, `skin` and `sized` as there; out (height, width),
-    kept where nothing is seen or no light is on.
+    lights (n, `light_columns.COLUMNS`); maps: `ShadowArrays`; solids: `Solids`, `skin` and `sized` as in
+    `shade_strands.strands`; out (height, width), kept where nothing is seen or no light is on.
     """
     height, width = ids.shape
+    texels, stacks, starts, sizes, views = maps
     for y in prange(height):
         for x in range(width):
             if ids[y, x] == -1:
@@ -240,7 +252,7 @@ def shadows(
                     solids, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
                 )
                 if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
-                    power *= transmittance(px, py, pz, lights, i, maps, starts, sizes, views)
+                    power *= transmittance(px, py, pz, lights, i, texels, starts, sizes, views)
                 if power > ZERO and lights[i, MAP_LAYERS] > ZERO:
                     wide = ZERO if ids[y, x] == -2 else lights[i, STRAND_WIDTH]
                     power *= opacity.transmittance(px, py, pz, wide, lights, i, stacks, starts, sizes, views)

@@ -7,7 +7,10 @@ zero.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, parallel, prange
@@ -24,6 +27,7 @@ from ...common.kernels.view_columns import (
     SLANT_Y,
 )
 from ...view.kernels.project import into
+from .tangents import difference, tangent
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -32,156 +36,105 @@ THREE = np.float32(3.0)
 THIRD = np.float32(1 / 3)
 TINY = np.float32(1e-30)
 WANG = np.float32(0.75)
-STRAIGHT = np.float32(0.1)
 
 
-@device
-def difference(block, lane, i, n):
-    """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
-    the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
-    if i == n - 1:
-        return ZERO, ZERO, ZERO
-    high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
-    x = block[high, lane] - block[i, lane]
-    y = block[high, W + lane] - block[i, W + lane]
-    z = block[high, 2 * W + lane] - block[i, 2 * W + lane]
-    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
-    return x * size, y * size, z * size
+class Splitting(NamedTuple):
+    """How segments are cut into pieces."""
 
-
-@device
-def circle(block, lane, i, n):
-    """The same where segments differ in length: the tangent of the circle through three particles, e₁ / |e₁|² +
-    e₂ / |e₂|² with the segments before and after."""
-    if i == 0 or i == n - 1:
-        return difference(block, lane, i, n)
-    ax = block[i + 1, lane] - block[i, lane]
-    ay = block[i + 1, W + lane] - block[i, W + lane]
-    az = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
-    bx = block[i + 2, lane] - block[i + 1, lane]
-    by = block[i + 2, W + lane] - block[i + 1, W + lane]
-    bz = block[i + 2, 2 * W + lane] - block[i + 1, 2 * W + lane]
-    f = bx * bx + by * by + bz * bz
-    g = ax * ax + ay * ay + az * az
-    x = f * ax + g * bx
-    y = f * ay + g * by
-    z = f * az + g * bz
-    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
-    return x * size, y * size, z * size
-
-
-@device
-def printed(block, lane, i, n):
-    """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
-    t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
-    scale."""
-    if i == 0 or i == n - 1:
-        return difference(block, lane, i, n)
-    vx = block[i + 1, lane] - block[i, lane]
-    vy = block[i + 1, W + lane] - block[i, W + lane]
-    vz = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
-    wx = block[i + 1, lane] - block[i + 2, lane]
-    wy = block[i + 1, W + lane] - block[i + 2, W + lane]
-    wz = block[i + 1, 2 * W + lane] - block[i + 2, 2 * W + lane]
-    ux = vy * wz - vz * wy
-    uy = vz * wx - vx * wz
-    uz = vx * wy - vy * wx
-    sx = vx + wx
-    sy = vy + wy
-    sz = vz + wz
-    # (v + w) × u, the opposite of the source's sign
-    tx = sy * uz - sz * uy
-    ty = sz * ux - sx * uz
-    tz = sx * uy - sy * ux
-    bent = ux * ux + uy * uy + uz * uz >= STRAIGHT * STRAIGHT and sx * sx + sy * sy + sz * sz >= STRAIGHT * STRAIGHT
-    size = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, TINY)) if bent else ZERO
-    return tx * size, ty * size, tz * size
+    most: int
+    """Greatest number of pieces of a segment."""
+    tolerance: np.float32
+    """Pixels."""
+    unseen: int
+    """Pieces of segments that are off the screen; 0: strands that are off it altogether are left out."""
+    kept: NDArray[np.float32]
+    """(strands,) 0 for strands that are left out; (0,) where none is."""
+    as_printed: bool
+    """Whether tangents are the source's."""
 
 
 @parallel
-def count(
-    positions, lengths, strands, view, most, tolerance, unseen, kept, as_printed, out, sizes, error
-):  # fmt: skip
+def count(positions, lengths, strands, view, split, out, sizes, error):
     """How many pieces each segment needs on the screen.
 
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
     difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `project.points`;
-    most: greatest number of pieces; tolerance in pixels; unseen: pieces of segments that are off the screen (0 leaves
-    their strands out); kept (strands,): 0 for strands that are left out, (0,) where none is; as_printed: whether
-    tangents are the source's; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it
-    is left out; error (strands,) float32: bound in pixels that is left.
+    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `view_columns`;
+    split: `Splitting`; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left
+    out; error (strands,) float32: bound in pixels that is left.
     """
-    n = positions.shape[1] - 1
-    per = ONE / tolerance
-    limit = np.float32(most)
+    kept = split.kept
     for s in prange(strands):
         if kept.shape[0] > 0 and kept[s] == ZERO:
             sizes[s] = 0
             error[s] = ZERO
-            continue
-        block = positions[s // W]
-        lane = s % W
-        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
-        tx, ty, tz = difference(block, lane, 0, n)
-        ax = block[1, lane]
-        ay = block[1, W + lane]
-        az = block[1, 2 * W + lane]
-        u0, v0, z0 = into(ax, ay, az, view)
-        bound = ZERO
-        seen = False
-        total = 1
-        for i in range(1, n):
-            if as_printed:
-                sx, sy, sz = printed(block, lane, i, n)
-            elif lengths is None:
-                sx, sy, sz = circle(block, lane, i, n)
-            else:
-                sx, sy, sz = difference(block, lane, i, n)
-            bx = block[i + 1, lane]
-            by = block[i + 1, W + lane]
-            bz = block[i + 1, 2 * W + lane]
-            if lengths is None:
-                third = chord(bx - ax, by - ay, bz - az) * THIRD
-            u1, v1, z1 = into(bx, by, bz, view)
-            pieces = np.int64(unseen)
-            scale = reach(u0, v0, z0, u1, v1, z1, third, view)
-            if scale > ZERO:
-                seen = True
-                # second differences of a, a + t L/3, b − s L/3, b
-                ex = bx - ax
-                ey = by - ay
-                ez = bz - az
-                px = ex - (TWO * tx + sx) * third
-                py = ey - (TWO * ty + sy) * third
-                pz = ez - (TWO * tz + sz) * third
-                qx = (tx + TWO * sx) * third - ex
-                qy = (ty + TWO * sy) * third - ey
-                qz = (tz + TWO * sz) * third - ez
-                d = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
-                d = WANG * scale * np.sqrt(d)
-                wanted = min(max(np.ceil(np.sqrt(d * per)), ONE), limit)
-                bound = max(bound, d / (wanted * wanted))
-                pieces = np.int64(wanted)
-            out[s, i - 1] = pieces
-            total += pieces
-            tx = sx
-            ty = sy
-            tz = sz
-            ax = bx
-            ay = by
-            az = bz
-            u0 = u1
-            v0 = v1
-            z0 = z1
-        if unseen == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
-            for i in range(n - 1):
-                if out[s, i] == 0:
-                    out[s, i] = 1
-                    total += 1
-        sizes[s] = total if seen or unseen > 0 else 0
-        error[s] = bound
+        else:
+            third = ZERO if lengths is None else lengths[s // W, s % W] * THIRD
+            sizes[s], error[s] = count_pieces(positions[s // W], s % W, third, lengths, view, split, out[s])
+
+
+@device
+def count_pieces(block, lane, third, lengths, view, split, out):
+    """Into out (n − 1,): pieces of each segment of one strand, of a block (n + 1, 3 W); returns how many vertices it
+    has, and the bound in pixels that is left. third: of the segments' length, where lengths is not None."""
+    per = ONE / split.tolerance
+    limit = np.float32(split.most)
+    unseen = split.unseen
+    n = block.shape[0] - 1
+    tx, ty, tz = difference(block, lane, 0, n)
+    ax = block[1, lane]
+    ay = block[1, W + lane]
+    az = block[1, 2 * W + lane]
+    u0, v0, z0 = into(ax, ay, az, view)
+    bound = ZERO
+    seen = False
+    total = 1
+    for i in range(1, n):
+        sx, sy, sz = tangent(block, lane, i, n, lengths, split.as_printed)
+        bx = block[i + 1, lane]
+        by = block[i + 1, W + lane]
+        bz = block[i + 1, 2 * W + lane]
+        if lengths is None:
+            third = chord(bx - ax, by - ay, bz - az) * THIRD
+        u1, v1, z1 = into(bx, by, bz, view)
+        pieces = np.int64(unseen)
+        scale = reach(u0, v0, z0, u1, v1, z1, third, view)
+        if scale > ZERO:
+            seen = True
+            d = WANG * scale * np.sqrt(second_difference(bx - ax, by - ay, bz - az, tx, ty, tz, sx, sy, sz, third))
+            wanted = min(max(np.ceil(np.sqrt(d * per)), ONE), limit)
+            bound = max(bound, d / (wanted * wanted))
+            pieces = np.int64(wanted)
+        out[i - 1] = pieces
+        total += pieces
+        tx = sx
+        ty = sy
+        tz = sz
+        ax = bx
+        ay = by
+        az = bz
+        u0 = u1
+        v0 = v1
+        z0 = z1
+    if unseen == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
+        for i in range(n - 1):
+            if out[i] == 0:
+                out[i] = 1
+                total += 1
+    return total if seen or unseen > 0 else 0, bound
+
+
+@device
+def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
+    """Square of the greater second difference of a, a + t L/3, b − s L/3, b, with b − a = e and third = L/3."""
+    px = ex - (TWO * tx + sx) * third
+    py = ey - (TWO * ty + sy) * third
+    pz = ez - (TWO * tz + sz) * third
+    qx = (tx + TWO * sx) * third - ex
+    qy = (ty + TWO * sy) * third - ey
+    qz = (tz + TWO * sz) * third - ez
+    return max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
 
 
 @device
@@ -249,12 +202,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             ez = bz - az
             per = ONE / np.float32(m)
             if not straight:
-                if as_printed:
-                    sx, sy, sz = printed(block, lane, i, n)
-                elif lengths is None:
-                    sx, sy, sz = circle(block, lane, i, n)
-                else:
-                    sx, sy, sz = difference(block, lane, i, n)
+                sx, sy, sz = tangent(block, lane, i, n, lengths, as_printed)
                 if lengths is None:
                     third = chord(ex, ey, ez) * THIRD
                 # a + t (c1 + t (c2 + t c3)) from the Bernstein form with a, a + t0 L/3, b − t1 L/3, b

@@ -16,9 +16,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....jit import device, function, parallel, prange
+from ....jit import device, parallel, prange
 from ...common.kernels.keys import LOW, SHIFT
 from ...geometry.kernels.joints import mitre
 
@@ -32,19 +31,6 @@ POINT = 24
 FIXED = np.float32(2.0**POINT)
 
 
-class Bands(NamedTuple):
-    """Strands listed by the band of rows of the screen that they touch."""
-
-    begin: NDArray[np.int64]
-    """(bands + 1,) where each band's list begins in `members`."""
-    members: NDArray[np.int32]
-    """(M,) strands, band by band, ascending in each."""
-    rows: int
-    """Height of a band."""
-    workers: int
-    """Tasks that share the bands."""
-
-
 class Window(NamedTuple):
     """The rows top <= y < bottom of a picture of this width."""
 
@@ -53,58 +39,12 @@ class Window(NamedTuple):
     width: int
 
 
-@function
-def bands(first, screen, height, rows, margin, out):
-    """The bands of rows that each strand touches.
-
-    first (S + 1,) int64 vertex offsets; screen (V, 3) float32 pixels and inverse depth; bands are `rows` high; margin:
-    half the greatest width of a line, in pixels;
-    out (S, 2) int32: first and last band, first > last for a strand that is not on the screen.
-    """
-    last_band = (height - 1) // rows
-    for s in range(first.shape[0] - 1):
-        low = np.float32(np.inf)
-        high = np.float32(-np.inf)
-        for v in range(first[s], first[s + 1]):
-            if screen[v, 2] > ZERO:
-                low = min(low, screen[v, 1])
-                high = max(high, screen[v, 1])
-        if low <= high and high + margin >= ZERO and low - margin < np.float32(height):
-            out[s, 0] = int(max(low - margin, ZERO)) // rows
-            out[s, 1] = min(int(min(high + margin, np.float32(height))) // rows, last_band)
-        else:
-            out[s, 0] = 1
-            out[s, 1] = 0
-
-
-@function
-def count(ranges, out):
-    """Strands in each band: ranges (S, 2) as from `bands`; out (bands + 1,) int64 becomes where each band's list
-    begins."""
-    out[:] = 0
-    for s in range(ranges.shape[0]):
-        for b in range(ranges[s, 0], ranges[s, 1] + 1):
-            out[b + 1] += 1
-    for b in range(1, out.shape[0]):
-        out[b] += out[b - 1]
-
-
-@function
-def scatter(ranges, cursor, members):
-    """List the strands band by band, in their own order. cursor (bands,) int64 holds where each list begins and is used
-    up; members (M,) int32."""
-    for s in range(ranges.shape[0]):
-        for b in range(ranges[s, 0], ranges[s, 1] + 1):
-            members[cursor[b]] = s
-            cursor[b] += 1
-
-
 @parallel
 def visible(lines, depth_slope, bands_, width, height, base, keys):
     """Draw lines.
 
-    lines: `ScreenLines`; depth_slope: `DepthSlope`; bands_: `Bands`; base: number added to a vertex index in the key;
-    keys (height * width,) uint64, drawn into. Each band has one owner; the workers take them in turn, so that busy
+    lines: `ScreenLines`; depth_slope: `DepthSlope`; bands_: `bands.Bands`; base: number added to a vertex index in the
+    key; keys (height * width,) uint64, drawn into. Each band has one owner; the workers take them in turn, so that busy
     bands are shared out.
     """
     for task in prange(bands_.workers):
