@@ -25,10 +25,7 @@ KNOWN: dict[str, set[str]] = {
     "files": {
         "strandcli.cli.render",
         "strandcli.compiling.faster",
-        "strandcli.draw.geometry.kernels.curves",
         "strandcli.draw.shadows.kernels.percentage_closer",
-        "strandcli.draw.zbuffer.kernels.raster",
-        "strandcli.plan",
         "strandcli.simulate.rod",
         "strandcli.study.golden",
         "strandcli.study.pictures.subject",
@@ -37,12 +34,10 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.cli.render:_run",
         "strandcli.draw.coverage.kernels.composite:composite_masked",
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
-        "strandcli.draw.geometry.kernels.curves:count",
         "strandcli.draw.geometry.kernels.curves:flatten",
         "strandcli.draw.shadows.shadow:plan_maps",
         "strandcli.draw.zbuffer.kernels.raster:ribbon",
         "strandcli.groom.kernels.children:lay",
-        "strandcli.plan:_drawing",
         "strandcli.simulate.kernels.contact:touch",
         "strandcli.simulate.kernels.rod_sweep:sweep",
         "strandcli.simulate.kernels.rod_tension:observe",
@@ -50,9 +45,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": {
-        "strandcli.draw.film.kernels.aovs:shadows",
-        "strandcli.draw.film.kernels.aovs:strands",
-        "strandcli.draw.geometry.kernels.curves:count",
         "strandcli.draw.shadows.kernels.opacity_maps:draw",
         "strandcli.draw.shadows.kernels.opacity_maps:drop",
         "strandcli.draw.shadows.kernels.opacity_maps:piece",
@@ -82,7 +74,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.study.motion.kernels.foil:step",
     },
     "packages": {
-        "draw plan",
         "groom simulate",
     },
     "kernels": {
