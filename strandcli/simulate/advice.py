@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..groom.emit import Groom
-from ..scene.motion import emitter_pose
+from ..scene.motion import emitter_pose, own_pose
 from .material import TORSION, matter_along, stiffness
 from .rest_shape import coiled, unit_edges
 from .rules import collision
@@ -29,6 +29,8 @@ LOOKED_AT = 1000
 """Roots that are looked at in every frame, of which every strand in between is one: a solid swallows many at once."""
 GRAZED = 0.02
 """Share of the roots below which a solid that moves on has only brushed the emitter."""
+RETURNED = 1e-6
+"""Metres, and parts of a rotation matrix, by which a motion that repeats may end off where it began."""
 SMALL = 0.5
 """Diameter of a ball or capsule, in segments, below which it slips through between two particles."""
 
@@ -65,7 +67,29 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
                 f"{name}: its radius of {solid.radius:g} m is less than half a segment of {segment.max():.3g} m, so it "
                 "passes between two particles unnoticed; set collision.segments: true, or use more emitter.particles"
             )
-    return found + softness(scene, groom)
+    return found + _broken_loops(scene) + softness(scene, groom)
+
+
+def _broken_loops(scene: Scene) -> list[str]:
+    """One line for each thing that a loop leaves elsewhere than it began: it jumps from the last frame to the first."""
+    if not scene.time.loop:
+        return []
+    things: list[tuple[str, Any]] = [("emitter", scene.emitter)]
+    things += [(f"solids.{k}" + (f" ({one.name})" if one.name else ""), one) for k, one in enumerate(scene.solids)]
+    found = []
+    for name, thing in things:
+        if not thing.keys:
+            continue
+        first, last = (
+            np.append(np.ravel(pose.rotation), pose.translation)
+            for pose in (own_pose(thing, time) for time in (0.0, scene.time.period))
+        )
+        if np.abs(last - first).max() > RETURNED:
+            found.append(
+                f"{name}: time.loop repeats all motion after {scene.time.period:g} s, where its keys have not led back "
+                "to where they began: it jumps there; give it a last key like the first"
+            )
+    return found
 
 
 def softness(scene: Scene, groom: Groom) -> list[str]:

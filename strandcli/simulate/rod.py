@@ -162,7 +162,7 @@ class RodSolver(Solver):
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
         if self.carried and self.scene.emitter.keys:
-            return emitter_pose(self.scene.emitter, max(time, 0.0))
+            return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
         return self._still
 
     def step(self, time: float, dt: float) -> None:

@@ -30,6 +30,7 @@ class Surroundings:
     def __init__(self, scene: Any, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
         self.gravity = gravity(scene)
+        self._loop = scene.time.period
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self._travelling = [one for one in self.winds if wind.travels(one)]
         if self._travelling and len(self.winds) > 1:  # each strand has one factor, of the air's whole velocity
@@ -60,8 +61,8 @@ class Surroundings:
         for one in self.winds:
             speed = one.strength
             if one not in self._travelling:
-                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases))
-            way = wind.downwind(one, time, self._swings)
+                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases, self._loop))
+            way = wind.downwind(one, time, self._swings, self._loop)
             x, y, z = x + speed * way[0], y + speed * way[1], z + speed * way[2]
         return x, y, z
 
@@ -75,7 +76,7 @@ class Surroundings:
         way = np.array(one.direction) / np.linalg.norm(one.direction)
         along = np.einsum("bck,c->bk", roots, way) / one.wavelength
         wave = sum(
-            a * wind.waves(time / (one.period * scale) + phase - along / scale)
+            a * wind.waves(time / wind.fitted(one.period * scale, self._loop) + phase - along / scale)
             for (scale, a), phase in zip(wind.WAVES, self._phases, strict=True)
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
@@ -83,7 +84,7 @@ class Surroundings:
     def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
         """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``, as the
         kernel's arguments `spheres`, `capsules`, `planes`, `boxes` and `whole`: always the same arrays."""
-        now, past = max(time, 0.0), max(time - dt, 0.0)
+        now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
         outer = outer or emitter_pose(emitter, now)
         known, inner, before = self._poses

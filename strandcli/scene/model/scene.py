@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..fields import Colour, choice, colour, integer, items, model, number, optional, panels, rules, text
+from ..fields import Colour, boolean, choice, colour, integer, items, model, number, optional, panels, rules, text
 from .camera import Camera, Image
 from .emitter import Emitter
 from .lights import LIGHTS, MOST_LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
@@ -25,8 +25,21 @@ class Time:
     fps: float = number(24.0, above=0, high=100_000, unit="1/s", doc="frames a second")
     substeps: int = integer(1, low=1, high=1000, doc="solver steps a frame; the step is 1 / (fps * substeps)")
     preroll: float = number(
-        0.0, low=0, high=3600, unit="s", doc="time simulated before frame 1, with everything held at its first key"
+        0.0, low=0, high=3600, unit="s",
+        doc="time simulated before frame 1, with everything held at its first key, or with loop: true in motion",
+    )  # fmt: skip
+    loop: bool = boolean(
+        False, doc="all frames repeat without end: keys and gusts have that period, also during the pre-roll"
     )
+
+    @property
+    def period(self) -> float:
+        """Seconds after which all motion repeats; 0 where it does not."""
+        return self.frames / self.fps if self.loop else 0.0
+
+    def pose_time(self, time: float) -> float:
+        """Where keys are read at a time in seconds: before frame 1 they are held, unless the motion repeats."""
+        return time % self.period if self.loop else max(time, 0.0)
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -19,8 +19,8 @@ class Moment(NamedTuple):
 
     @property
     def pose_time(self) -> float:
-        """Time at which keys are read: during the pre-roll everything is held."""
-        return max(self.time, 0.0)
+        """Time at which keys are read: during the pre-roll everything is held, unless the motion repeats."""
+        return float(self.scene.time.pose_time(self.time))
 
 
 @dataclass(frozen=True)

@@ -44,11 +44,17 @@ def wave(u: float) -> float:
     return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
 
 
-def gusts(time: float, period: float, phases: Any) -> float:
-    """Gust factor between -1 and 1 at a time; ``phases`` holds one number in [0, 1) a wave."""
+def fitted(period: float, loop: float) -> float:
+    """The period nearest to one that fits a whole number of times into a ``loop``, by frequency; 0: there is none."""
+    return loop / max(round(loop / period), 1) if loop > 0 else period
+
+
+def gusts(time: float, period: float, phases: Any, loop: float = 0.0) -> float:
+    """Gust factor between -1 and 1 at a time; ``phases`` holds one number in [0, 1) a wave. Repeats after ``loop``
+    seconds, where that is not 0."""
     total = 0.0
     for (scale, a), phase in zip(WAVES, phases, strict=True):
-        total += a * wave(time / (period * scale) + phase)
+        total += a * wave(time / fitted(period * scale, loop) + phase)
     return total
 
 
@@ -96,11 +102,11 @@ def apply_by_angle(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     return a[0] + p[0] * m, a[1] + p[1] * m, a[2] + p[2] * m
 
 
-def downwind(parameters: Parameters, time: float, phases: Any) -> tuple[float, float, float]:
+def downwind(parameters: Parameters, time: float, phases: Any, loop: float = 0.0) -> tuple[float, float, float]:
     """Unit direction of the wind, swung about +y by the sway of this moment."""
     x, y, z = parameters.direction
     size = math.sqrt(x * x + y * y + z * z)
-    s, c = sine_cosine(parameters.sway * gusts(time, 1.618 * parameters.period, phases))
+    s, c = sine_cosine(parameters.sway * gusts(time, 1.618 * parameters.period, phases, loop))
     return (c * x + s * z) / size, y / size, (c * z - s * x) / size
 
 
@@ -117,17 +123,18 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
     shift = phases(scene.seed).tolist()
     travelling = travels(parameters)
+    loop = scene.time.period
 
     def prepare(moment: Moment) -> Any:
-        d = downwind(parameters, moment.time, shift[3:])
+        d = downwind(parameters, moment.time, shift[3:], loop)
         strength = parameters.strength * moment.step**2
         if not travelling:
-            strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, shift[:3]))
+            strength *= 1.0 - parameters.gust * 0.5 * (1.0 - gusts(moment.time, parameters.period, shift[:3], loop))
             return np.array([strength * d[0], strength * d[1], strength * d[2], *d], np.float32)
         waves = [
             part
             for (scale, a), phase in zip(WAVES, shift[:3], strict=True)
-            for part in (1 / scale, a, (moment.time / (parameters.period * scale) + phase) % 1.0)
+            for part in (1 / scale, a, (moment.time / fitted(parameters.period * scale, loop) + phase) % 1.0)
         ]
         by = (1.0, 0.0) if parameters.per_length else (0.0, 1.0)
         # waves travel along the mean direction: with the swaying one, far from the origin, they would race sideways
