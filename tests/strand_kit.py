@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from reference.rules import Twin
 from strandcli import runtime
 from strandcli.frame import Frame
-from strandcli.groom.emit import Groom, emit
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
 from strandcli.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate import compose

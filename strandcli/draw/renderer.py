@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..groom.children import Children
 from ..groom.combed import Combed
-from ..groom.emit import Groom
+from ..groom.record import Groom
 from ..scene.model import Scene
 from ..solids import Solids
 from .canvas import Canvas

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .emit import Groom
+from .record import Groom
 
 TOGETHER = 16
 """Strands that are as near each other as can be: those of a vector."""

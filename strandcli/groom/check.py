@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import UsageError
-from .emit import Groom
+from .record import Groom
 
 UNIT = 1e-3
 """How far a direction may be from a unit vector."""

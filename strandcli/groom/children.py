@@ -24,8 +24,10 @@ from ..constants import W
 from ..errors import SimulationError
 from ..scene.model import DiscShape, Emitter, PlaneShape
 from ..scene.motion import emitter_pose
+from ..scene.touched import touched
 from . import fringe
-from .emit import Groom, emit, frame, sides, stream
+from .emit import emit, sides, stream
+from .record import Groom, frame
 
 PARENTS = 3
 ASTRAY = 0.15
@@ -123,11 +125,7 @@ class Children:
         return out, rest
 
     def _solids(self, at: float) -> solids.Solids:
-        from ..simulate.rules import collision
-
-        uses = [use for use in self.scene.rules if use.name == "collision"]
-        met = {id(solid): solid for use in uses for solid in collision.chosen(use.parameters, self.scene)}
-        return solids.pack_all(list(met.values()), self.scene.emitter, at)
+        return solids.pack_all(touched(self.scene), self.scene.emitter, at)
 
     @cached_property
     def every(self) -> Groom:

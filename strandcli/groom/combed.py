@@ -16,7 +16,8 @@ from .. import solids
 from ..blocks import pack
 from ..constants import W
 from ..scene.motion import Pose, emitter_pose, solid_pose
-from .emit import Groom, stream
+from .emit import stream
+from .record import Groom
 from .tie import Floats, paths
 from .wisps import chosen, wisps
 

@@ -24,7 +24,7 @@ from ..scene.model import DiscShape, Emitter, PlaneShape, SphereShape
 from ..scene.model.emitter import TIED
 
 if TYPE_CHECKING:
-    from .emit import Groom
+    from .record import Groom
 
 Floats = NDArray[np.float64]
 Over = Callable[[Floats, Floats], Floats]

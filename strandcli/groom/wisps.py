@@ -15,7 +15,7 @@ from .tie import Floats, Over, chart_of
 
 if TYPE_CHECKING:
     from ..scene.model import Emitter
-    from .emit import Groom
+    from .record import Groom
 
 ASIDE = 0.7
 """Radians from the way to the tie, to either side, in which wisps begin at the most,"""

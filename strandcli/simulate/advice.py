@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..groom.emit import Groom
+from ..groom.record import Groom
 from ..scene.motion import emitter_pose, own_pose
+from ..scene.touched import touched
 from .material import TORSION, matter_along, stiffness
 from .rest_shape import coiled, unit_edges
-from .rules import collision
 from .sag_free import hold
 from .surroundings import gravity
 
@@ -47,7 +47,6 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
             )
     collisions = [use for use in scene.rules if use.name == "collision"]
     numbers = {id(solid): place for place, solid in enumerate(scene.solids)}
-    touched = {id(one): one for use in collisions for one in collision.chosen(use.parameters, scene)}
     whole = any(use.parameters.segments for use in collisions)
     segment = groom.lengths.astype(np.float64) / max(scene.emitter.particles - 1, 1)
     away = float(np.abs(_roots(scene, groom.roots, 1)).max())
@@ -57,8 +56,8 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
             f"strands are {away:.3g} m from the origin, where places are rounded to {step:.2g} m, "
             f"{100 * step / segment.max():.2g} % of a segment: they become ragged; move the scene to the origin"
         )
-    for key, solid in touched.items():
-        name = f"solids.{numbers[key]}" + (f" ({solid.name})" if solid.name else "")
+    for solid in touched(scene):
+        name = f"solids.{numbers[id(solid)]}" + (f" ({solid.name})" if solid.name else "")
         swallowed = _swallowed(solid, scene, groom, segment)
         if swallowed is not None:
             found.append(f"{name}: {swallowed}")

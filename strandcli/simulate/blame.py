@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
-from ..groom.emit import Groom, emit
+from ..groom.emit import emit
+from ..groom.record import Groom
 from .rules import Moment, Pass, idle, registry
 
 SMALLER_STEPS = "use more time.substeps"

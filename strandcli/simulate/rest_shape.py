@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..groom.emit import Groom, frame
+from ..groom.record import Groom, frame
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..blocks import aligned, lanes
 from ..constants import VECTOR, W
 from ..errors import UsageError
-from ..groom.emit import Groom
+from ..groom.record import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_step, rod_tension, tickets

@@ -12,10 +12,10 @@ from .. import solids
 from ..blocks import aligned, lanes, pack, unpack
 from ..constants import W
 from ..groom.check import check
-from ..groom.emit import Groom
+from ..groom.record import Groom
 from ..scene.motion import emitter_pose
+from ..scene.touched import touched
 from .kernels import measure
-from .rules import collision as collision_rule
 
 
 class Solver(ABC):
@@ -110,14 +110,9 @@ class Solver(ABC):
         }
 
     def _depths(self, time: float) -> tuple[float, float] | tuple[None, None]:
-        touched = {
-            id(solid): solid
-            for use in self.scene.rules
-            if use.name == "collision"
-            for solid in collision_rule.chosen(use.parameters, self.scene)
-        }
-        if not touched:
+        met = touched(self.scene)
+        if not met:
             return None, None
         out = np.zeros((len(self.positions), 2), np.float32)
-        measure.depths(self.positions, solids.pack_all(list(touched.values()), self.scene.emitter, time), out)
+        measure.depths(self.positions, solids.pack_all(met, self.scene.emitter, time), out)
         return float(out[:, 0].max()), float(out[:, 1].max())

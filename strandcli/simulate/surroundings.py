@@ -14,7 +14,8 @@ from .. import solids
 from ..constants import W
 from ..errors import UsageError
 from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
-from .rules import collision, wind
+from ..scene.touched import touched
+from .rules import wind
 
 
 def gravity(scene: Any) -> NDArray[np.float64]:
@@ -42,11 +43,11 @@ class Surroundings:
         phases = wind.phases(scene.seed).tolist()
         self._phases, self._swings = phases[:3], phases[3:]
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
-        touched = list({id(one): one for use in contacts for one in collision.chosen(use, scene)}.values())
-        self.any_solids = bool(touched)
-        kinds = {kind: [one for one in touched if one.kind == kind] for kind in solids.COLUMNS}
+        met = touched(scene)
+        self.any_solids = bool(met)
+        kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
-        self._packed = *packed.values(), bool(touched) and any(one.segments for one in contacts)
+        self._packed = *packed.values(), bool(met) and any(one.segments for one in contacts)
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
         self._moving = [
             (row, one, None if one.keys else own_pose(one, 0.0))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from .. import runtime
-from ..groom.emit import Groom
+from ..groom.record import Groom
 from .compose import step_for
 from .rules import Moment, Pass, idle, registry
 from .solver import Solver

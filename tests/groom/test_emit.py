@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strandcli.groom.emit import Groom, emit, stream
+from strandcli.groom.emit import emit, stream
+from strandcli.groom.record import Groom
 from strandcli.scene.model import DiscShape, Emitter, PlaneShape, SphereShape
 
 SHAPES = [

@@ -14,7 +14,8 @@ from strand_kit import scene_of
 from strandcli.blocks import pack, unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.combed import Combed
-from strandcli.groom.emit import Groom, emit
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
 from strandcli.groom.tie import chart_of
 from strandcli.groom.wisps import ASIDE, BEND, OFF, SHORTEST, chosen, wisps
 from strandcli.scene.model import DiscShape, Emitter, Scene, SphereShape, Tie

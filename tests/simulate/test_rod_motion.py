@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 import strandcli
 from strand_kit import scene_of
-from strandcli.groom.emit import Groom, emit
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.stress import drive
 from strandcli.study.stress.axes import case_named

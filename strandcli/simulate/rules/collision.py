@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...scene.fields import boolean, names
+from ...scene.touched import chosen
 from .rule import Pass
 
 name = "collision"
@@ -34,11 +35,6 @@ def check(parameters: Parameters, scene: Any) -> Iterable[tuple[str, str]]:
         if given not in known:
             have = ", ".join(sorted(filter(None, known))) or "no named solids"
             yield f"with.{place}", f"no solid is called {given!r}; this scene has {have}"
-
-
-def chosen(parameters: Parameters, scene: Any) -> list[Any]:
-    """The solids that a collision rule acts on."""
-    return [solid for solid in scene.solids if not parameters.with_ or solid.name in parameters.with_]
 
 
 def idle(parameters: Parameters, scene: Any) -> str:

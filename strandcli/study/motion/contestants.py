@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...groom.emit import Groom, emit
+from ...groom.emit import emit
+from ...groom.record import Groom
 from ...scene.model import Rod, Scene
 from ..references.base import NEEDS, Case, Track
 from .watch import Stopwatch

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...groom.emit import Groom, emit
+from ...groom.emit import emit
+from ...groom.record import Groom
 from ...scene.model import Scene
 from ...simulate.material import rigidity
 from ...simulate.surroundings import gravity

@@ -16,7 +16,7 @@ from ... import solids
 from ...blocks import lanes
 from ...constants import W
 from ...errors import UsageError
-from ...groom.emit import Groom
+from ...groom.record import Groom
 from ...scene.motion import emitter_pose
 from ...simulate.material import rigidity
 from ...simulate.rules import collision as collision_rule

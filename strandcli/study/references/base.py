@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...groom.emit import Groom
+from ...groom.record import Groom
 
 G = 9.81
 """Gravity in all references, m/s²."""

@@ -12,7 +12,8 @@ from itertools import product
 import numpy as np
 
 from ...errors import UsageError
-from ...groom.emit import Groom, emit
+from ...groom.emit import emit
+from ...groom.record import Groom
 from ...scene.faults import shown
 from ...scene.model import PoseKey, RuleUse, Scene
 from ...scene.motion import emitter_pose

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...groom.emit import Groom
+from ...groom.record import Groom
 from ...scene.model import Emitter, PoseKey, Rod, RuleUse, Scene, SphereSolid, Time
 from ...simulate.rules import registry
 from .axes import Case
