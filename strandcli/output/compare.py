@@ -87,6 +87,9 @@ def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Compar
 
     Raises ``UsageError`` if one cannot be read and ``MismatchError``, naming both, if their sizes differ.
     """
+    (width, height), (wide, high) = png.size_of(first), png.size_of(second)
+    if (width, height) != (wide, high):  # before gigabytes are decoded
+        raise MismatchError(f"{first} and {second}: sizes differ: {width}x{height} against {wide}x{high}")
     images = png.read_samples(first), png.read_samples(second)
     channels = max(image.shape[2] for image in images)
     one, two = (image if image.shape[2] == channels else _opaque(image) for image in images)

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import socket
+import stat
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -68,13 +69,32 @@ def write_json(path: Path, data: Any) -> None:
     write_pieces(path, [text.encode(errors="backslashreplace"), b"\n"])
 
 
+LARGEST_JSON = 1 << 30
+"""Bytes of a JSON file that is read: a report of a million frames has about that."""
+
+
+def read_json(path: Path) -> Any:
+    """The data of a JSON file. Raises ``OSError`` where it cannot be read, and ``ValueError`` where it is no JSON, too
+    large, or no file but a pipe or a device, of which nothing is read."""
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise ValueError("no file but a pipe or a device")
+        text = file.read(LARGEST_JSON + 1)
+    if len(text) > LARGEST_JSON:
+        raise ValueError(f"larger than {megabytes(LARGEST_JSON)}")
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deep") from None
+
+
 def require_own(path: Path) -> None:
     """``UsageError`` where something is at ``path`` that is no JSON file of strandcli's own, which says its version."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = read_json(path)
     except (FileNotFoundError, NotADirectoryError):
         return
-    except (OSError, ValueError, RecursionError):
+    except (OSError, ValueError):
         data = None
     if not isinstance(data, dict) or "strandcli" not in data:
         raise UsageError(

@@ -108,6 +108,12 @@ def load(path: Path) -> Any:
     return _decoded(path, lambda image: image.copy())
 
 
+def size_of(path: Path) -> tuple[int, int]:
+    """Width and height of the picture at ``path``, which is not decoded, with the errors of :func:`read`."""
+    width, height = _decoded(path, lambda image: image.size)
+    return width, height
+
+
 def read_samples(path: Path) -> npt.NDArray[Any]:
     """The `samples` of the picture at ``path``, with the errors of :func:`read`."""
     return np.asarray(_decoded(path, samples))
@@ -126,20 +132,21 @@ def _decoded(path: Path, decode: Callable[[Any], Any]) -> Any:
     except Image.DecompressionBombError:
         most = 2 * (Image.MAX_IMAGE_PIXELS or 0)
         raise RefusedError(f"{path}: more than {most:,} pixels; too big to be read") from None
-    except (OSError, ValueError, SyntaxError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # Pillow's decoders raise what their struct, index and lookup errors are
         raise UsageError(f"{path}: not an image that can be read: {_plain(error)}") from None
 
 
 def keyword(path: Path, name: str) -> str | None:
     """The text that the picture at ``path`` has under a name, None where it has none or cannot be read; its pixels are
     not looked at."""
-    from PIL import Image
-
     try:
-        with Image.open(path) as image:
-            return image.info.get(name)
-    except (OSError, ValueError, SyntaxError):
+        with opened(path) as image:
+            found = image.info.get(name)
+    except Exception:  # whatever a broken file makes of Pillow
         return None
+    return found if isinstance(found, str) else None
 
 
 def _plain(error: Exception) -> str:

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import json
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .. import __version__
 from ..errors import RefusedError, UsageError
 from .claim import Claim
-from .files import atomic, prepare_folder, require_own, with_whole, write_json
+from .files import atomic, prepare_folder, read_json, require_own, with_whole, write_json
 from .report import finite
 
 Positions = npt.NDArray[np.float32]
@@ -23,6 +23,10 @@ Positions = npt.NDArray[np.float32]
 MANIFEST = "manifest.json"
 SCHEMA_VERSION = 1
 AGAIN = "run 'strandcli simulate' again with --overwrite"
+
+
+UNREADABLE = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError)
+"""What damaged archives raise: RuntimeError those that say that they are encrypted."""
 
 
 def positions_file(frame: int) -> str:
@@ -155,7 +159,7 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
     try:
         with np.load(path, allow_pickle=False) as data:
             positions: Positions = data["positions"]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except (*UNREADABLE, KeyError) as error:
         raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
@@ -178,7 +182,7 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
         raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except UNREADABLE as error:
         raise UsageError(f"{path}: not a file of positions: {error}; {AGAIN}") from None
     if tuple(found) != shape:
         strands, particles, _ = shape
@@ -193,7 +197,7 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
 def _read_manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = read_json(path)
     except (FileNotFoundError, NotADirectoryError):
         raise UsageError(f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'") from None
     except PermissionError:

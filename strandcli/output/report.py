@@ -20,7 +20,7 @@ from typing import Any
 from .. import __version__
 from . import png
 from .claim import Claim
-from .files import write_json
+from .files import read_json, write_json
 from .frames import SCENE_KEYWORD, Written, frame_file
 
 SCHEMA_VERSION = 1
@@ -173,8 +173,8 @@ def finite(value: Any) -> Any:
 def read_report(directory: Path) -> dict[str, Any] | None:
     """The report that an earlier run left in ``directory``, or None if there is none that can be read."""
     try:
-        data = json.loads((directory / FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        data = read_json(directory / FILE)
+    except (OSError, ValueError):
         return None
     return data if isinstance(data, dict) and isinstance(data.get("frames", []), list) else None
 
@@ -185,7 +185,7 @@ def of_others(directory: Path, scene: str, previous: Mapping[str, Any] | None) -
     if previous is None or not scene or previous.get("scene") != scene:
         return {}
     found: dict[int, dict[str, Any]] = {}
-    for entry in previous["frames"]:
+    for entry in previous.get("frames", []):
         number = entry.get("frame") if isinstance(entry, dict) else None
         if isinstance(number, int) and png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
             found[number] = {**entry, "kept": True}

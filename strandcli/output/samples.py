@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,12 +17,17 @@ STEP = 257.0
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Any]:
-    """The Pillow image at ``path``, not decoded yet; a big one without Pillow's warning, which names no remedy."""
+def opened(path: Path | str) -> Iterator[Any]:
+    """The Pillow image at ``path``, not decoded yet, without Pillow's warnings, which name no remedy.
+
+    Raises ``ValueError`` for a pipe or a device, of which nothing is read, and what Pillow raises for broken files.
+    """
     from PIL import Image
 
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise ValueError("it is no file")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        warnings.simplefilter("ignore")
         with Image.open(path) as image:
             yield image
 

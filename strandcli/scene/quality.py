@@ -20,7 +20,10 @@ resolver and shadow models: half of the children, half again as wide; strands th
 and widened; smaller opacity maps of fewer layers; coarser occlusion; fewer pictures a frame for lens and shutter. The
 whole presets, 800×600, drawing alone on one thread, seconds of processor time:
 
-DRAFT_TABLE
+| quality | `hair` | `fur` | `grass` | `ponytail` |
+|---|---|---|---|---|
+| default | 2.8 | 2.2 | 5.8 | 10.7 |
+| draft | 0.7 | 1.0 | 2.5 | 1.3 |
 
 Lines of no width become thinner with more samples and are never thinned out; give strands a `material.width`, as the
 study does.

@@ -16,7 +16,7 @@ from typing import Any
 
 from .. import __version__, runtime
 from ..errors import MismatchError, StrandError
-from ..output.files import write_json
+from ..output.files import read_json, write_json
 from ..output.report import finite
 from ..scene.dump import plain
 from ..scene.model import Scene
@@ -70,7 +70,7 @@ def advise(
     for more in ({}, {**finer(scene), **kept}):
         chosen = {**kept, **more}
         path = folder() / f"{key(scene, chosen)}.json"
-        data = _read(path)
+        data = _read(path, scene.solver)
         reused = data is not None
         if data is None:
             request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
@@ -135,13 +135,20 @@ def _sources() -> str:
     return digest.hexdigest()
 
 
-def _read(path: Path) -> dict[str, Any] | None:
-    """An earlier study; None where there is none, or none that can be read."""
+def _read(path: Path, solver: str) -> dict[str, Any] | None:
+    """An earlier study; None where there is none that can be read, or one of another shape."""
     try:
-        data = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError):
+        data = read_json(path)
+        points, margin = data["points"], data["margin"]
+        metric, converges = data["metric"], data["reference"]["limits"][solver]["converges"]
+        sound = isinstance(metric, str) and isinstance(converges, bool) and isinstance(margin, int | float | None)
+        for point in points:
+            error = point["error"].get(metric)
+            sound = sound and isinstance(error, int | float | None) and isinstance(point["knobs"], dict)
+            sound = sound and isinstance(point["seconds"], int | float)
+    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return None
-    return data if isinstance(data, dict) and {"points", "metric", "margin", "reference"} <= set(data) else None
+    return data if sound and isinstance(points, list) else None
 
 
 def _keep(path: Path, data: dict[str, Any]) -> None:

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of, solver_of
-from strandcli import plan as planning
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.errors import RefusedError
 from strandcli.plan import Plan, available_memory, make_plan, needs_shadow_maps, require_memory
+from strandcli.plan import free as planning
 from strandcli.scene import Scene
 from strandcli.simulate import compose
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT

@@ -1,0 +1,117 @@
+"""Files that are no files, or not what they say: one clear line, at once, and never a hang."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from strandcli.errors import MismatchError, RefusedError, UsageError
+from strandcli.output import png
+from strandcli.output.compare import compare_files
+from strandcli.output.files import read_json
+from strandcli.output.positions import read_positions
+from strandcli.output.report import of_another_film, of_others, read_report
+from strandcli.study.advice import _read
+
+
+def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "report.json")
+    assert read_report(tmp_path) is None
+    (tmp_path / "report.json").unlink()
+    (tmp_path / "report.json").symlink_to("/dev/zero")
+    assert read_report(tmp_path) is None
+    with pytest.raises(ValueError, match="pipe or a device"):
+        read_json(tmp_path / "report.json")
+
+
+def test_a_report_without_frames_has_none(tmp_path: Path) -> None:
+    (tmp_path / "report.json").write_text('{"strandcli": "0", "scene": "s"}')
+    report = read_report(tmp_path)
+    assert of_others(tmp_path, "s", report) == {}
+    assert of_another_film(tmp_path, "t", report, [1]) == []
+
+
+def test_a_pipe_as_picture_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "frame_0001.png")
+    assert png.keyword(tmp_path / "frame_0001.png", "scene") is None
+    with pytest.raises(UsageError, match="not an image that can be read: it is no file"):
+        png.load(tmp_path / "frame_0001.png")
+
+
+@pytest.mark.parametrize("kind", ["dds", "avif", "blp", "tiff"])
+@pytest.mark.filterwarnings("error")
+def test_damaged_pictures_end_in_one_line(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a.{kind}"
+    picture = Image.new("P" if kind == "blp" else "RGB", (64, 64), 3)
+    try:
+        picture.save(path, kind.upper())
+    except (KeyError, OSError, ValueError):
+        pytest.skip(f"Pillow writes no {kind} here")
+    whole = path.read_bytes()
+    generator = np.random.default_rng(1)
+    for _ in range(200):
+        damaged = bytearray(whole[: generator.integers(4, len(whole) + 1)])
+        for place in generator.integers(0, len(damaged), 8):
+            damaged[place] = generator.integers(256)
+        path.write_bytes(damaged)
+        with contextlib.suppress(UsageError, RefusedError):  # of one line, and nothing else; some are still pictures
+            png.read(path)
+
+
+def test_sizes_are_compared_before_pixels_are_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Image.new("RGB", (3, 2)).save(tmp_path / "a.png")
+    Image.new("RGB", (2, 2)).save(tmp_path / "b.png")
+
+    def never(path: Path) -> None:
+        raise AssertionError("decoded")
+
+    monkeypatch.setattr(png, "read_samples", never)
+    with pytest.raises(MismatchError, match="sizes differ: 3x2 against 2x2"):
+        compare_files(tmp_path / "a.png", tmp_path / "b.png")
+
+
+@pytest.mark.parametrize(("offset", "value"), [(6, 1), (8, 99)])
+def test_archives_that_say_they_are_encrypted_or_packed_oddly_are_refused(
+    offset: int, value: int, tmp_path: Path
+) -> None:
+    """The flags and the method of a member, in its local header and in the directory, 2 bytes further there."""
+    path = tmp_path / "positions_0001.npz"
+    np.savez(path, positions=np.zeros((2, 3, 3), np.float32))
+    data = bytearray(path.read_bytes())
+    data[offset] = value
+    data[data.rindex(b"PK\x01\x02") + offset + 2] = value
+    path.write_bytes(data)
+    with pytest.raises(UsageError, match="not a file of positions"):
+        read_positions(path, (2, 3, 3))
+
+
+def test_an_archive_with_a_member_that_is_no_array_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "positions_0001.npz"
+    np.savez(path, positions=np.ones((2, 3, 3), np.float32))
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("raw", b"x")
+    assert read_positions(path, (2, 3, 3)).sum() == 18
+
+
+SOUND = {
+    "points": [{"error": {"tip": 0.1}, "knobs": {"substeps": 2}, "seconds": 1.0}],
+    "metric": "tip", "margin": 0.01, "reference": {"limits": {"rod": {"converges": True}}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", ["points", "metric", "margin", "reference"])
+def test_a_remembered_study_of_another_shape_is_none(path: str, tmp_path: Path) -> None:
+    file = tmp_path / "study.json"
+    file.write_text(json.dumps(SOUND))
+    assert _read(file, "rod") == SOUND
+    for odd in ([1], {"a": 1}, [{"error": 3}], True, "text"):
+        if (path, odd) != ("metric", "text") and (path, odd) != ("margin", True):
+            file.write_text(json.dumps({**SOUND, path: odd}))
+            assert _read(file, "rod") is None or path == "metric"
