@@ -1,7 +1,7 @@
 """Somebody else's Numba code, as a program: prints what it computes, after a scene has been rendered or without.
 
 With the argument ``plain`` strandcli is never imported; with ``rendered`` a scene is rendered first, and what that has
-changed in Numba and in the process is printed to stderr.
+changed in Numba and in the process is printed to stderr; with ``simulated`` it is simulated alone.
 """
 
 from __future__ import annotations
@@ -67,22 +67,23 @@ def state() -> dict[str, object]:
     return kept
 
 
-def render() -> None:
+def render(draw: bool) -> None:
     """Render two frames on one thread, where all are set, and one on another thread."""
     numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
     before = state()
     import strandcli
+    from strandcli.pipeline import render as run
 
     changes = ["image.size=48x32", "emitter.strands=20", "time.preroll=0"]
     scene = strandcli.load("minimal", overrides=changes)
-    for frame in strandcli.render(scene, [1, 2], threads=1):
-        assert frame.image is not None
+    for frame in strandcli.render(scene, [1, 2], threads=1) if draw else run(scene, [1, 2], threads=1, draw=False):
+        assert (frame.image is not None) == draw
         assert numba.get_num_threads() == numba.config.NUMBA_NUM_THREADS
     elsewhere: list[bool] = []
 
     def work() -> None:
         numba.set_num_threads(1)
-        list(strandcli.render(scene, [1]))
+        list(run(scene, [1], draw=draw))
         elsewhere.append(numba.get_num_threads() == 1)
 
     thread = threading.Thread(target=work)
@@ -253,8 +254,8 @@ def cached() -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "rendered":
-        render()
+    if sys.argv[1] != "plain":
+        render(draw=sys.argv[1] == "rendered")
     loops_generators_closures()
     containers()
     ufuncs()

@@ -31,5 +31,5 @@ def test_strangers_compute_the_same_after_a_render_and_nothing_of_numba_has_chan
 
 def test_nothing_changes_where_kernels_are_compiled_in_place(tmp_path: Path) -> None:
     """With an empty cache and without workers."""
-    done = run("rendered", STRANDCLI_COMPILERS="0", STRANDCLI_CACHE_DIR=str(tmp_path / "cache"))
+    done = run("simulated", STRANDCLI_COMPILERS="0", STRANDCLI_CACHE_DIR=str(tmp_path / "cache"))
     assert done.stderr == ""
