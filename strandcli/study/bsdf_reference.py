@@ -5,8 +5,8 @@ the wrapped Gaussian, as the tables mean to. `azimuthal_roots` is the paper's ow
 al. 2003), N_p = ½ Σ_r A_p(h_r) |dφ/dh|⁻¹ over the roots of Φ_p(h_r) = φ: the limit of no azimuthal roughness, infinite
 at caustics. Nothing here is shared with `strandcli.draw`.
 
-Angles are in radians and as in `strandcli/draw/fibre/kernels/marschner.py`; lobes are 0 (R), 1 (TT), 2 (TRT). Absorption σ_a
-is one number in 1/radius: call once a channel.
+Angles are in radians and as in `strandcli/draw/fibre/kernels/marschner.py`; lobes are 0 (R), 1 (TT), 2 (TRT).
+Absorption σ_a is one number in 1/radius: call once a channel.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Chiang's hair model in float64 without tables, offset by offset: what the renderer's tables and kernel are measured
 against. Nothing here is shared with `strandcli.draw`.
 
-Angles are in radians and as in `strandcli/draw/fibre/kernels/marschner.py`; the tangent runs from root to tip. Absorption σ_a
-is one number in 1/radius.
+Angles are in radians and as in `strandcli/draw/fibre/kernels/marschner.py`; the tangent runs from root to tip.
+Absorption σ_a is one number in 1/radius.
 """
 
 from __future__ import annotations
