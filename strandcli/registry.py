@@ -19,8 +19,8 @@ ROOT = Path(__file__).parent
 class Registry:
     """The drivers of one kind.
 
-    Shipped ones are the modules of a package, each named as presets name it. Those of other packages are entry points
-    of a group; `register` adds one for this process.
+    Shipped ones are the modules of a package, or the object `DRIVER` in each, named as presets name them. Those of
+    other packages are entry points of a group; `register` adds one for this process.
     """
 
     def __init__(self, kind: str, group: str, package: str, first: str, parts: tuple[str, ...]) -> None:
@@ -40,7 +40,8 @@ class Registry:
         is none."""
         if name not in self._drivers:
             if name in self._shipped():
-                self._drivers[name] = importlib.import_module(f"{self._package}.{name}")
+                module = importlib.import_module(f"{self._package}.{name}")
+                self._drivers[name] = getattr(module, "DRIVER", module)
             elif name in self._offered():
                 entry = self._offered()[name]
                 try:
@@ -101,3 +102,8 @@ def _entry_points() -> tuple[str, ...]:
 
 FIBRES = Registry("fibre model", "strandcli.fibres", "draw.fibre.models", "marschner", ("name", "tables"))
 """Models of a strand's light: `material.model`."""
+SHADOWS = Registry(
+    "shadow model", "strandcli.shadow_models", "draw.shadows.models", "minmax",
+    ("name", "casts_map", "layers", "shades_vertices"),
+)  # fmt: skip
+"""Models of the strands' shadows: `shadow.model` of a light."""

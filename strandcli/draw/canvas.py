@@ -22,7 +22,7 @@ from .film.aovs import Recorder
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .lighting.lighting import NO_SPOTS, Lighting
-from .shadows.traced import Grid
+from .shadows.vertex_shadows import VertexShadows
 from .solids.edges import find_edges
 from .solids.kernels import rasterise
 from .solids.solids import frames_of
@@ -44,8 +44,8 @@ class Canvas:
     backdrop: NDArray[np.float32]
     """(height, width, 3)"""
     lighting: Lighting
-    grids: Sequence[Grid]
-    """Of the lights with exact shadows."""
+    grids: Sequence[VertexShadows]
+    """Of the lights whose shadow models shade vertices."""
     shade: Shade
     recorder: Recorder | None
     workers: int
@@ -159,7 +159,7 @@ class Canvas:
                     grid.visibility(batch.lines, marks, batch.screen, row)
                 else:
                     shades = profiles.shades[number]
-                    grid.visibility(batch.lines, marks, batch.screen, row, view, profiles.slots, shown, shades)
+                    grid.across(batch.lines, marks, batch.screen, row, view, profiles.slots, shown, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, batch, marks, found)
         thick = self.lighting.scene.image.haze

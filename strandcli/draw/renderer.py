@@ -30,8 +30,9 @@ from .lighting.occlusion import Occlusion
 from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
 from .shadows.needs import needs_counts
-from .shadows.shadow import ShadowMaps, is_traced, plan_maps, wants_map
-from .shadows.traced import grid_of
+from .shadows.shadow import ShadowMaps, plan_maps
+from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
+from .shadows.vertex_shadows import StrandsInLight
 from .solids.solids import packed as pack_solids
 from .strand_batches import StrandBatch, StrandBatches, Strands, cut
 from .view import lens
@@ -52,7 +53,7 @@ class Renderer:
         self.scene = scene
         self.tones = groom.tones
         self.scratch = Scratch()
-        deep = any(light.shadow.model in ("opacity", "traced") and wants_map(light) for light in scene.lights)
+        deep = any(counts_strands(light) for light in scene.lights)
         if children is None and scene.children is not None:
             children = Children(scene, groom)
         self.children = children
@@ -65,12 +66,12 @@ class Renderer:
         self.ids = groom.places
         """Of each strand its place in the order of emission, where they do not stand in it."""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
-        self.traced = [light for light in scene.lights if is_traced(light)]
+        self.traced = [light for light in scene.lights if shades_vertices(light)]
         self._counts = needs_counts(scene)
         self.coverage = None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity)
         # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
-        self._thins = self.coverage is not None and not any(
-            light.shadow.model == "minmax" and wants_map(light) for light in scene.lights
+        self._thins = self.coverage is not None and all(
+            model_of(light).thins for light in scene.lights if casts_map(light)
         )
         self.backdrop = backdrop_of(scene.image)
         self._drawing: Drawing
@@ -152,7 +153,10 @@ class Renderer:
         grids = []
         if self.traced and lines is not None:
             grids = [
-                grid_of(light, lines, thickness, scene.material.opacity, bounds, workers, self.scratch, number)
+                model_of(light).vertex_shadows(
+                    light,
+                    StrandsInLight(lines, thickness, scene.material.opacity, bounds, workers, self.scratch, number),
+                )
                 for number, light in enumerate(self.traced)
             ]
         drawing.lap("shadow")

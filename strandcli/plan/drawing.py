@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..constants import FRAGMENTS, GRID_BYTES
+from ..constants import FRAGMENTS
 from ..decision import Decision, left_out
 from ..draw.geometry.detail import shares
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
-from ..registry import FIBRES
+from ..draw.shadows.shadow_model import casts_map, counts_strands
+from ..registry import FIBRES, SHADOWS
 from ..scene.model.emitter import TIED
 from .memory import fragment_bytes
 
@@ -60,19 +61,16 @@ def _shadows(scene: Scene) -> Iterator[Decision]:
     dark = len(scene.lights) - len(lit)
     if dark:
         yield left_out("lights", f"{dark} of {len(scene.lights)} are dark")
-    exact = sum(light.shadow.model == "traced" for light in lit)
-    maps = sum(light.shadow.model not in ("off", "traced") for light in lit) + (exact if needs_counts(scene) else 0)
+    maps = sum(casts_map(light, needs_counts(scene)) for light in lit)
     none = "there is no light" if not lit else ""
     if maps:
         yield Decision("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows")
     else:
         yield left_out("shadow maps", none or "no light asks for one")
-    if exact:
-        lights = f"{exact} {'light' if exact == 1 else 'lights'}"
-        lists = f"lists of about {GRID_BYTES / 1e6:,.0f} MB a light at most"
-        yield Decision("exact shadows", f"every strand against all others in {lights}; {lists}")
-    else:
-        yield left_out("exact shadows", none or "no light asks for them")
+    for name in SHADOWS.names():
+        lights = sum(light.shadow.model == name for light in lit)
+        if (stage := SHADOWS[name].stage(lights)) is not None:
+            yield Decision(*stage) if lights else left_out(stage[0], none or "no light asks for them")
 
 
 def _fibre(scene: Scene) -> Iterator[Decision]:
@@ -84,7 +82,7 @@ def _fibre(scene: Scene) -> Iterator[Decision]:
         yield left_out(f"{material.model} tables", "material.specular is zero" if lit else "there is no light")
     if material.scatter != "dual":
         yield left_out("dual scattering", "material.scatter is the diffuse stand-in")
-    elif any(light.shadow.model in ("opacity", "traced") for light in lit):
+    elif any(counts_strands(light) for light in lit):
         yield Decision("dual scattering", "light goes from strand to strand under lights with opacity maps")
     else:
         yield left_out("dual scattering", "no light has an opacity map to count strands by")

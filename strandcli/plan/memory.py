@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..constants import BATCH_VERTICES, FRAGMENT_BYTES, FRAGMENTS, GRID_BYTES, POINTS_BYTES, W
+from ..constants import BATCH_VERTICES, FRAGMENT_BYTES, FRAGMENTS, POINTS_BYTES, W
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps
+from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
 from ..registry import FIBRES
 from ..scene.model.emitter import TIED
 
@@ -44,7 +45,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     strands, n = drawn_strands(plan, scene), drawn_particles(scene)
     per_strand = plan.segments_max // max(strands, 1) + 1
     vertices = strands * per_strand
-    traced = sum(light.shadow.model == "traced" and light.intensity > 0 for light in scene.lights)
+    traced = sum(shades_vertices(light) for light in scene.lights)
     if scene.image.resolver == "zbuffer" and not traced:
         vertices = min(vertices, BATCH_VERTICES + per_strand * W)
     light = 12 if needs_shadow_maps(scene) else 0
@@ -70,9 +71,7 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
 
 def _traced_bytes(scene: Scene, vertices: int, traced: int) -> int:
     """Bytes of exact shadows in so many lights."""
-    # of each light with exact shadows the lists, where they begin, and the strands as it sees them; some three cells a
-    # piece is usual, and one the least
-    total = traced * (max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * 2048**2 + vertices * (12 + 64 + 4))
+    total = sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light))
     if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
         marked = scene.image.resolver != "zbuffer"  # which of their places are seen
         total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
@@ -84,16 +83,10 @@ def _light_bytes(scene: Scene) -> int:
     total = 0
     if scene.occluded and scene.ambient_occlusion is not None:
         total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
-    maps, counts = needs_shadow_maps(scene), needs_counts(scene)
+    counts = needs_counts(scene)
     for one in scene.lights:
-        if maps and one.shadow.model != "off":
-            if one.shadow.model == "traced" and not counts:
-                continue
-            # of a cell's numbers a quarter, where strands are: no box takes more than 1 / √3 of what the ball about it
-            # does of a map
-            cell = 4 * (2 + 5 * (one.shadow.layers + 1)) / 4 * (0.6 if one.kind == "directional" else 1)
-            texel = 8 if one.shadow.model == "minmax" else 4 + cell
-            total += int(texel * one.shadow.side**2) * (1 if one.kind == "directional" else 6)
+        if casts_map(one, counts):
+            total += model_of(one).map_bytes(one.shadow, one.kind == "directional")
     return total
 
 
@@ -115,5 +108,5 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
 
 def fragment_bytes(scene: Scene) -> int:
     """Bytes of sorted fragments that are held at once, at the most."""
-    exact = any(light.shadow.model == "traced" for light in scene.lights) and scene.image.resolver == "sorted"
+    exact = any(shades_vertices(light) for light in scene.lights) and scene.image.resolver == "sorted"
     return FRAGMENTS * (FRAGMENT_BYTES + (2 * POINTS_BYTES if exact else 0))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...scene.model import DirectionalLight, Light
 from ..common.kernels.light_columns import COLUMNS
-from ..shadows.shadow import ShadowMaps, default_bias, is_traced
+from ..shadows.shadow import ShadowMaps, default_bias
+from ..shadows.shadow_model import shades_vertices
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -33,8 +34,8 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
             bias = default_bias(maps.views[first], bounds)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
-        traced += is_traced(light)
-        number = traced if is_traced(light) else 0
+        traced += shades_vertices(light)
+        number = traced if shades_vertices(light) else 0
         width, over = (maps.thickness.mean, maps.over) if maps is not None else (0.0, 0.0)
         rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, over, 0.0])
     return np.array(rows, np.float32).reshape(-1, COLUMNS)

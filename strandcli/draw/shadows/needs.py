@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .shadow_model import casts_map, shades_vertices, shines
+
 if TYPE_CHECKING:
     from ...scene.model import Light, Scene
 
 
 def shining(scene: Scene) -> list[Light]:
     """The lights that are not dark."""
-    return [light for light in scene.lights if light.intensity > 0 and any(light.colour)]
+    return [light for light in scene.lights if shines(light)]
 
 
 def needs_shadow_maps(scene: Scene) -> bool:
-    """Whether any light has a shadow map."""
-    return any(light.shadow.model != "off" for light in shining(scene))
+    """Whether any light's shadow model asks for strands: for maps, or to shade vertices."""
+    return any(casts_map(light) or shades_vertices(light) for light in scene.lights)
 
 
 def needs_counts(scene: Scene) -> bool:
-    """Whether lights with exact shadows have opacity maps beside them: for solids, and for what counts strands."""
+    """Whether anything but light on strands reads shadow maps: solids, and what counts strands."""
     solid = any(solid.visible for solid in scene.solids)
     return solid or scene.material.scatter == "dual" or "shadow" in scene.image.aovs

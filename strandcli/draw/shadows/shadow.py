@@ -26,6 +26,7 @@ from ..zbuffer.raster import Bands, into_bands, to_screen
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps
 from .kernels.shadow_arrays import ShadowArrays
+from .shadow_model import casts_map, model_of
 
 TEXEL = 1.5
 """Strand spacings a texel of an opacity map."""
@@ -171,17 +172,18 @@ def plan_maps(
 ) -> ShadowMaps | None:
     """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
 
-    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: whether lights with
-    exact shadows have an opacity map too, for solids and for all that counts strands.
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: see
+    `models.base.ShadowModel.casts_map`.
     """
     views: list[View] = []
     layers: list[int] = []
     owners = []
     for light in lights:
         before = len(views)
-        if wants_map(light) and (counted or not is_traced(light)):
-            deep = light.shadow.model != "minmax"
-            size = light.shadow.side
+        if casts_map(light, counted):
+            count = model_of(light).layers(light.shadow)
+            deep = count > 0
+            size = model_of(light).side_of(light.shadow)
             if deep:  # of whole cells, two texels wide, two of which a point lies between
                 size = max(size + size % 2, 4)
             found = light_views(light, size, bounds)
@@ -190,7 +192,7 @@ def plan_maps(
                 wanted = light.shadow.texel or apart
                 found = _coarser(light, size, bounds, found, wanted)
             views += found
-            layers += [light.shadow.layers if deep else 0] * len(found)
+            layers += [count] * len(found)
         owners.append((before, len(views) - before))
     if not views:
         return None
@@ -262,16 +264,6 @@ def coarseness(lines: Polylines, view: View) -> int:
     while needed < lines.pieces and texels / (8 * needed * needed) > 0.5:
         needed *= 2
     return lines.pieces // needed
-
-
-def wants_map(light: Any) -> bool:
-    """Whether a light has a shadow map at all: one that is dark needs none."""
-    return bool(light.shadow.model != "off" and light.intensity > 0 and any(light.colour))
-
-
-def is_traced(light: Light) -> bool:
-    """Whether a light's shadows of strands on strands are exact ones (see `strandcli.draw.shadows.traced`)."""
-    return light.shadow.model == "traced" and wants_map(light)
 
 
 def default_bias(view: View, bounds: NDArray[np.float64]) -> float:

@@ -31,7 +31,9 @@ from .kernels import grid as cells
 from .kernels import interval_bits
 from .kernels import traced as kernel
 from .kernels.occluder_intervals import OccluderLists
+from .models.traced import CELLS as FINEST
 from .shadow import light_views, texel_of
+from .vertex_shadows import VertexShadows
 
 LIST = 64.0
 """Pieces that touch a cell, about."""
@@ -39,8 +41,6 @@ COARSE = 64
 """Cells along a side of the grid by which the area is found that strands cover,"""
 SOME, MANY = 1000, 50_000
 """from so many vertices; and strands whose pieces are measured."""
-FINEST = 2048
-"""Cells along a side of a grid at most."""
 LISTED = 8 + 4 * cells.ROWS
 """Bytes that a strand's piece takes in each cell it touches."""
 PLACES = 2.0
@@ -54,7 +54,7 @@ from its middle, and a band reaches from its own."""
 
 
 @dataclass(frozen=True)
-class Grid:
+class Grid(VertexShadows):
     """Strands as one light sees them, sorted into cells."""
 
     lists: OccluderLists
@@ -66,6 +66,13 @@ class Grid:
     def nbytes(self) -> int:
         """Bytes that it takes."""
         return self.lists.begin.nbytes + self.lists.keys.nbytes + self.lists.rows.nbytes
+
+    def across(
+        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
+        eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
+    ) -> None:  # fmt: skip
+        """As `visibility`, with all that it may be given."""
+        self.visibility(lines, marks, screen, out, eye, slots, shown, shades)
 
     def visibility(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],

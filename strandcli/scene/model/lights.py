@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-from ..fields import Colour, Vector, choice, colour, file, integer, model, number, vector
+from ...registry import SHADOWS
+from ..fields import Colour, Vector, choice, colour, file, integer, model, number, parameters, vector
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -16,9 +18,9 @@ class Shadow:
 
     model: str = choice(
         "minmax",
-        ("minmax", "opacity", "traced", "off"),
+        SHADOWS,
         doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; traced: every strand "
-        "against all others, and on solids as opacity; off: built for nobody",
+        "against all others, and on solids as opacity; off: no shadow map",
     )
     size: int | None = integer(
         None, low=1, high=8192, unit="texels",
@@ -29,11 +31,7 @@ class Shadow:
         None, above=0, unit="m", doc="side of a texel of opacity; absent: from the distance between strands"
     )
     bias: float = number(0.0, low=0, unit="m", doc="depth in front of which nothing is shaded")
-
-    @property
-    def side(self) -> int:
-        """Texels along a side; of opacity, at most."""
-        return self.size or (512 if self.model == "minmax" else 1024)
+    parameters: Any = parameters(SHADOWS, "model", doc="settings of a model from elsewhere; absent: its defaults")
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -24,6 +24,7 @@ from ...draw.geometry.kernels.silhouette import STEEPEST
 from ...draw.view.camera import View
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
+from ...registry import SHADOWS
 from ...scene.model import DirectionalLight, Light, Scene
 from ..axes import Axis, Request
 from ..kernels import cylinders
@@ -45,8 +46,6 @@ FARTHEST = 32
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 TINY = 1e-12
-FINEST = 4096
-"""Texels along a side that a map may have where the side of a texel is given."""
 
 
 @dataclass
@@ -124,18 +123,13 @@ class ShadowStudy(Pictures):
 
     def choices(self) -> list[Knobs]:
         """Every model, coarse to fine; of deep maps the layers as well."""
-        sizes = (32, 64, 128, 256, 512, 1024)
-        out: list[Knobs] = [{f"{self.path}.model": "off"}]
-        out += [{f"{self.path}.model": "minmax", f"{self.path}.size": size} for size in sizes]
-        if knows(self.scene, f"{self.path}.model", "opacity"):
-            deep = {f"{self.path}.model": "opacity"}
-            out += [{**deep, f"{self.path}.size": size} for size in sizes]
-            out += [{**deep, f"{self.path}.layers": layers} for layers in (1, 3, 5, 29)]
+
+        def spacing() -> float:
             self.subject.move()  # how far strands lie apart tells which texels to try
-            spacing = self.subject.spacing()
-            sides = [float(f"{times * spacing:.3g}") for times in (0.25, 0.5, 1, 2, 4, 8) if spacing > 0]
-            out += [{**deep, f"{self.path}.size": FINEST, f"{self.path}.texel": side} for side in sides]
-        return [*out, {f"{self.path}.model": "traced"}]
+            return float(self.subject.spacing())
+
+        names = sorted(SHADOWS.names(), key=lambda name: name != "off")  # the picture without shadows first
+        return [knobs for name in names for knobs in SHADOWS[name].study(self.path, spacing)]
 
     def series(self, knobs: Knobs) -> str:
         """The model."""
@@ -167,8 +161,9 @@ class ShadowStudy(Pictures):
         """One map: timed with the strands' own material, compared on white ones."""
         picture = self.subject.draw(changed(alone(self.scene, self.light), knobs))
         point = self.point(knobs, picture, self.errors(knobs, picture))
-        size = 0 if point.series == "off" else changed(self.scene, knobs).lights[self.light].shadow.side
-        point.counts = {**picture.counts, "map_bytes": 8 * size * size} if point.series == "minmax" else picture.counts
+        shadow, model = changed(self.scene, knobs).lights[self.light].shadow, SHADOWS[point.series]
+        flat = model.casts_map(True) and model.layers(shadow) == 0
+        point.counts = {**picture.counts, "map_bytes": 8 * model.side_of(shadow) ** 2} if flat else picture.counts
         return point
 
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
@@ -178,7 +173,8 @@ class ShadowStudy(Pictures):
             light = self._light(knobs)
             found = light.light[np.searchsorted(light.numbers, self.places)] / self.lit
         off = found - self.truth
-        around = None if knobs[f"{self.path}.model"] == "traced" else float(np.abs(found - self.around).mean())
+        blurs = SHADOWS[str(knobs[f"{self.path}.model"])].blurs
+        around = float(np.abs(found - self.around).mean()) if blurs else None
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95)), "around": around}  # fmt: skip
 
