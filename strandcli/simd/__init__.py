@@ -24,6 +24,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     movemask(x < y)                  in which, as bits of a number, the first the lowest
     count_true(x < y)                in how many
     reduce_max(x), broadcast(x, 2.0)
+    lane(x, k), with_lane(x, k, 2.0) the number in one lane, and the vector with another one there: slow
     no_fma(x * y) + z                rounds the product, where it would be fused
     prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
 
@@ -42,7 +43,21 @@ products it is, is settled here and not by LLVM: bits are the same on all proces
 from __future__ import annotations
 
 from .arithmetic import has_fma
-from .lanes import any_lane, broadcast, cosine, count_true, floor, movemask, no_fma, reduce_max, sine, sqrt, where
+from .lanes import (
+    any_lane,
+    broadcast,
+    cosine,
+    count_true,
+    floor,
+    lane,
+    movemask,
+    no_fma,
+    reduce_max,
+    sine,
+    sqrt,
+    where,
+    with_lane,
+)
 from .memory import (
     deinterleave,
     gather,
@@ -72,6 +87,7 @@ __all__ = [
     "gather",
     "half_width_pointer",
     "has_fma",
+    "lane",
     "lane_count",
     "load",
     "load3",
@@ -91,4 +107,5 @@ __all__ = [
     "vector_pointer",
     "vector_pointer_at",
     "where",
+    "with_lane",
 ]  # fmt: skip

@@ -120,3 +120,24 @@ def broadcast(typingctx: Any, like: Any, x: Any) -> Any:
         return widened(context, builder, args[1], sig.args[1], sig.return_type)
 
     return vector_of(like)(like, x), emit
+
+
+@intrinsic
+def lane(typingctx: Any, x: Any, k: Any) -> Any:
+    """The number in one lane."""
+    if not (isinstance(x, VectorType) and isinstance(k, types.Integer)):
+        return None
+    return x.dtype(x, k), lambda context, builder, sig, args: builder.extract_element(args[0], args[1])
+
+
+@intrinsic
+def with_lane(typingctx: Any, x: Any, k: Any, number: Any) -> Any:
+    """A vector with another number in one lane."""
+    if not (isinstance(x, VectorType) and isinstance(k, types.Integer) and isinstance(number, types.Float)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        one = context.cast(builder, args[2], sig.args[2], x.dtype)
+        return builder.insert_element(args[0], one, args[1])
+
+    return x(x, k, number), emit

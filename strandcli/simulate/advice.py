@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..groom.record import Groom
-from ..scene.motion import emitter_pose, own_pose
+from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
+from ..solids.shapes import other
 from .material import TORSION, matter_along, stiffness
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
@@ -165,5 +166,8 @@ def _roots(scene: Scene, roots: NDArray[np.floating], frame: int) -> Floats:
 def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Floats:
     """(k,) depth of points (k, 3) below the nearest surface of a solid at a time; not positive outside, and there never
     further below zero than the surface is away."""
+    if solid.kind not in solids.SHAPES:
+        row = other.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
+        return other.depth(solid, row, points)
     row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

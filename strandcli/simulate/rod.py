@@ -27,6 +27,7 @@ from .kernels import rod_step, rod_tension, tickets
 from .kernels.rod import PACK
 from .material import TORSION, matter_along, stiffness
 from .rest_shape import carried, coiled, straight, unit_edges
+from .rod_others import code_among
 from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
@@ -201,7 +202,8 @@ class RodSolver(Solver):
             self._resisted = resisted
         self._book[tickets.NEXT] = 0
         if self._code is None:  # not compiled before anything moves, which need not be
-            self._code = _code(self.dtype == np.float64)
+            double, others = self.dtype == np.float64, self.surroundings.others
+            self._code = code_among(others, double) if others else _code(double)
         # frames that are drawn meanwhile have the other threads: to take those away would have this one wait for them
         workers = len(self.scratch)
         if workers > 1:

@@ -15,6 +15,7 @@ from ..constants import W
 from ..errors import UsageError
 from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
 from ..scene.touched import touched
+from ..solids.shapes import other
 from .rules import wind
 
 
@@ -46,6 +47,10 @@ class Surroundings:
         met = touched(scene)
         self.any_solids = bool(met)
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
+        self.others = solids.others(met)
+        """Solids of other packages; their kind here is ""."""
+        if self.others:
+            kinds[""] = self.others
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
         self._packed = *packed.values(), bool(met) and any(one.segments for one in contacts)
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
@@ -84,7 +89,8 @@ class Surroundings:
 
     def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
         """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``, as the
-        kernel's arguments `spheres`, `capsules`, `planes`, `boxes` and `whole`: always the same arrays."""
+        kernel's arguments `spheres`, `capsules`, `planes`, `boxes`, where there are any `others`, and `whole`: always
+        the same arrays."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
         outer = outer or emitter_pose(emitter, now)
@@ -101,9 +107,17 @@ class Surroundings:
                 pose = compose(outer, own)
                 motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
             (a, b, c), moved = motion
-            row[:] = (*solids.numbers(one, pose), *a, *b, *c, *moved)
+            row[:-12] = self._numbers(one, pose, len(row) - 12)
+            row[-12:] = (*a, *b, *c, *moved)
         self._poses = now, outer, after
         return self._packed
+
+    def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
+        """A solid's packed row."""
+        if solid.kind in solids.COLUMNS:
+            return solids.numbers(solid, pose)
+        found = other.numbers(solid, pose, other.kinds_of(self.others))
+        return found + [0.0] * (columns - len(found))
 
     def _moves(self, solid: Any) -> bool:
         return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
@@ -111,9 +125,10 @@ class Surroundings:
     def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
         """(m, columns + 12) all solids of a kind as they begin, those that move last, and no motion."""
         mine = sorted(mine, key=self._moves)
-        columns = solids.COLUMNS[kind]
+        columns = solids.COLUMNS[kind] if kind else other.columns_of(mine)
         rows = np.zeros((len(mine), columns + 12), self.dtype)
-        rows[:, :columns] = solids.pack(kind, mine, self.scene.emitter, 0.0, np.float64)
+        for row, one in zip(rows, mine, strict=True):
+            row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)
         rows[:, columns : columns + 9] = np.eye(3).ravel()
         return rows
 

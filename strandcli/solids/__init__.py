@@ -2,6 +2,7 @@
 
 `Solids` holds all of them at one moment as the numbers that kernels take. What belongs to one shape stands in one file
 in `shapes` (rows, bounds) and one in `kernels` (rays, normals, depth, contact). Nothing imported here is compiled.
+Shapes of other packages give a signed distance (`register`).
 """
 
 from __future__ import annotations
@@ -13,7 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.motion import Pose, solid_pose
-from .shapes import box, capsule, plane, sphere
+from ..scene.solid_shape import add as register
+from .shapes import box, capsule, other, plane, sphere
+
+__all__ = [
+    "COLUMNS", "SHAPES", "Solids", "in_order", "joined", "numbers", "others", "pack", "pack_all", "register",
+]  # fmt: skip
 
 SHAPES: dict[str, Any] = {"sphere": sphere, "capsule": capsule, "plane": plane, "box": box}
 """By the `kind` that presets write, in the order of the fields of `Solids`."""
@@ -39,8 +45,28 @@ class Solids(NamedTuple):
 
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
-    """Solids of every kind packed at a time in seconds."""
-    return Solids(*(pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES))
+    """Solids of every kind packed at a time in seconds; with a fifth field where any are of other packages."""
+    return joined([pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], solids, emitter, time, dtype)
+
+
+def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any, time: float, dtype: Any) -> Solids:
+    """The packed solids of strandcli's own kinds together with those of other packages among ``solids``."""
+    found = others(solids)
+    if not found:
+        return Solids(*shipped)
+    rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
+    made: Solids = other.type_of(found)(*shipped, rows)
+    return made
+
+
+def others(solids: Sequence[Any]) -> list[Any]:
+    """Those of solids whose shape is another package's."""
+    return [one for one in solids if one.kind not in SHAPES]
+
+
+def in_order(solids: Sequence[Any]) -> list[Any]:
+    """Solids in the order in which `Solids` numbers them."""
+    return [one for kind in SHAPES for one in solids if one.kind == kind] + others(solids)
 
 
 def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = np.float32) -> NDArray[Any]:

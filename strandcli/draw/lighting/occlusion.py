@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.model import AmbientOcclusion
-from ...solids import COLUMNS, Solids
+from ...solids import Solids
 from ..common.scratch import Scratch
 from ..geometry.detail import Level
 from ..geometry.extent import Thickness
-from ..solids.solids import NONE, ball_of
+from ..solids.solids import NONE, ball_of, rows_of
 from ..view.camera import ball
 from .kernels import occlusion as kernel
 from .kernels import occlusion_cells, occlusion_sweep
@@ -103,9 +103,9 @@ def _box(
     """Corners of the box about the strands, and about what of solids is near them."""
     _, radius = ball(bounds)
     low, high = bounds[0].copy(), bounds[1].copy()
-    for kind, solids in zip(COLUMNS, packed or (), strict=False):
-        for solid in () if kind == "plane" else solids.astype(np.float64):
-            centre, reach = ball_of(kind, solid)
+    for kind, row in rows_of(packed or NONE):
+        if kind != "plane":
+            centre, reach = ball_of(kind, row)
             low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
     room = AROUND * (bounds[1] - bounds[0])
     low, high = np.maximum(low, bounds[0] - room), np.minimum(high, bounds[1] + room)

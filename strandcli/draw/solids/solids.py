@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.motion import solid_pose
-from ...solids import COLUMNS, Solids, pack
+from ...solids import COLUMNS, SHAPES, Solids, in_order, joined, pack
+from ...solids.shapes import other
 from ..view.camera import View
 
 NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
@@ -28,7 +29,7 @@ def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
             ways = [solid.blend for solid in solids if solid.kind == kind]
             rows = np.column_stack([rows, np.array(ways, np.float32).reshape(len(rows), 1)]).astype(np.float32)
         out.append(rows)
-    return Solids(*out)
+    return joined(out, solids, emitter, time, np.float32)
 
 
 def _way(kind: str, solid: NDArray[np.float64]) -> float:
@@ -45,29 +46,32 @@ def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
     nowhere = (2 * width + 2, 2 * width + 2, 2 * height + 2, 2 * height + 2)
     group: list[tuple[int, int, int, int]] = []
     first = -1
-    for kind, solids in zip(COLUMNS, packed, strict=True):
-        for solid in solids.astype(np.float64):
-            whole = (0, width, 0, height)
-            if _way(kind, solid) > 0:  # all that blend are drawn as the first of them
-                centre, radius = ball_of(kind, solid)
-                first = len(rows) if first < 0 else first
-                group.append(_frame(centre, radius + ROOM * _way(kind, solid), view) or whole)
-                rows.append(nowhere)
-                continue
-            rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
+    for kind, solid in rows_of(packed):
+        whole = (0, width, 0, height)
+        if _way(kind, solid) > 0:  # all that blend are drawn as the first of them
+            centre, radius = ball_of(kind, solid)
+            first = len(rows) if first < 0 else first
+            group.append(_frame(centre, radius + ROOM * _way(kind, solid), view) or whole)
+            rows.append(nowhere)
+            continue
+        rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
     if group:
         left, right, top, bottom = zip(*group, strict=True)
         rows[first] = (min(left), max(right), min(top), max(bottom))
     return np.array(rows, np.int64).reshape(-1, 4)
 
 
-def ball_of(kind: str, solid: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of a ball about a solid."""
-    if kind == "sphere":
-        return solid[:3], float(solid[3])
-    if kind == "capsule":
-        return solid[:3] + solid[3:6] / 2, float(np.linalg.norm(solid[3:6]) / 2 + solid[6])
-    return solid[:3], float(np.linalg.norm(solid[12:15]))
+def rows_of(packed: Solids) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """The kind and the row of each of packed solids, in their order; the kind is "" for those of other packages."""
+    for kind, rows in zip((*SHAPES, ""), packed, strict=False):
+        for row in rows.astype(np.float64):
+            yield kind, row
+
+
+def ball_of(kind: str, row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Centre and radius of a ball about a packed solid that is not a plane."""
+    found: tuple[NDArray[np.float64], float] = (SHAPES[kind] if kind else other).ball(row)
+    return found
 
 
 def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int, int, int, int] | None:
@@ -95,9 +99,7 @@ def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.flo
     """(m, 8) colour, fade distance and the centre of the fading, in the order of `COLUMNS`."""
     rows = [
         [*solid.colour, getattr(solid, "fade", 0.0), *solid_pose(solid, emitter, time).translation, 0.0]
-        for kind in COLUMNS
-        for solid in solids
-        if solid.kind == kind
+        for solid in in_order(solids)
     ]
     return np.array(rows, np.float32)
 
@@ -110,8 +112,6 @@ def finish_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
         return None
     rows = [
         [solid.coat, solid.roughness, solid.mottle, solid.grain]
-        for kind in COLUMNS
-        for solid in solids
-        if solid.kind == kind
+        for solid in in_order(solids)
     ]
     return np.array(rows, np.float32)

@@ -17,7 +17,7 @@ from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Lig
 from .pose import PoseKey
 from .rod import Rod
 from .scene import RuleUse, Scene, Time
-from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SphereSolid
+from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SolidSettings, SphereSolid
 from .strands import PIGMENTS, Curves, Detail, Material
 from .style import Children, Clump, Fringe, Wave
 
@@ -52,6 +52,7 @@ __all__ = [
     "Scene",
     "Shadow",
     "Solid",
+    "SolidSettings",
     "SphereShape",
     "SphereSolid",
     "Tie",

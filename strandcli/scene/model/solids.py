@@ -11,8 +11,8 @@ from .pose import PoseKey
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class _Solid:
-    """What all have; `kind` tells them apart."""
+class SolidSettings:
+    """What all solids have; `kind` tells them apart."""
 
     kind: str = ""
     name: str = text("", doc="name for a collision rule's `with`")
@@ -31,7 +31,7 @@ class _Solid:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class _RoundSolid(_Solid):
+class _RoundSolid(SolidSettings):
     """What runs into others of its kind, if wanted."""
 
     blend: float = number(
@@ -60,7 +60,7 @@ class CapsuleSolid(_RoundSolid):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class PlaneSolid(_Solid):
+class PlaneSolid(SolidSettings):
     """Everything below a plane through `position`, whose normal is its own +y axis: a ground."""
 
     kind: str = choice("plane", ("plane",))
@@ -71,7 +71,7 @@ class PlaneSolid(_Solid):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class BoxSolid(_Solid):
+class BoxSolid(SolidSettings):
     """A cuboid."""
 
     kind: str = choice("box", ("box",))
@@ -79,4 +79,5 @@ class BoxSolid(_Solid):
 
 
 Solid = SphereSolid | CapsuleSolid | PlaneSolid | BoxSolid
-SOLIDS = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
+SOLIDS: dict[str, type] = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
+"""The settings of each kind; those of other packages are added by `strandcli.scene.solid_shape`."""

@@ -12,18 +12,17 @@ beginning would throw up. Of the first edge, whose root cannot give way, the par
 
 from __future__ import annotations
 
-from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
+from ...simd import any_lane, broadcast, load3, sqrt, where
 from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
+from .contact_others import MOTION, by_others
+from .contact_place import find
 from .rod import FOUND, SEGMENT, E
 
 TINY = 1e-20
 LEAST = 1e-6
-MOTION = 12
-"""Columns that follow a packed solid's: the rotation by rows and the translation that took it through this step."""
 OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
 SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
 """Columns of a packed solid without its motion, and with it."""
@@ -152,8 +151,12 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
     and how far along that the particle has to be; where it has carried the place that ``positions`` have for the
     particle in this step; 1 where it is round there and 0 where flat. A depth of -reach: there is none, and that means
     nothing. ``edge`` leads to the particle, and the next one is in the segment after o."""
-    (spheres, last_sphere), (capsules, last_capsule), (planes, last_plane), (boxes, last_box) = solids
+    spheres, last_sphere = solids[0]
+    capsules, last_capsule = solids[1]
+    planes, last_plane = solids[2]
+    boxes, last_box = solids[3]
     most = -reach
+    at = positions, here
     found, other = FOUND, FOUND + 8
     next = (most, most, most)
     lever = broadcast(x, 0.0)  # how far the nearest place of an edge may be from the particle
@@ -167,7 +170,7 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
             r = kept_from(dx, dy, dz, spheres[m + sphere.RADIUS], edge, next, length, whole, first)
             d = sphere.under(dx, dy, dz, r)
             place = broadcast(x, spheres[m]), broadcast(x, spheres[m + 1]), broadcast(x, spheres[m + 2])
-            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + OF_SPHERE, positions, here)
+            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + OF_SPHERE, at)
             most = max(most, d)
     for m in range(0, last_capsule, CAPSULE):
         ox, oy, oz = capsule.on_axis(capsules, m, x, y, z)
@@ -179,14 +182,14 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
             r = kept_from(x - ox, y - oy, z - oz, capsules[m + capsule.RADIUS], edge, next, length, whole, first)
             d = sphere.under(x - ox, y - oy, z - oz, r)
             place = ox, oy, oz
-            found, other = find(s, found, other, d > most, 1.0, place, r, capsules, m + OF_CAPSULE, positions, here)
+            found, other = find(s, found, other, d > most, 1.0, place, r, capsules, m + OF_CAPSULE, at)
             most = max(most, d)
     for m in range(0, last_plane, PLANE):
         d = plane.depth(planes, m, x, y, z)
         if any_lane(d > most):
             way = broadcast(x, planes[m]), broadcast(x, planes[m + 1]), broadcast(x, planes[m + 2])
             level = broadcast(x, planes[m + plane.HEIGHT])
-            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + OF_PLANE, positions, here)
+            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + OF_PLANE, at)
             most = max(most, d)
     for m in range(0, last_box, BOX):
         d, ox, oy, oz = box.depth(boxes, m, x, y, z)
@@ -194,24 +197,6 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
             if whole:
                 d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length, reach)
             level = d + x * ox + y * oy + z * oz
-            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + OF_BOX, positions, here)
+            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + OF_BOX, at)
             most = max(most, d)
-    return most, found
-
-
-@inlined
-def find(s, found, other, nearer, round, place, size, solids, moved, positions, here):
-    """Write down a solid, whose motion is in columns from ``moved`` on, where a mask holds, and elsewhere what was
-    found before: to the other place, for to write some lanes only takes processors long. Returns both places,
-    exchanged."""
-    x, y, z = load3(positions, here, W)
-    store(s, other, where(nearer, place[0], load(s, found)))
-    store(s, other + 1, where(nearer, place[1], load(s, found + 1)))
-    store(s, other + 2, where(nearer, place[2], load(s, found + 2)))
-    store(s, other + 3, where(nearer, size, load(s, found + 3)))
-    for k in range(3):
-        row = moved + 3 * k
-        there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + 9 + k]
-        store(s, other + 4 + k, where(nearer, there, load(s, found + 4 + k)))
-    store(s, other + 7, where(nearer, broadcast(x, round), load(s, found + 7)))
-    return other, found
+    return by_others(s, (found, other), most, (x, y, z), (edge, next), lever, at, solids)

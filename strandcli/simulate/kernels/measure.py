@@ -9,7 +9,7 @@ import numpy as np
 from ...constants import W
 from ...jit import function, inlined, parallel, prange
 from ...simd import any_lane, broadcast, lane_count, load3, pointer, reduce_max, sqrt
-from ...solids.kernels import box, capsule, plane, sphere
+from ...solids.kernels import box, capsule, other, plane, sphere
 
 ZERO = np.float32(0)
 ONE = np.float32(1)
@@ -53,13 +53,17 @@ def depths(positions, solids, out):
     moves them, and of the first segment only what is deeper than its root counts.
     """
     for b in prange(positions.shape[0]):
-        out[b, 0], out[b, 1] = deepest(positions, np.int64(b), solids)
+        own = np.int64(b)
+        most, along = deepest(positions, own, solids)
+        other_most, other_along = other.deepest(solids, positions, own)
+        out[b, 0] = max(most, other_most)
+        out[b, 1] = max(along, other_along)
 
 
 @function
 def deepest(positions, b, solids):
     """Both of block b."""
-    spheres, capsules, planes, boxes = solids
+    spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
     x = pointer(positions)
     balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
     most = broadcast(x, 0.0)

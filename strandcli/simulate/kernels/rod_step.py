@@ -29,37 +29,51 @@ def book_of(
     arrays: tuple[NDArray[Any], ...], solids: tuple[NDArray[Any], ...],
 ) -> NDArray[np.int64]:  # fmt: skip
     """The book of a solver's steps. ``flags``, ``arrays`` and ``solids`` are those of `run`, in its order, scratch
-    (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are."""
+    (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are. A fifth of
+    ``solids`` is those of other packages."""
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *arrays, *solids))
     numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
-    addresses = [one.ctypes.data for one in (*arrays, *solids)]
-    return np.array([*numbers, *addresses, *(one.size for one in solids)])
-
-
-@function
-def single(book, worker):
-    """The step in single precision, as one of the threads; `work` has more of it."""
-    work(np.float32, book, worker)
-
-
-@function
-def double(book, worker):
-    """The step in double precision."""
-    work(np.float64, book, worker)
+    addresses = [one.ctypes.data for one in (*arrays, *solids[:4])]
+    others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
+    return np.array([*numbers, *addresses, *(one.size for one in solids[:4]), *others])
 
 
 @device
-def work(kind, book, worker):
-    """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
-    all of its arrays of the floating type ``kind``. There are flags where a None would have everything compiled once
-    more."""
-    scratch = vector_pointer_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
-    solids = (
+def solids_of(kind, book):
+    """Solids as `contact_shapes.nearest` takes them, of a floating type."""
+    return (
         (pointer_at(kind, book[AT + 20]), book[AT + 24]),
         (pointer_at(kind, book[AT + 21]), book[AT + 25]),
         (pointer_at(kind, book[AT + 22]), book[AT + 26]),
         (pointer_at(kind, book[AT + 23]), book[AT + 27]),
     )
+
+
+@device
+def others_of(kind, book):
+    """Solids of other packages: their rows, where the last ends, and numbers of each."""
+    return pointer_at(kind, book[AT + 28]), book[AT + 29], book[AT + 30]
+
+
+@function
+def single(book, worker):
+    """The step in single precision, as one of the threads; `work` has more of it."""
+    work(np.float32, book, worker, solids_of)
+
+
+@function
+def double(book, worker):
+    """The step in double precision."""
+    work(np.float64, book, worker, solids_of)
+
+
+@device
+def work(kind, book, worker, solids_of):
+    """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
+    all of its arrays of the floating type ``kind``; ``solids_of`` gives the solids in it."""
+    # there are flags where a None would have everything compiled once more
+    scratch = vector_pointer_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
+    solids = solids_of(kind, book)
     ticket = take(book)
     while ticket < book[ALL]:
         coming = take(book)

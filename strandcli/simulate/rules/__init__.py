@@ -19,12 +19,12 @@ Rules from elsewhere are found by the entry-point group ``strandcli.rules``, or 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from ...errors import UsageError
+from ...plugins import offered
+from ...scene import solid_shape
 from . import collision, elasticity, emitter_motion, gravity, stiffness, wind
 from .rule import Moment, Pass
 
@@ -52,30 +52,10 @@ def registry() -> Mapping[str, Any]:
     global _searched
     if not _searched:
         _searched = True
-        if not _offered():
-            return _registry
-        from importlib.metadata import entry_points
-
-        for found in entry_points(group=GROUP):
-            try:
-                rule = found.load()
-            except Exception as error:  # whatever another package raises while it is imported
-                raise UsageError(f"rule {found.name!r} ({found.value}) cannot be imported: {error}") from error
+        for rule in offered(GROUP, "rule"):
             register(rule)
+        solid_shape.search()  # who asks for rules is about to read a preset
     return _registry
-
-
-def _offered() -> bool:
-    """Whether any installed package names a rule. A look at the files themselves: importlib.metadata takes a tenth of
-    the time that `strandcli plan` may take, and hardly anybody has such a package."""
-    for folder in sys.path:
-        for path in Path(folder or ".").glob("*-info/entry_points.txt"):
-            try:
-                if GROUP in path.read_text(encoding="utf-8", errors="replace"):
-                    return True
-            except OSError:
-                continue
-    return False
 
 
 def idle(use: Any, scene: Any) -> str:

@@ -47,8 +47,12 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
 
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
-    from ...solids import pack
+    import numpy as np
+
+    from ...scene.motion import solid_pose
+    from ...solids import others, pack
     from ...solids.kernels import box, capsule, plane, sphere
+    from ...solids.shapes import other
     from . import collision_segments as segments
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
@@ -62,4 +66,15 @@ def passes(parameters: Parameters, scene: Any) -> list[Pass]:
     ends = [Pass(points[kind], prepare(kind)) for kind in kinds]
     if caught and len(chosen(parameters, scene)) > 1:  # a turned segment may have put its end into another solid
         ends *= 2
-    return [Pass(through[kind], prepare(kind)) for kind in caught] + ends
+    found = [Pass(through[kind], prepare(kind)) for kind in caught] + ends
+    foreign = others(chosen(parameters, scene))
+    if foreign:
+        written = other.module_for(foreign)
+
+        def rows(moment: Any) -> Any:
+            there = others(chosen(parameters, moment.scene))
+            poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
+            return other.pack(there, poses, np.float32)
+
+        found += [Pass(one, rows) for one in ([written.catch] if parameters.segments else []) + [written.collide]]
+    return found

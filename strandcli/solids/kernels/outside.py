@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device
-from . import box, capsule, plane, sphere
+from . import box, capsule, other, plane, sphere
 
 
 @device
@@ -17,10 +17,11 @@ def outside(x, y, z, clear, solids):
         x, y, z = plane.outside(solids.planes, s, x, y, z, clear)
     for s in range(solids.boxes.shape[0]):
         x, y, z = box.outside(solids.boxes, s, x, y, z, clear)
-    return x, y, z
+    return other.outside(solids, x, y, z, clear)
 
 
 @device
 def count(solids):
     """How many `Solids` there are."""
-    return solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0] + solids.boxes.shape[0]
+    shipped = solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0] + solids.boxes.shape[0]
+    return shipped + other.count(solids)

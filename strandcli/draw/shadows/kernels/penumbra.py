@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ....jit import device, function, inlined
+from ....solids.kernels import other
 from ...common.kernels.approximations import asin
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...solids.kernels import rays
@@ -77,6 +78,7 @@ def lit(solids, x, y, z, lx, ly, lz, reach, skin, size, point):
     for m in range(solids.boxes.shape[0]):
         if least > -radius:
             least = min(least, box(solids.boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
+    least = min(least, other.lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin))
     return share(least, radius)
 
 

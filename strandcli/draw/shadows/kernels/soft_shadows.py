@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
+from ....solids.kernels import other
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...common.kernels.soft_rows import (
@@ -72,6 +73,13 @@ def soften(work, n, lights, i, solids, skin):
                     work[RADIUS + k],
                 )  # fmt: skip
                 work[LEAST + k] = min(work[LEAST + k], least)
+    if other.count(solids) > 0:
+        for k in range(n):
+            x, y, z = lifted(work, k, skin)
+            least = other.lowest_sine(
+                solids, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin
+            )
+            work[LEAST + k] = min(work[LEAST + k], least)
     for k in range(n):
         work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
 

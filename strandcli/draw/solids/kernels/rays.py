@@ -1,7 +1,7 @@
 """Rays against all solids, `strandcli.solids.Solids`: where one meets them, the normal there, and what hides a light.
 
-Solids are numbered through: spheres first, then capsules, planes and boxes. Each shape's own part is in
-`strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
+Solids are numbered through: spheres first, then capsules, planes, boxes, then those of other packages. Each shape's own
+part is in `strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....jit import device, function
-from ....solids.kernels import box, capsule, plane, sphere
+from ....solids.kernels import box, capsule, other, plane, sphere
 from ...common.kernels.view_columns import (
     EYE_X,
     EYE_Y,
@@ -50,7 +50,10 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     m -= solids.capsules.shape[0]
     if m < solids.planes.shape[0]:
         return plane.meet(solids.planes, m, ox, oy, oz, dx, dy, dz)
-    return box.meet(solids.boxes, m - solids.planes.shape[0], ox, oy, oz, dx, dy, dz)
+    m -= solids.planes.shape[0]
+    if m < solids.boxes.shape[0]:
+        return box.meet(solids.boxes, m, ox, oy, oz, dx, dy, dz)
+    return other.meet(solids, m - solids.boxes.shape[0], ox, oy, oz, dx, dy, dz)
 
 
 @function
@@ -67,6 +70,8 @@ def normal(solids, which, x, y, z):
         nx, ny, nz = plane.normal(solids.planes, m - solids.spheres.shape[0] - solids.capsules.shape[0], x, y, z)
     else:
         m -= solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0]
+        if m >= solids.boxes.shape[0]:
+            return other.normal(solids, m - solids.boxes.shape[0], x, y, z)
         nx, ny, nz = box.normal(solids.boxes, m, x, y, z)
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size
@@ -108,7 +113,7 @@ def past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
         t = box.meet(solids.boxes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
             return ZERO
-    return ONE
+    return other.lit(solids, x, y, z, lx, ly, lz, reach, skin)
 
 
 @device
