@@ -67,7 +67,7 @@ def depth(points: NDArray[Any], centre: tuple[float, ...], degrees: tuple[float,
 
 
 def first_root(o: NDArray[np.float64], d: NDArray[np.float64]) -> float:
-    """Where a ray from outside meets the ring about the y axis: the least root of a quartic, inf where there is none."""
+    """Where a ray from outside meets the ring: the least root of a quartic, inf where there is none."""
     square = np.poly1d([d @ d, 2 * o @ d, o @ o])
     flat = np.poly1d([d[0] ** 2 + d[2] ** 2, 2 * (o[0] * d[0] + o[2] * d[2]), o[0] ** 2 + o[2] ** 2])
     roots = ((square + (R**2 - THICK**2)) ** 2 - 4 * R**2 * flat).roots
