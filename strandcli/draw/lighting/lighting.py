@@ -12,7 +12,7 @@ from ...solids import Solids
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
 from ..shadows.shadow import ShadowMaps, map_arrays
-from ..solids.solids import NONE, finish_of, paint_of
+from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
 from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
@@ -88,7 +88,7 @@ class Lighting:
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots), self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
-            map_arrays(self.maps), self.solids, Coating(paint, given(finish_of(seen), 4)), image,
+            map_arrays(self.maps), self.solids, Coating(paint, given(coats_of(seen), 4)), image,
         )  # fmt: skip
 
     def _surround(self) -> Surround:

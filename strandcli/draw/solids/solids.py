@@ -17,7 +17,7 @@ from ..view.camera import View
 NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
 """Packed, those of a scene that has none: kernels are the same with them and without."""
 ROOM = 4.0
-"""Ways of blending by which a solid that blends may become thicker."""
+"""Blending distances by which a solid that blends may become thicker."""
 
 
 def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
@@ -32,8 +32,8 @@ def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
     return joined(out, solids, emitter, time, np.float32)
 
 
-def _way(kind: str, solid: NDArray[np.float64]) -> float:
-    """Over which a packed solid blends."""
+def _blend(kind: str, solid: NDArray[np.float64]) -> float:
+    """Distance over which a packed solid blends, metres; 0: it does not."""
     blends = kind in ("sphere", "capsule") and len(solid) > COLUMNS[kind]
     return float(solid[COLUMNS[kind]]) if blends else 0.0
 
@@ -48,10 +48,10 @@ def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
     first = -1
     for kind, solid in rows_of(packed):
         whole = (0, width, 0, height)
-        if _way(kind, solid) > 0:  # all that blend are drawn as the first of them
+        if _blend(kind, solid) > 0:  # all that blend are drawn as the first of them
             centre, radius = ball_of(kind, solid)
             first = len(rows) if first < 0 else first
-            group.append(_frame(centre, radius + ROOM * _way(kind, solid), view) or whole)
+            group.append(_frame(centre, radius + ROOM * _blend(kind, solid), view) or whole)
             rows.append(nowhere)
             continue
         rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
@@ -104,8 +104,8 @@ def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.flo
     return np.array(rows, np.float32)
 
 
-def finish_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
-    """(m, 4) of what each surface has beside its colour, as `kernels.finish` reads it: the coat's reflectance straight
+def coats_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
+    """(m, 4) of what each surface has beside its colour, as `kernels.coat` reads it: the coat's reflectance straight
     on and its roughness, spread of the patches and the width of the largest, in the order of `COLUMNS`; None where no
     solid has a coat or patches."""
     if not any(solid.coat > 0 or solid.mottle > 0 for solid in solids):

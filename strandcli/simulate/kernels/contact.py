@@ -143,7 +143,7 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
     for k in range(rounds):
         edges = whole and not settled and k < 2 * ROUNDS
         x, y, z = along(q, length, d)
-        depth, found = nearest(s, o, x, y, z, d, length, positions, here, -slack, solids, edges, first)
+        depth, found = nearest(s, o, (x, y, z), d, length, (positions, here), -slack, solids, edges, first)
         inside = depth > slack
         if whole and not edges:
             best, least = select(depth < least, d, best), min(depth, least)
@@ -195,7 +195,7 @@ def touch(
         grip *= f  # at least as far as it puts the particle off
         held = f * ax, f * ay, f * az
     was = grip > 0.0
-    depth, found = nearest(s, o, x, y, z, d, length, positions, here, grip, solids, whole, first)
+    depth, found = nearest(s, o, (x, y, z), d, length, (positions, here), grip, solids, whole, first)
     if not any_lane((depth > -grip) | was):
         return
     over = load(s, OVER)

@@ -10,7 +10,7 @@ from numba.extending import overload
 
 from ...jit import device
 from ...simd import any_lane, broadcast, lane, lane_count, where, with_lane
-from ...solids.kernels.other import FINE, gradient
+from ...solids.kernels.distance_field import FINE, gradient
 from ...solids.shapes.other import REACH, X, Y, Z
 from .contact_place import find
 

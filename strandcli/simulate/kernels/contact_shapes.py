@@ -110,9 +110,12 @@ def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
 
 
 @device
-def toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever):
+def toward_axis(capsules, m, point, on_axis, edges, lever):
     """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
     that is nearest to the particle: by alternating projections."""
+    x, y, z = point
+    ox, oy, oz = on_axis
+    edge, next = edges
     for _ in range(2):
         back, on = foot(x - ox, y - oy, z - oz, edge, next, lever)
         behind = back > on
@@ -135,9 +138,11 @@ def deeper(one, other):
 
 
 @device
-def past_edge(boxes, m, x, y, z, under, edge, next, lever, length, far):
+def past_edge(boxes, m, point, under, edges, lever, length, far):
     """`box.depth`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges
     are, if no further away than ``far``."""
+    x, y, z = point
+    edge, next = edges
     out = under[0] <= 0.0
     back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
     depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
@@ -145,18 +150,22 @@ def past_edge(boxes, m, x, y, z, under, edge, next, lever, length, far):
 
 
 @inlined
-def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, first):
-    """How deep a particle at (x, y, z) is in the solid that it is deepest in, or nearest to and no further than
-    ``reach``, and from where on the scratch tells of that solid: the centre and radius, or of a flat face the normal
-    and how far along that the particle has to be; where it has carried the place that ``positions`` have for the
-    particle in this step; 1 where it is round there and 0 where flat. A depth of -reach: there is none, and that means
-    nothing. ``edge`` leads to the particle, and the next one is in the segment after o."""
+def nearest(s, o, point, edge, length, at, reach, solids, whole, first):
+    """How deep the particle of segment o is in the solid that it is deepest in, or nearest to and no further than
+    ``reach``, and from where on the scratch tells of that solid; a depth of -reach: there is none.
+
+    point: where the particle is; edge: its unit edge, the next one being in the segment after o; at: positions and the
+    place in them where the particle was before this step; solids: pairs of rows and where they end, spheres, capsules,
+    planes, boxes, and perhaps others (`contact_others`); whole: edges are kept out too, of the first one all. Scratch
+    holds the centre and radius, or of a flat face the normal and how far along that the particle has to be; where the
+    solid has carried the particle's place in this step; 1 where it is round there and 0 where flat.
+    """
+    x, y, z = point
     spheres, last_sphere = solids[0]
     capsules, last_capsule = solids[1]
     planes, last_plane = solids[2]
     boxes, last_box = solids[3]
     most = -reach
-    at = positions, here
     found, other = FOUND, FOUND + 8
     next = (most, most, most)
     lever = broadcast(x, 0.0)  # how far the nearest place of an edge may be from the particle
@@ -178,7 +187,7 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
         far = capsules[m + capsule.RADIUS] + lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
             if whole:
-                ox, oy, oz = toward_axis(capsules, m, x, y, z, ox, oy, oz, edge, next, lever)
+                ox, oy, oz = toward_axis(capsules, m, point, (ox, oy, oz), (edge, next), lever)
             r = kept_from(x - ox, y - oy, z - oz, capsules[m + capsule.RADIUS], edge, next, length, whole, first)
             d = sphere.under(x - ox, y - oy, z - oz, r)
             place = ox, oy, oz
@@ -195,7 +204,7 @@ def nearest(s, o, x, y, z, edge, length, positions, here, reach, solids, whole, 
         d, ox, oy, oz = box.depth(boxes, m, x, y, z)
         if any_lane(d + lever > most):
             if whole:
-                d, ox, oy, oz = past_edge(boxes, m, x, y, z, (d, ox, oy, oz), edge, next, lever, length, reach)
+                d, ox, oy, oz = past_edge(boxes, m, point, (d, ox, oy, oz), (edge, next), lever, length, reach)
             level = d + x * ox + y * oy + z * oz
             found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + OF_BOX, at)
             most = max(most, d)

@@ -37,7 +37,7 @@ import numpy as np
 
 from strandcli.constants import W
 from strandcli.jit import device
-from strandcli.solids.kernels.other import own, own_at, put_outside, put_segment_outside
+from strandcli.solids.kernels.distance_field import own, own_at, put_outside, put_segment_outside
 {imports}
 
 class {name}(NamedTuple):

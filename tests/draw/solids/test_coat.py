@@ -12,7 +12,7 @@ from strandcli.draw import canvas
 from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.solids.kernels import coat as kernel
-from strandcli.draw.solids.solids import finish_of
+from strandcli.draw.solids.solids import coats_of
 from strandcli.groom.emit import emit
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
 from strandcli.simulate import solver_of
@@ -25,7 +25,8 @@ def towards(theta: float, phi: float = 0.0) -> np.ndarray:
 
 
 def brdf(coat: float, rough: float, light: np.ndarray, eye: np.ndarray, size: float = 0.0) -> float:
-    return float(kernel.gleam(*np.array([coat, rough, size, *UP, *light, *eye], np.float32)))
+    vectors = (tuple(one.astype(np.float32)) for one in (UP, light, eye))
+    return float(kernel.gleam(*np.array([coat, rough, size], np.float32), *vectors))
 
 
 def exact(coat: float, rough: float, light: np.ndarray, eye: np.ndarray) -> float:
@@ -119,10 +120,10 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
     assert more.max() > 100
     assert (row, column) == (pytest.approx(17, abs=2), pytest.approx(25, abs=2))
     matte = [SphereSolid(), BoxSolid()]
-    assert finish_of(matte) is None
+    assert coats_of(matte) is None
     shiny = [BoxSolid(coat=0.5, roughness=0.2), PlaneSolid(mottle=0.3, grain=0.7), SphereSolid()]
     np.testing.assert_allclose(
-        finish_of(shiny), np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]])
+        coats_of(shiny), np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]])
     )
 
 

@@ -267,8 +267,8 @@ def gleam(work, n, lights, i, coats, which):
             continue
         angle = lights[i, LIGHT_SIZE] if lights[i, KIND] == ZERO else min(lights[i, LIGHT_SIZE] / work[REACH + k], ONE)
         share = coat.gleam(
-            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, work[NX + k], work[NY + k], work[NZ + k],
-            work[LX + k], work[LY + k], work[LZ + k], work[EX + k], work[EY + k], work[EZ + k],
+            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, (work[NX + k], work[NY + k], work[NZ + k]),
+            (work[LX + k], work[LY + k], work[LZ + k]), (work[EX + k], work[EY + k], work[EZ + k]),
         )  # fmt: skip
         for c in range(3):
             work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]

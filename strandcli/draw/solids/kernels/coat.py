@@ -29,7 +29,7 @@ INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
 BITS = np.float32(2.0**-24)
 COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
-"""Columns of `strandcli.draw.solids.solids.finish_of`."""
+"""Columns of `strandcli.draw.solids.solids.coats_of`."""
 
 
 @device
@@ -47,8 +47,12 @@ def mirrored(coat, rough, nv):
 
 
 @function
-def gleam(coat, rough, size, nx, ny, nz, lx, ly, lz, vx, vy, vz):
-    """The coat's BRDF for unit vectors to the light, whose angular radius has the sine ``size``, and to the eye."""
+def gleam(coat, rough, size, normal, light, eye):
+    """The coat's BRDF for three unit vectors: the normal, the one to the light and the one to the eye; size: sine of
+    the light's angular radius."""
+    nx, ny, nz = normal
+    lx, ly, lz = light
+    vx, vy, vz = eye
     hx = lx + vx
     hy = ly + vy
     hz = lz + vz

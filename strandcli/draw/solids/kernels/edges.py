@@ -9,7 +9,7 @@ from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from . import smooth_union, sphere_tracing
-from .rasterise import key_at
+from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
 SAMPLES = 4
@@ -84,7 +84,7 @@ def collect(ends, width, begin, pixels):
 def sample(pixels, width, view, solids, frames, keys, spots, counts):
     """Which solids the samples of each of these pixels show.
 
-    frames: as in `solids.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
+    frames: as in `rasterise.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
     samples that show it, spots (E, SLOTS, 2) float32, where on the screen that is, and counts (E, SLOTS) int64, of the
     samples; keys `EMPTY` where there are no more.
     """
@@ -129,7 +129,7 @@ def inside(pixels, width, e, frames, m):
     """Whether a pixel can show solid number m."""
     x = pixels[e] % width
     y = pixels[e] // width
-    return frames[m, 0] - 1 <= x <= frames[m, 1] and frames[m, 2] - 1 <= y <= frames[m, 3]
+    return frames[m, LEFT] - 1 <= x <= frames[m, RIGHT] and frames[m, TOP] - 1 <= y <= frames[m, BOTTOM]
 
 
 @device

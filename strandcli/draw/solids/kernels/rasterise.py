@@ -12,6 +12,9 @@ from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, N
 from . import smooth_union, sphere_tracing
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
+LEFT, RIGHT, TOP, BOTTOM = range(4)
+"""Columns of a solid's frame: pixels, right and bottom not included."""
+
 
 @parallel
 def draw(solids, frames, view, width, height, keys):
@@ -29,11 +32,11 @@ def draw(solids, frames, view, width, height, keys):
         row[:] = EMPTY
         up = (view[AXIS_Y] - np.float32(y) - HALF) / view[FOCAL]
         for m in range(frames.shape[0]):
-            if y < frames[m, 2] or y >= frames[m, 3]:
+            if y < frames[m, TOP] or y >= frames[m, BOTTOM]:
                 continue
             identity = FIRST + np.uint64(m)
-            part = row[frames[m, 0] : frames[m, 1]]
-            begin = np.float32(frames[m, 0]) + HALF - view[AXIS_X]
+            part = row[frames[m, LEFT] : frames[m, RIGHT]]
+            begin = np.float32(frames[m, LEFT]) + HALF - view[AXIS_X]
             if smooth_union.blends(spheres, capsules, m):
                 work = np.zeros(sphere_tracing.ROWS * W, np.float32)
                 for low in range(0, part.shape[0], W):

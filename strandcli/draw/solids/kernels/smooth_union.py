@@ -1,10 +1,9 @@
-"""Spheres and capsules that run into each other: one smooth surface about all that blend.
+"""The smooth union of spheres and capsules: one surface about all that blend.
 
 Its distance is d = −k ln Σ e^(−dᵢ / k), with the distances dᵢ of the solids: never more than the least of them, and as
-steep at the most, so that a ray may go on by it (Hart 1996, "Sphere Tracing"). k is the way of blending of the first of
-them, spheres before capsules,
-as which all are drawn. Columns as packed by `strandcli.draw.solids.solids.packed`; without that
-of the way of blending nothing blends. Shadows and contact are those of the solids themselves.
+steep at the most, so that a ray may go on by it (Hart 1996, "Sphere Tracing"). k is the blending distance of the first
+of them, spheres before capsules, as which all are drawn. Columns as packed by `strandcli.draw.solids.solids.packed`;
+without that of the blending distance nothing blends. Shadows and contact are those of the solids themselves.
 """
 
 from __future__ import annotations
@@ -14,6 +13,8 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
+from ....solids import COLUMNS
+from ....solids.kernels import capsule, sphere
 from ...common.kernels.approximations import exp, log
 
 ZERO = np.float32(0.0)
@@ -21,8 +22,8 @@ ONE = np.float32(1.0)
 HALF = np.float32(0.5)
 TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
-SPHERE, CAPSULE = 5, 9
-"""Columns of the way of blending."""
+SPHERE, CAPSULE = COLUMNS["sphere"], COLUMNS["capsule"]
+"""Columns of the blending distance."""
 STEPS = 256
 """At the most. A ray that grazes a radius r takes π √(r / 2h) of them where it passes it at h: h is `NEAR` k or more,
 so they are enough for r up to 500 k, and few rays take many."""
@@ -45,8 +46,8 @@ def blends(spheres, capsules, m):
 
 
 @device
-def way(spheres, capsules):
-    """k."""
+def blend_distance(spheres, capsules):
+    """k: the blending distance of the first solid that blends, 1 where none does."""
     for m in range(spheres.shape[0]):
         if spheres[m, SPHERE] > ZERO:
             return spheres[m, SPHERE]
@@ -54,16 +55,6 @@ def way(spheres, capsules):
         if capsules[m, CAPSULE] > ZERO:
             return capsules[m, CAPSULE]
     return ONE
-
-
-@device
-def from_axis(capsules, m, x, y, z):
-    """From the nearest point of a capsule's axis to a point."""
-    ox = x - capsules[m, 0]
-    oy = y - capsules[m, 1]
-    oz = z - capsules[m, 2]
-    t = min(max((ox * capsules[m, 3] + oy * capsules[m, 4] + oz * capsules[m, 5]) * capsules[m, 7], ZERO), ONE)
-    return ox - t * capsules[m, 3], oy - t * capsules[m, 4], oz - t * capsules[m, 5]
 
 
 @function
@@ -80,13 +71,13 @@ def surface(spheres, capsules, felt, k, x, y, z):
         if (felt >> np.uint64(m & 63)) & np.uint64(1) == np.uint64(0) or not blends(spheres, capsules, m):
             continue
         if own < 0:
-            ox = x - spheres[m, 0]
-            oy = y - spheres[m, 1]
-            oz = z - spheres[m, 2]
-            r = spheres[m, 3]
+            ox = x - spheres[m, sphere.X]
+            oy = y - spheres[m, sphere.Y]
+            oz = z - spheres[m, sphere.Z]
+            r = spheres[m, sphere.RADIUS]
         else:
-            ox, oy, oz = from_axis(capsules, own, x, y, z)
-            r = capsules[own, 6]
+            ox, oy, oz = capsule.normal(capsules, own, x, y, z)
+            r = capsules[own, capsule.RADIUS]
         size = math.sqrt(max(ox * ox + oy * oy + oz * oz, TINY))
         away = size - r
         if away > least + APART * k:
@@ -113,13 +104,13 @@ def surface(spheres, capsules, felt, k, x, y, z):
 def ball_about(spheres, capsules, m):
     """Centre and radius of the ball about solid number m."""
     if m < spheres.shape[0]:
-        return spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3]
+        return spheres[m, sphere.X], spheres[m, sphere.Y], spheres[m, sphere.Z], spheres[m, sphere.RADIUS]
     m -= spheres.shape[0]
     return (
-        capsules[m, 0] + HALF * capsules[m, 3],
-        capsules[m, 1] + HALF * capsules[m, 4],
-        capsules[m, 2] + HALF * capsules[m, 5],
-        capsules[m, 6] + HALF / math.sqrt(capsules[m, 7]),
+        capsules[m, capsule.X] + HALF * capsules[m, capsule.AXIS_X],
+        capsules[m, capsule.Y] + HALF * capsules[m, capsule.AXIS_Y],
+        capsules[m, capsule.Z] + HALF * capsules[m, capsule.AXIS_Z],
+        capsules[m, capsule.RADIUS] + HALF / math.sqrt(capsules[m, capsule.PER_SQUARE]),
     )
 
 
@@ -140,7 +131,7 @@ def through(cx, cy, cz, square, dx, dy, dz):
 def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
     """Distance along the ray, in units of |d|, to the outside of the surface; inf where it is missed or begins
     inside. Only solids whose balls the ray passes are felt, and only between the first and the last of these."""
-    k = way(spheres, capsules)
+    k = blend_distance(spheres, capsules)
     dd = dx * dx + dy * dy + dz * dz
     felt = np.uint64(0)
     begin = INF
@@ -173,6 +164,6 @@ def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
 @function
 def normal(spheres, capsules, x, y, z):
     """Unit outward normal at a point of the surface."""
-    _, nx, ny, nz = surface(spheres, capsules, EVERY, way(spheres, capsules), x, y, z)
+    _, nx, ny, nz = surface(spheres, capsules, EVERY, blend_distance(spheres, capsules), x, y, z)
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size

@@ -1,7 +1,7 @@
-"""Rays that meet what blends, many at once: `seams.meet`, where each step is a loop over rays, which is vector code.
+"""Sphere tracing of many rays at once to a smooth union: `smooth_union.meet`, a loop over rays for each step.
 
 Rays that end are left out when they are a quarter of all, so that the few that graze a surface do not take the others
-with them. A solid counts for all rays or for none; beside one that passes it at a distance it is not felt anyway.
+with them. A solid counts for all rays or for none: at a distance from a ray it has no influence on it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
+from ....solids.shapes import capsule, sphere
 from ...common.kernels.approximations import exp, log
 from . import smooth_union
 
@@ -37,7 +38,7 @@ MOVED = 10
 def meet(work, n, spheres, capsules):
     """Where the first n <= W rays of a batch meet the surface, in units of |d|, inf where they do not: from the rows
     `OX` … `DZ` to `MET`. work (ROWS * W,) float32, numbers anywhere."""
-    k = smooth_union.way(spheres, capsules)
+    k = smooth_union.blend_distance(spheres, capsules)
     reach = smooth_union.APART * k
     per_k = ONE / k
     felt = begin(work, n, spheres, capsules, k)
@@ -50,7 +51,8 @@ def meet(work, n, spheres, capsules):
             work[TOTAL + j] = ZERO
         for m in range(spheres.shape[0]):
             if (felt >> np.uint64(m & 63)) & np.uint64(1) != np.uint64(0) and smooth_union.blends(spheres, capsules, m):
-                by_sphere(work, padded, spheres[m, 0], spheres[m, 1], spheres[m, 2], spheres[m, 3], reach, per_k)
+                x, y, z = spheres[m, sphere.X], spheres[m, sphere.Y], spheres[m, sphere.Z]
+                by_sphere(work, padded, x, y, z, spheres[m, sphere.RADIUS], reach, per_k)
         for own in range(capsules.shape[0]):
             m = own + spheres.shape[0]
             if (felt >> np.uint64(m & 63)) & np.uint64(1) != np.uint64(0) and smooth_union.blends(spheres, capsules, m):
@@ -132,9 +134,9 @@ def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
 @device
 def by_capsule(work, n, capsules, m, reach, per_k):
     """Add a capsule."""
-    ax, ay, az = capsules[m, 0], capsules[m, 1], capsules[m, 2]
-    bx, by, bz = capsules[m, 3], capsules[m, 4], capsules[m, 5]
-    r, per = capsules[m, 6], capsules[m, 7]
+    ax, ay, az = capsules[m, capsule.X], capsules[m, capsule.Y], capsules[m, capsule.Z]
+    bx, by, bz = capsules[m, capsule.AXIS_X], capsules[m, capsule.AXIS_Y], capsules[m, capsule.AXIS_Z]
+    r, per = capsules[m, capsule.RADIUS], capsules[m, capsule.PER_SQUARE]
     for j in range(n):
         t = work[T + j]
         x = work[X + j] + t * work[WX + j] - ax
