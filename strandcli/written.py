@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
+
+from .compiling.folder import cache
 
 
 def module_of(text: str, prefix: str, folder: Path) -> Any:
     """The module with this text, named by the prefix and the text's hash; written to ``folder`` unless it is there."""
     name = f"{prefix}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
-    if name in sys.modules:
-        return sys.modules[name]
     path = folder / f"{name}.py"
-    if not path.exists() or path.read_bytes() != text.encode():  # bytes: a damaged file need not be text
-        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".py.part")
-        with open(handle, "wb") as out:
-            out.write(text.encode())
-        os.replace(temporary, path)
+    try:
+        kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
+    except OSError:
+        kept = False
+    kept = kept or cache.write(path, text.encode())
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     module: Any = importlib.util.module_from_spec(spec)
+    if not kept:
+        module.__strandcli_text__ = text.encode()  # the key of its kernels follows from it
     sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
     exec(compile(text, path, "exec"), module.__dict__)  # not by the loader, whom damaged bytecode beside it would stop
     return module

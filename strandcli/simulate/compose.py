@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import importlib.util
 import inspect
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
-from ..compiling.folder import cache
 from ..errors import UsageError
+from ..written import module_of
 from .rules import Pass
 
 TEMPLATE = '''\
@@ -124,19 +122,5 @@ def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
 
 @functools.lru_cache(maxsize=64)
 def _load(text: str, folder: Path) -> Callable[..., None]:
-    name = f"step_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
-    path = folder / f"{name}.py"
-    try:
-        kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
-    except OSError:
-        kept = False
-    kept = kept or cache.write(path, text.encode())
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    module: Any = importlib.util.module_from_spec(spec)
-    if not kept:
-        module.__strandcli_text__ = text.encode()  # the key of its kernels follows from it
-    sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
-    exec(compile(text, path, "exec"), module.__dict__)  # not by the loader, whom damaged bytecode beside it would stop
-    step: Callable[..., None] = module.step
+    step: Callable[..., None] = module_of(text, "step", folder).step
     return step

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -39,6 +40,10 @@ def double(book, worker):
 
 def code_among(others: Sequence[Any], double: bool) -> int:
     """Address of the step, compiled for a precision and the kinds of these solids."""
-    text = TEMPLATE.format(solids=module_for(others).__name__)
-    module = module_of(text, "rod", runtime.cache_folder())
+    module = _load(TEMPLATE.format(solids=module_for(others).__name__))
     return tickets.address(module.double if double else module.single)
+
+
+@functools.cache
+def _load(text: str) -> Any:
+    return module_of(text, "rod", runtime.cache_folder())

@@ -117,12 +117,12 @@ def ball(row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
 
 def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """(k,) depth of points (k, 3) below the surface of a packed solid, metres; not positive outside."""
-    shape = shape_of(solid.kind)
+    distance: Any = shape_of(solid.kind).distance
     own = (points - row[:3]) @ row[ROW_X:REACH].reshape(3, 3)
     given = tuple(row[NUMBERS:].tolist())
     outside = np.linalg.norm(own, axis=1) - row[REACH]
     found = zip(outside.tolist(), own.tolist(), strict=True)
-    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in found])
+    return np.array([-far if far > 0 else -float(distance(*one, given)) for far, one in found])
 
 
 def type_of(solids: Sequence[Any]) -> Any:
@@ -142,7 +142,9 @@ def _module(kinds: tuple[tuple[str, int, Any], ...]) -> Any:
     from ... import runtime
     from ...written import module_of
 
-    imports, rows, places = [], [], []
+    imports: list[str] = []
+    rows: list[str] = []
+    places: list[str] = []
     for place, (kind, count, shape) in enumerate(kinds):
         function = shape.distance
         where, what = function.__module__, function.__qualname__
