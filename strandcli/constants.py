@@ -25,3 +25,5 @@ FRAGMENT_BYTES = 2 * SORTED_BYTES + PART_BYTES
 
 VECTOR = 64
 """Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""
+FOLD = 0.02
+"""Of rods, least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""

@@ -21,8 +21,15 @@ STIFFEST = 1e30
 TORSION = {False: 4.0, True: 0.25}
 """Torsional over bending rigidity, of grooms with coils where True; a round rod's is 0.75. As nothing resists twist but
 this, straight strands get more of it; of coils it is what limits the step, and they get less."""
-FOLD = 0.02
-"""Least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
+CONTRAST = 1e5
+"""Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
+one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
+THROW = 1e6
+"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
+that many times the inertia, and leaves too few digits to it."""
+STEADIEST = 20
+"""Segments up to which a sag-free start holds still to 1e-6 of its length in single precision: its joints bear as much
+as a natural shape that turns by radians, and beyond, what rounding leaves of that moves it by 1e-5 (of 1,000)."""
 
 
 def matter(rod: Rod) -> tuple[float, float, float]:
@@ -54,3 +61,12 @@ def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.floa
     joint = radius[:-1] ** 4
     joint[0] *= 2
     return mass, joint
+
+
+def needs_double(rod: Rod, joint: NDArray[np.float64], lengths: NDArray[np.float64], fall: float) -> bool:
+    """Whether single precision is not enough for joints of these relative rigidities and segments of these lengths in
+    m, which would fall so far, in m, in a step."""
+    return (
+        float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
+        or (rod.rest == "sag_free" and len(joint) > STEADIEST)
+    )  # fmt: skip

@@ -25,7 +25,7 @@ from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_step, rod_tension, tickets
 from .kernels.rod import PACK
-from .material import TORSION, matter_along, stiffness
+from .material import TORSION, matter_along, needs_double, stiffness
 from .rest_shape import carried, coiled, straight, unit_edges
 from .rod_others import code_among
 from .sag_free import Held, hold
@@ -34,15 +34,6 @@ from .surroundings import Surroundings, gravity
 
 SHORT_MOST = 12
 """Segments up to which positions, in single precision, tell how far edges are from their length."""
-CONTRAST = 1e5
-"""Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
-one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
-THROW = 1e6
-"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
-that many times the inertia, and leaves too few digits to it."""
-STEADIEST = 20
-"""Segments up to which a sag-free start holds still to 1e-6 of its length in single precision: its joints bear as much
-as a natural shape that turns by radians, and beyond, what rounding leaves of that moves it by 1e-5 (of 1,000)."""
 TELEPORT = 2.0
 """Roots that move further than so many strand lengths in one step have not moved: they have been put elsewhere."""
 ENOUGH = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
@@ -76,11 +67,8 @@ class RodSolver(Solver):
         mass, joint = matter_along(rod, n)
         lengths = groom.lengths.astype(np.float64) / n
         fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
-        hard = (
-            float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
-            or (rod.rest == "sag_free" and n > STEADIEST)
-        )  # fmt: skip
-        self.dtype: Any = np.float64 if hard or rod.precision == "double" else np.float32
+        double = rod.precision == "double" or needs_double(rod, joint, lengths, fall)
+        self.dtype: Any = np.float64 if double else np.float32
         self.mass, self.joint = mass.astype(self.dtype), joint.astype(self.dtype)
         self.stiffness = self._packed(stiffness(rod, lengths)[:, None])
         self.own_lengths = self._packed(lengths[:, None])
@@ -280,8 +268,8 @@ class RodSolver(Solver):
         turn, moved = (np.array(part, self.dtype) for part in self._pose((frame_number - 1) / self.scene.time.fps))
         roots = _turned(turn, self.roots) + moved[:, None]
         before = roots - self.own_lengths[:, None] * _turned(turn, self.directions)
-        for row, places in enumerate((before, roots)):
-            self.positions[:, row] = lanes(places.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
+        for row, at in enumerate((before, roots)):
+            self.positions[:, row] = lanes(at.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: positions are drawn in

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .material import FOLD
+from ..constants import FOLD
 
 Floats = NDArray[np.float64]
 

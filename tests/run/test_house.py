@@ -26,7 +26,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.cli.render",
         "strandcli.compiling.faster",
         "strandcli.draw.shadows.kernels.percentage_closer",
-        "strandcli.simulate.rod",
         "strandcli.study.golden",
         "strandcli.study.pictures.subject",
     },
@@ -73,12 +72,9 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.kernels.rod_sweep:sweep",
         "strandcli.study.motion.kernels.foil:step",
     },
-    "packages": {
-        "groom simulate",
-    },
+    "packages": set(),
     "kernels": {
         "strandcli.simulate.kernels.contact_shapes strandcli.solids",
-        "strandcli.simulate.kernels.rod_curl strandcli.simulate.material",
         "strandcli.solids.kernels.box strandcli.solids.shapes.box",
         "strandcli.solids.kernels.capsule strandcli.solids.shapes.capsule",
         "strandcli.solids.kernels.plane strandcli.solids.shapes.plane",

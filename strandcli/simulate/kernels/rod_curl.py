@@ -16,9 +16,9 @@ as they were before the step, and so no coefficient of the step's matrix changes
 
 from __future__ import annotations
 
+from ...constants import FOLD
 from ...jit import device
 from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
-from ..material import FOLD
 from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
 MOST = 1.0
