@@ -233,9 +233,7 @@ class RodSolver(Solver):
             rows[...] = (np.einsum("cd,bndk->bnck", turn, wide) + goal[:, None]).reshape(rows.shape)
         self.pose = pose
 
-    def _bend(
-        self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]
-    ) -> None:
+    def _bend(self, axes: NDArray[np.float64], edges: NDArray[np.float64], lengths: NDArray[np.float64]) -> None:
         """Set the rest bends of strands clamped along ``axes`` (strands, 3) whose ``edges`` are (N, strands, 3), in the
         emitter's frame."""
         bends = np.diff(np.concatenate([axes[None], edges]), axis=0)
@@ -272,9 +270,8 @@ class RodSolver(Solver):
             self.positions[:, row] = lanes(at.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
-        """As for any solver, but stretch of long strands is that of the solver's own edges: positions are drawn in
-        single precision, whose last digit is 6e-8 m a metre away from the origin, as much as a ten thousandth of an
-        edge where there are a thousand, and 8e-6 m a hundred metres away."""
+        """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
+        precision the last digit is 6e-8 m a metre from the origin."""
         out = super().errors(frame)
         if self.edges.shape[1] > SHORT_MOST or self.dtype == np.float64:
             edges = self.edges.reshape(*self.edges.shape[:2], 3, PACK)
