@@ -78,10 +78,8 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
     lines: `ScreenLines` with widths in samples; table: of `strandcli.draw.coverage.masks.sides`; tile: `tiles.Tile`;
     the rest as in `composite`.
     """
-    screen = lines.screen
-    widths = lines.widths
-    base = tile.number * PIXELS
-    bits = out.place_bits
+    screen, widths = lines.screen, lines.widths
+    base, bits = tile.number * PIXELS, out.place_bits
     end = np.int64(0)
     vertices = screen.shape[0]
     for p in range(np.uint64(PIXELS)):
@@ -90,10 +88,8 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
         begin = o
         x = np.float32(tile.left + np.int64(p) % TILE_WIDTH) + HALF
         y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF
-        thin = ONE
+        thin = front = room = ONE
         free = WHOLE
-        front = ONE
-        room = ONE
         total = ZERO
         previous = FAR_OFF
         while m < end:
@@ -109,8 +105,7 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
             else:
                 shown = free
                 if abs(identity - previous) > 1:
-                    front = thin
-                    room = ONE
+                    front, room = thin, ONE
                 previous = identity
                 alpha = min(alpha, room)
                 room -= alpha
