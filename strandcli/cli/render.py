@@ -12,7 +12,8 @@ import click
 from ..errors import SimulationError, StrandError, UsageError
 from . import options, signals
 from .frame_range import FrameRange
-from .progress import Progress, duration, pace
+from .progress import Progress
+from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
 from .study import beginner, stepper
 from .study import max_error as max_error_option
@@ -111,7 +112,7 @@ def command(
     if as_json:
         options.print_json(data)
     if not quiet:
-        _tell(data, writer, made)
+        tell(data, writer, made)
 
 
 def _with_layers(scene: Scene, exr: bool) -> Scene:
@@ -177,7 +178,7 @@ def _run(
     numbers = (*writer.wanted, *writer.written)
     others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
     if others:
-        there = f"{_count(len(others))} there of another scene or other settings, such as {others[0]}"
+        there = f"{count_frames(len(others))} there of another scene or other settings, such as {others[0]}"
         warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
     for words in report.plan_warnings:
         warn(words)
@@ -206,7 +207,7 @@ def _run(
                     report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
-                    progress.step(_line(frame.number, frame.report))
+                    progress.step(frame_line(frame.number, frame.report))
                     signals.check()
         status = "complete"
     except SimulationError as error:
@@ -216,7 +217,7 @@ def _run(
     except KeyboardInterrupt:
         status = "interrupted"
         if not quiet:
-            progress.line(_interrupted(writer))
+            progress.line(interrupted(writer))
         raise
     finally:
         compiled = runtime.compile_seconds() - before if started else None
@@ -263,45 +264,8 @@ def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: floa
         shown = write_animation(path, paths, numbers, fps)
     except KeyboardInterrupt:
         if not quiet:
-            say(_interrupted(writer, f"{path.name} is not written; "), err=True)
+            say(interrupted(writer, f"{path.name} is not written; "), err=True)
         raise
     if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
         say(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
     return path
-
-
-def _interrupted(writer: FrameWriter, besides: str = "") -> str:
-    finished = _count(len(writer.written), " finished")
-    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
-
-
-def _count(frames: int, which: str = "") -> str:
-    return f"{frames}{which} {'frame' if frames == 1 else 'frames'}"
-
-
-def _line(number: int, report: Mapping[str, Any]) -> str:
-    stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
-    errors = [f"{name} {value:.2g}" for name, value in report.get("error", {}).items() if value is not None]
-    return f"frame {number}: {', '.join(stages)} ms; {', '.join(errors)}"
-
-
-def _tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
-    drawn = len(writer.wanted)
-    kept = len(writer.written) - drawn
-    totals = data["totals"]
-    words = f"{writer.directory}: {_count(drawn)} in {_seconds(totals['seconds'])}"
-    compiling = data["compile_seconds"] or 0.0
-    if compiling:
-        words += f", of which {compiling:.1f} s compiling (only on first use)"
-    drawing = totals["seconds"] - compiling
-    if drawn > 1 and drawing > 0:
-        words += f": {pace(drawn, drawing)}"
-    if kept:
-        words += f"; {kept} kept"
-    for path in made:
-        words += f"; {path.name}"
-    say(words, err=True)
-
-
-def _seconds(seconds: float) -> str:
-    return f"{seconds:.1f} s" if seconds < 60 else duration(seconds)

@@ -1,0 +1,54 @@
+"""What `strandcli render` says of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .progress import duration, pace
+from .say import say
+
+if TYPE_CHECKING:
+    from ..output.frames import FrameWriter
+
+
+def interrupted(writer: FrameWriter, besides: str = "") -> str:
+    """Say that a run was interrupted, and how many frames stay."""
+    finished = count_frames(len(writer.written), " finished")
+    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
+
+
+def count_frames(frames: int, which: str = "") -> str:
+    """A number of frames in words: ``1 frame``, ``3 finished frames``."""
+    return f"{frames}{which} {'frame' if frames == 1 else 'frames'}"
+
+
+def frame_line(number: int, report: Mapping[str, Any]) -> str:
+    """The line of a frame for --verbose: milliseconds of its stages, and its errors."""
+    stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
+    errors = [f"{name} {value:.2g}" for name, value in report.get("error", {}).items() if value is not None]
+    return f"frame {number}: {', '.join(stages)} ms; {', '.join(errors)}"
+
+
+def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
+    """Print what a run made, how long it took and what it kept."""
+    drawn = len(writer.wanted)
+    kept = len(writer.written) - drawn
+    totals = data["totals"]
+    words = f"{writer.directory}: {count_frames(drawn)} in {_seconds(totals['seconds'])}"
+    compiling = data["compile_seconds"] or 0.0
+    if compiling:
+        words += f", of which {compiling:.1f} s compiling (only on first use)"
+    drawing = totals["seconds"] - compiling
+    if drawn > 1 and drawing > 0:
+        words += f": {pace(drawn, drawing)}"
+    if kept:
+        words += f"; {kept} kept"
+    for path in made:
+        words += f"; {path.name}"
+    say(words, err=True)
+
+
+def _seconds(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 60 else duration(seconds)
