@@ -25,6 +25,7 @@ KNOWN: dict[str, set[str]] = {
     "files": {
         "strandcli.cli.render",
         "strandcli.draw.shadows.kernels.percentage_closer",
+        "strandcli.simulate.rod",
         "strandcli.study.golden",
         "strandcli.study.pictures.subject",
     },
