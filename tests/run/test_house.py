@@ -18,7 +18,9 @@ ARGUMENTS = 10
 """Of a function; commands of `strandcli.cli` have one an option."""
 ROOMS = ("common", "view", "geometry", "zbuffer", "solids", "coverage", "fibre", "shadows", "lighting", "film")
 """Of `strandcli.draw`: each imports those before it alone."""
-FOR_KERNELS = ("strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows")
+FOR_KERNELS = (
+    "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows", "strandcli.solids",
+)  # fmt: skip
 """What modules in a folder `kernels` import beside kernels."""
 
 KNOWN: dict[str, set[str]] = {
@@ -67,19 +69,7 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.study.motion.kernels.foil:step",
     },
     "packages": set(),
-    "kernels": {
-        "strandcli.draw.solids.kernels.smooth_union strandcli.solids",
-        "strandcli.draw.solids.kernels.sphere_tracing strandcli.solids.shapes.capsule",
-        "strandcli.draw.solids.kernels.sphere_tracing strandcli.solids.shapes.sphere",
-        "strandcli.simulate.kernels.contact_others strandcli.solids.shapes.other",
-        "strandcli.simulate.kernels.contact_shapes strandcli.solids",
-        "strandcli.solids.kernels.box strandcli.solids.shapes.box",
-        "strandcli.solids.kernels.capsule strandcli.solids.shapes.capsule",
-        "strandcli.solids.kernels.distance_field strandcli.solids.shapes.other",
-        "strandcli.solids.kernels.other strandcli.solids.shapes.other",
-        "strandcli.solids.kernels.plane strandcli.solids.shapes.plane",
-        "strandcli.solids.kernels.sphere strandcli.solids.shapes.sphere",
-    },
+    "kernels": set(),
 }
 
 
