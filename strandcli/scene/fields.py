@@ -140,7 +140,7 @@ def union(default: Any, kinds: Mapping[str, type], *, doc: str = "") -> Any:
 
 
 def items(
-    of: type | dict[str, type], *, default: tuple[Any, ...] = (), most: int = MOST_ITEMS, doc: str = ""
+    of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), most: int = MOST_ITEMS, doc: str = ""
 ) -> Any:
     """A field that is a tuple of instances of a class, or of classes told apart by ``kind``, ``most`` at the most."""
     # not a copy: kinds that are added later count as well

@@ -134,8 +134,8 @@ def without_placed(node: Node) -> Node | None:
         return ListNode(tuple(without_placed(item) or item for item in node.items), node.mark)
     if not isinstance(node, MapNode):
         return node
-    kept = ((key, Entry(entry.mark, without_placed(entry.node))) for key, entry in node.entries.items())
-    entries = {key: Entry(mark, inner) for key, (mark, inner) in kept if inner is not None}
+    kept = ((key, entry.mark, without_placed(entry.node)) for key, entry in node.entries.items())
+    entries = {key: Entry(mark, inner) for key, mark, inner in kept if inner is not None}
     made = any(isinstance(entry.node, Placed) and entry.node.mark == node.mark for entry in node.entries.values())
     return None if made and not entries else MapNode(entries, node.mark)
 
