@@ -46,9 +46,9 @@ def check(
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
     options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
-    from ..study import golden
+    from ..study import golden, golden_list
 
-    entries = golden.select(golden.read_entries(directory), names)
+    entries = golden_list.select(golden_list.read_entries(directory), names)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
     results = []
     with Progress(len(entries), "golden check", hidden=no_progress or quiet, verbose=verbose) as progress:
@@ -87,10 +87,10 @@ def update(
     options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
     from ..output.files import prepare_folder
-    from ..study import golden
+    from ..study import golden, golden_list
 
-    listed = golden.read_entries(directory)
-    entries = golden.select(listed, names)
+    listed = golden_list.read_entries(directory)
+    entries = golden_list.select(listed, names)
     prepare_folder(directory, 0)
     changes: dict[str, str] = {}
     with Progress(len(entries), "golden update", hidden=no_progress or quiet, verbose=verbose) as progress:

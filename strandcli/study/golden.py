@@ -1,14 +1,7 @@
 """Golden images: small pictures that were once looked at and found good, and that every later version must draw again.
 
-A folder holds ``golden.yaml``, a list of entries ::
-
-    - preset: hair              # a shipped name, or a file beside golden.yaml
-      name: hair                # optional; the preset's name, '/' as '-'
-      frame: 12                 # optional; 1
-      size: 160x120             # optional; the preset's own
-      set: [emitter.strands=500]    # optional; as --set
-
-and, made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
+A folder holds ``golden.yaml``, the list of them (`strandcli.study.golden_list`), and,
+made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
 
 How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash
 was recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and
@@ -24,7 +17,6 @@ from __future__ import annotations
 
 import json
 import platform
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,33 +24,21 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import RefusedError, SimulationError, UsageError
+from ..errors import SimulationError, UsageError
 from ..output import png
 from ..output.compare import Comparison, compare, side_by_side, write_image
 from ..output.files import prepare_folder, write_json
+from .golden_list import LIST, Entry
 
 THRESHOLD = 8  # of 255
 MOST_OVER = 0.001  # of all pixels
 MOST_RMSE = 1.0  # of 255
 
-LIST = "golden.yaml"
 HASHES = "hashes.json"
 SCHEMA_VERSION = 1
-_LARGEST = 1 << 20
 
 Notify = Callable[[str], None]
-Draw = Callable[["Entry", Path], png.Pixels]
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """One golden image: what to draw, and the name of its file without .png."""
-
-    name: str
-    preset: str
-    overrides: tuple[str, ...] = ()
-    frame: int = 1
-    size: tuple[int, int] | None = None
+Draw = Callable[[Entry, Path], png.Pixels]
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,61 +99,6 @@ def tolerable(comparison: Comparison) -> bool:
     return comparison.over_fraction <= MOST_OVER and comparison.rmse <= MOST_RMSE
 
 
-def read_entries(directory: Path) -> list[Entry]:
-    """The list of a folder. Raises ``UsageError`` that names the entry at fault."""
-    import yaml
-
-    path = directory / LIST
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise UsageError(f"{path}: no such file; it lists the golden images, as in '- preset: hair'") from None
-    except NotADirectoryError:
-        raise UsageError(f"{directory}: is a file, not a folder of golden images") from None
-    except PermissionError:
-        raise RefusedError(f"{path}: no permission to read it") from None
-    if len(data) > _LARGEST:
-        raise UsageError(f"{path}: larger than {_LARGEST} bytes")
-    try:
-        found = yaml.safe_load(data)
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise UsageError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
-    if not isinstance(found, list) or not found:
-        raise UsageError(f"{path}: must be a list of entries such as '- preset: hair'")
-    entries = [_entry(one, f"{path}: entry {number}") for number, one in enumerate(found, 1)]
-    names = [entry.name for entry in entries]
-    for name in names:
-        if names.count(name) > 1:
-            raise UsageError(f"{path}: two entries are named '{name}'; give one another 'name'")
-    return entries
-
-
-def _entry(data: Any, where: str) -> Entry:
-    if not isinstance(data, dict):
-        raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
-    known = ("preset", "name", "frame", "size", "set")
-    for key in data:
-        if key not in known:
-            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(known)}")
-    preset = data.get("preset")
-    if not isinstance(preset, str) or not preset:
-        raise UsageError(f"{where}: 'preset' must be a shipped name or a file")
-    name = data.get("name", Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-"))
-    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
-        raise UsageError(f"{where}: 'name' must be letters, digits, '.', '_' or '-', not {name!r}")
-    frame = data.get("frame", 1)
-    if type(frame) is not int or frame < 1:
-        raise UsageError(f"{where}: 'frame' must be a whole number from 1, not {frame!r}")
-    overrides = data.get("set", [])
-    if not isinstance(overrides, list) or not all(isinstance(one, str) and "=" in one for one in overrides):
-        raise UsageError(f"{where}: 'set' must be a list of texts such as 'wind.strength=3'")
-    size = data.get("size")
-    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", size) if isinstance(size, str) else None
-    if size is not None and match is None:
-        raise UsageError(f"{where}: 'size' must be a width and a height such as 160x120, not {size!r}")
-    return Entry(name, preset, tuple(overrides), frame, (int(match[1]), int(match[2])) if match else None)
-
-
 def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: int | None = None) -> png.Pixels:
     """The picture of an entry, drawn now: uint8, (height, width, 3)."""
     import strandcli
@@ -191,15 +116,6 @@ def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: i
     (frame,) = pipeline.render(scene, [entry.frame], threads=threads, notify=notify)
     image: png.Pixels = np.array(frame.image)
     return image
-
-
-def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:
-    """The entries of these names, or all if there are none. Raises ``UsageError`` for a name that is not there."""
-    known = [entry.name for entry in entries]
-    for name in names:
-        if name not in known:
-            raise UsageError(f"no golden image is named '{name}'; there are {', '.join(known)}")
-    return [entry for entry in entries if not names or entry.name in names]
 
 
 def check(directory: Path, entry: Entry, output: Path, drawer: Draw) -> Result:

@@ -28,8 +28,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.cli.render",
         "strandcli.draw.shadows.kernels.percentage_closer",
         "strandcli.simulate.rod",
-        "strandcli.study.golden",
-        "strandcli.study.pictures.subject",
     },
     "functions": {
         "strandcli.cli.render:_run",

@@ -17,7 +17,7 @@ from cli_runs import Runner
 from strandcli import pipeline
 from strandcli.scene import list_presets
 from strandcli.scene.model import Scene, SphereShape
-from strandcli.study import golden
+from strandcli.study import golden_list
 
 NAMES = [name for name, _ in list_presets()]
 FIGURES = [f"figures/fig{number:02d}" for number in range(2, 15)]
@@ -250,7 +250,7 @@ def test_hair_hangs_about_the_head_and_comes_back_to_its_beginning() -> None:
 
 
 def test_every_preset_has_a_golden_image_that_can_be_drawn() -> None:
-    entries = golden.read_entries(GOLDEN)
+    entries = golden_list.read_entries(GOLDEN)
     assert {entry.preset for entry in entries} == set(NAMES)
     for entry in entries:
         scene = strandcli.load(entry.preset, overrides=entry.overrides)

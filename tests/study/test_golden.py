@@ -12,8 +12,8 @@ import pytest
 from strandcli.errors import SimulationError, UsageError
 from strandcli.output import png
 from strandcli.output.compare import compare, write_image
-from strandcli.study import golden
-from strandcli.study.golden import Entry
+from strandcli.study import golden, golden_list
+from strandcli.study.golden_list import Entry
 
 ENTRY = Entry("hair", "hair", ("wind.strength=3",), 2, (40, 30))
 
@@ -147,17 +147,17 @@ def test_entries_no_longer_listed_are_removed(made: Path) -> None:
 
 
 def test_the_list_is_read_with_its_defaults(tmp_path: Path) -> None:
-    (tmp_path / golden.LIST).write_text(
+    (tmp_path / golden_list.LIST).write_text(
         "- preset: figures/fig02\n- {preset: ./own.yaml, name: b, frame: 3, size: 160x120, set: [wind.strength=3]}\n"
     )
-    assert golden.read_entries(tmp_path) == [
+    assert golden_list.read_entries(tmp_path) == [
         Entry("figures-fig02", "figures/fig02"),
         Entry("b", "./own.yaml", ("wind.strength=3",), 3, (160, 120)),
     ]
-    entries = golden.read_entries(tmp_path)
-    assert golden.select(entries, ["b"]) == entries[1:]
+    entries = golden_list.read_entries(tmp_path)
+    assert golden_list.select(entries, ["b"]) == entries[1:]
     with pytest.raises(UsageError, match="no golden image is named 'c'; there are figures-fig02, b"):
-        golden.select(entries, ["c"])
+        golden_list.select(entries, ["c"])
 
 
 @pytest.mark.parametrize(
@@ -180,14 +180,14 @@ def test_the_list_is_read_with_its_defaults(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_the_list_are_named(tmp_path: Path, text: str, words: str) -> None:
-    (tmp_path / golden.LIST).write_text(text)
+    (tmp_path / golden_list.LIST).write_text(text)
     with pytest.raises(UsageError, match=rf"golden\.yaml: .*{words}"):
-        golden.read_entries(tmp_path)
+        golden_list.read_entries(tmp_path)
 
 
 def test_a_folder_without_a_list_and_damaged_hashes_are_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"golden\.yaml: no such file"):
-        golden.read_entries(tmp_path)
+        golden_list.read_entries(tmp_path)
     for text in ("{", "[]", '{"images": {"hair": 3}}'):
         (tmp_path / golden.HASHES).write_text(text)
         with pytest.raises(UsageError, match=r"hashes\.json: "):

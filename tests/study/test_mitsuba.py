@@ -28,7 +28,8 @@ from path_tracer import figures, one_strand, seconds_to, trace
 from strandcli.blocks import lanes, pack
 from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Picture, Subject, changed, silhouette
+from strandcli.study.pictures.settings import changed, silhouette
+from strandcli.study.pictures.subject import Picture, Subject
 
 APART = """\
 title: strands that stand apart

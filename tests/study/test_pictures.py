@@ -15,8 +15,9 @@ from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.curves import bezier, to_polyline
+from strandcli.study.pictures.settings import changed, knows
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along
-from strandcli.study.pictures.subject import LinearRenderer, Subject, changed, differences, knows
+from strandcli.study.pictures.subject import LinearRenderer, Subject, differences
 
 SMALL = """\
 title: a small brush

@@ -7,7 +7,8 @@ from typing import Any
 from ..axes import Axis
 from ..points import Knobs
 from .experiment import Pictures
-from .subject import Picture, changed, silhouette
+from .settings import changed, silhouette
+from .subject import Picture
 
 SAMPLES = 16
 """Of the reference, along each side of a pixel."""

@@ -14,7 +14,8 @@ from ...scene.model import Scene
 from ..axes import Axis
 from ..points import Knobs
 from .experiment import Pictures
-from .subject import Picture, changed
+from .settings import changed
+from .subject import Picture
 
 LEVEL = 8
 """Of the reference: 256 pieces a segment."""

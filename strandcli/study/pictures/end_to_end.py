@@ -8,7 +8,8 @@ from ...scene.quality import QUALITIES, settings_for, shadowed
 from ..axes import Axis
 from ..points import Knobs, grid
 from .experiment import Pictures
-from .subject import Picture, changed
+from .settings import changed
+from .subject import Picture
 
 SAMPLES = 16
 """Of the reference, along each side of a pixel."""

@@ -10,7 +10,8 @@ from ...errors import UsageError
 from ...scene.model import Scene
 from ..axes import Request
 from ..points import Knobs, Point
-from .subject import Picture, Subject, changed, differences, knows, total, value_at
+from .settings import changed, knows, value_at
+from .subject import Picture, Subject, differences, total
 
 
 class Pictures(ABC):

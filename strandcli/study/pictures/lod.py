@@ -8,7 +8,8 @@ from ...scene.model import Scene
 from ..axes import Axis
 from ..points import Knobs
 from .experiment import Pictures
-from .subject import Picture, changed, silhouette
+from .settings import changed, silhouette
+from .subject import Picture
 
 SAMPLES = 8
 """Of the reference, along each side of a pixel."""

@@ -21,8 +21,9 @@ from ...scene.model import AmbientOcclusion, DirectionalLight
 from ..axes import Axis
 from ..points import Knobs
 from .experiment import Pictures
+from .settings import changed
 from .shadow import bundle, transmittance
-from .subject import Picture, changed
+from .subject import Picture
 
 PROBES = 300
 DIRECTIONS = 96

@@ -31,7 +31,8 @@ from ..kernels import cylinders
 from ..points import Knobs
 from .curves import on_screen
 from .experiment import Pictures
-from .subject import Picture, changed, knows
+from .settings import changed, knows
+from .subject import Picture
 
 PROBES = 400
 RAYS = 2048

@@ -18,7 +18,8 @@ from strandcli.draw.coverage.kernels.masks import DISTANCES, REACH, WAYS
 from strandcli.draw.coverage.masks import points, sides
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Subject, changed
+from strandcli.study.pictures.settings import changed
+from strandcli.study.pictures.subject import Subject
 
 SIZE = 12
 RNG = np.random.default_rng(8)

@@ -16,7 +16,8 @@ from strandcli.draw.fibre.width_tables import N_PHI, N_THETA, columns_of
 from strandcli.jit import parallel
 from strandcli.scene.model import Material, Scene
 from strandcli.study import chiang_reference
-from strandcli.study.pictures.subject import LinearRenderer, changed
+from strandcli.study.pictures.settings import changed
+from strandcli.study.pictures.subject import LinearRenderer
 from tests.draw.geometry.test_detail import positions_of
 
 POST = """

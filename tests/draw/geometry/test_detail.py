@@ -14,7 +14,8 @@ from strandcli.blocks import lanes, pack
 from strandcli.draw.geometry.detail import BAND, level_of, near_of, needed, share_at, shares
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.model import Scene
-from strandcli.study.pictures.subject import LinearRenderer, changed
+from strandcli.study.pictures.settings import changed
+from strandcli.study.pictures.subject import LinearRenderer
 
 SCENE = """
 emitter: {strands: 1000, particles: 3, shape: {kind: sphere, radius: 0.5}, length: 0.3}

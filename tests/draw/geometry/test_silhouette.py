@@ -19,7 +19,8 @@ from strandcli.draw.view.camera import View, axes
 from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.jit import function
 from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Subject, changed
+from strandcli.study.pictures.settings import changed
+from strandcli.study.pictures.subject import Subject
 
 RADIUS = 0.003
 VIEWS = ["perspective", "orthographic"]

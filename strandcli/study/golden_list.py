@@ -1,0 +1,99 @@
+"""The list of golden images: what each shows, as ``golden.yaml`` says it.
+
+A list of entries ::
+
+    - preset: hair              # a shipped name, or a file beside golden.yaml
+      name: hair                # optional; the preset's name, '/' as '-'
+      frame: 12                 # optional; 1
+      size: 160x120             # optional; the preset's own
+      set: [emitter.strands=500]    # optional; as --set
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import RefusedError, UsageError
+
+LIST = "golden.yaml"
+_LARGEST = 1 << 20
+"""Bytes of a list."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One golden image: what to draw, and the name of its file without .png."""
+
+    name: str
+    preset: str
+    overrides: tuple[str, ...] = ()
+    frame: int = 1
+    size: tuple[int, int] | None = None
+
+
+def read_entries(directory: Path) -> list[Entry]:
+    """The list of a folder. Raises ``UsageError`` that names the entry at fault."""
+    import yaml
+
+    path = directory / LIST
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"{path}: no such file; it lists the golden images, as in '- preset: hair'") from None
+    except NotADirectoryError:
+        raise UsageError(f"{directory}: is a file, not a folder of golden images") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    if len(data) > _LARGEST:
+        raise UsageError(f"{path}: larger than {_LARGEST} bytes")
+    try:
+        found = yaml.safe_load(data)
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise UsageError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(found, list) or not found:
+        raise UsageError(f"{path}: must be a list of entries such as '- preset: hair'")
+    entries = [_entry(one, f"{path}: entry {number}") for number, one in enumerate(found, 1)]
+    names = [entry.name for entry in entries]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{path}: two entries are named '{name}'; give one another 'name'")
+    return entries
+
+
+def _entry(data: Any, where: str) -> Entry:
+    if not isinstance(data, dict):
+        raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
+    known = ("preset", "name", "frame", "size", "set")
+    for key in data:
+        if key not in known:
+            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(known)}")
+    preset = data.get("preset")
+    if not isinstance(preset, str) or not preset:
+        raise UsageError(f"{where}: 'preset' must be a shipped name or a file")
+    name = data.get("name", Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-"))
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
+        raise UsageError(f"{where}: 'name' must be letters, digits, '.', '_' or '-', not {name!r}")
+    frame = data.get("frame", 1)
+    if type(frame) is not int or frame < 1:
+        raise UsageError(f"{where}: 'frame' must be a whole number from 1, not {frame!r}")
+    overrides = data.get("set", [])
+    if not isinstance(overrides, list) or not all(isinstance(one, str) and "=" in one for one in overrides):
+        raise UsageError(f"{where}: 'set' must be a list of texts such as 'wind.strength=3'")
+    size = data.get("size")
+    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", size) if isinstance(size, str) else None
+    if size is not None and match is None:
+        raise UsageError(f"{where}: 'size' must be a width and a height such as 160x120, not {size!r}")
+    return Entry(name, preset, tuple(overrides), frame, (int(match[1]), int(match[2])) if match else None)
+
+
+def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:
+    """The entries of these names, or all if there are none. Raises ``UsageError`` for a name that is not there."""
+    known = [entry.name for entry in entries]
+    for name in names:
+        if name not in known:
+            raise UsageError(f"no golden image is named '{name}'; there are {', '.join(known)}")
+    return [entry for entry in entries if not names or entry.name in names]
