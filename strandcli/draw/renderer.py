@@ -214,7 +214,7 @@ class Renderer:
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw strands, or the ``lines`` that are all of them, into shadow maps: every strand has to be in them before
         the first is shaded."""
-        for draw in (maps.add, maps.weigh) if maps.deep else (maps.add,):
+        for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
             for some in batches.lines() if lines is None else (lines,):
                 draw(some, workers, self.scratch)
                 self._drawing.lap("shadow")

@@ -43,10 +43,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": {
-        "strandcli.draw.shadows.kernels.opacity_maps:draw",
-        "strandcli.draw.shadows.kernels.opacity_maps:drop",
-        "strandcli.draw.shadows.kernels.opacity_maps:piece",
-        "strandcli.draw.shadows.kernels.opacity_maps:strand",
         "strandcli.draw.shadows.kernels.penumbra:box",
         "strandcli.draw.shadows.kernels.penumbra:capsule",
         "strandcli.draw.shadows.kernels.penumbra:lit",

@@ -38,7 +38,7 @@ FALL = 9.0
 """h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart: more than
 light takes to fall, for single strands stand off before the rest."""
 PLACES = 2**31 - 1
-"""Numbers of an opacity map: its kernel counts them in 32 bits (`simd.pick`)."""
+"""Numbers of an opacity map: its kernel counts them in 32 bits (`simd.gather`)."""
 LEAST_FALL = 1 / 50
 """Of the groom's size, what h is at least: before a bundle in which light falls within a millimetre stand hairs that
 are centimetres off, and layers that were even no farther than the former are coarse where the bundle begins."""
@@ -92,7 +92,8 @@ class ShadowMaps:
             self._draw(number, lines, workers, scratch, None)
 
     def divide(self, scratch: Scratch) -> None:
-        """When all strands have been added: layers between the nearest and the farthest, where there are any."""
+        """Make empty layers between the nearest and the farthest depth of every opacity map's cells, when all strands
+        have been added. Raises `RefusedError` where a map would be too large."""
         deep = [number for number, layers in enumerate(self.layers) if layers]
         if not deep:
             return
@@ -100,7 +101,7 @@ class ShadowMaps:
         tables = np.split(scratch.take("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
         for number, rows in zip(deep, tables, strict=True):
-            count = opacity_maps.number(self.extents[number], rows)
+            count = opacity_maps.number_cells(self.extents[number], rows)
             lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
         if lengths.max() > PLACES:
             raise RefusedError(
@@ -114,23 +115,23 @@ class ShadowMaps:
             least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
             opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
 
-    def weigh(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+    def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw the same polylines into the layers of every opacity map, first of that which was drawn last."""
         for number, layers in reversed(list(enumerate(self.layers))):
             if layers:
                 self._draw(number, lines, workers, scratch, self._stack(number))
 
     def finish(self) -> None:
-        """When all strands have been weighed."""
+        """Sum the layers of every opacity map, when all strands have been drawn into them."""
         for number, layers in enumerate(self.layers):
             if layers:
-                opacity_maps.add_up(len(self.extents[number]), layers, self._stack(number))
+                opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """All of it, where one call brings all strands."""
+        """Draw and finish all maps from polylines that are all strands."""
         self.add(lines, workers, scratch)
         self.divide(scratch)
-        self.weigh(lines, workers, scratch)
+        self.accumulate_layers(lines, workers, scratch)
         self.finish()
 
     def _stack(self, number: int) -> NDArray[np.float32]:
@@ -155,10 +156,11 @@ class ShadowMaps:
                 first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, self.extents[number]
             )
             return
+        width, taper = np.float32(self.thickness.width), np.float32(self.thickness.taper)
         opacity_maps.draw(
-            first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, np.float32(view.focal),
-            np.float32(self.thickness.width), np.float32(self.thickness.taper), lines.scale, self.extents[number],
-            np.float32(self.over), layers, stack,
+            opacity_maps.StrandsInMap(first, screen, width, taper, lines.scale), bands, size,
+            opacity_maps.MapView(far, near, np.float32(view.focal)),
+            opacity_maps.OpacityMap(self.extents[number], np.float32(self.over), layers, stack),
         )  # fmt: skip
 
 

@@ -77,10 +77,14 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "weigh": (percentage_closer.weigh, (LIT, 1, ONE, ONE, ONE)),
     "sink": (percentage_closer.sink, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
     "dim": (percentage_closer.dim, (LIT, 1, TABLE)),
-    "piece": (
-        opacity_maps.piece, (*[ONE] * 8, 0, 8, 8, np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32)),
+    "segment of an opacity map": (
+        opacity_maps.accumulate_segment,
+        (*[ONE] * 8, raster.Window(0, 8, 8),
+         opacity_maps.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
-    "widen extents": (opacity_maps.widen, (*[ONE] * 6, 0, 8, 8, np.ones((16, 2), np.float32))),
+    "widen extents": (
+        opacity_maps.widen_extents, (*[ONE] * 6, raster.Window(0, 8, 8), np.ones((16, 2), np.float32)),
+    ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
     "dual scattered": (dual.scattered, (*(ONE,) * 4, 2 * (ONE,), 5 * (ONE,), 2 * (ONE,), ONE)),

@@ -16,6 +16,7 @@ from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
 from strandcli.draw.shadows.kernels import opacity, opacity_maps
 from strandcli.draw.view.camera import View
+from strandcli.draw.zbuffer.kernels.bands import Bands
 from strandcli.draw.zbuffer.raster import draw, to_screen
 from strandcli.scene.model import Material
 
@@ -194,15 +195,15 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
     rows = np.empty(size * size // 4, np.float32)
     stacks = np.empty(0, np.float32)
-    members, begin = np.zeros(1, np.int32), np.array([0, 1])
-    for weigh in (False, True):
-        opacity_maps.draw(
-            first, screen, members, begin, size, size, 1, np.float32(0), np.float32(view.near), np.float32(view.focal),
-            np.float32(2 * radius), np.float32(0), None, extents, np.float32(1), layers,
-            stacks if weigh else None,
-        )  # fmt: skip
-        if not weigh:
-            stacks = np.empty(opacity.numbers_of(len(rows), opacity_maps.number(extents, rows), layers), np.float32)
+    strands = opacity_maps.StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
+    bands = Bands(np.array([0, 1]), np.zeros(1, np.int32), size, 1)
+    seen = opacity_maps.MapView(np.float32(0), np.float32(view.near), np.float32(view.focal))
+    for layered in (False, True):
+        opacity_map = opacity_maps.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
+        opacity_maps.draw(strands, bands, size, seen, opacity_map)
+        if not layered:
+            count = opacity_maps.number_cells(extents, rows)
+            stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
             opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
     texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
     area = texels.sum() / (size / 2) ** 2  # on a plane a metre away

@@ -150,7 +150,7 @@ def test_portions_add_up() -> None:
         maps.add(part, 1, Scratch())
     maps.divide(Scratch())
     for part in parts:
-        maps.weigh(part, 2, Scratch())
+        maps.accumulate_layers(part, 2, Scratch())
     maps.finish()
     np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
 

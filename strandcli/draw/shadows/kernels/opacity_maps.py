@@ -1,13 +1,16 @@
-"""Making a deep opacity map (see `opacity`): extents of its cells, rows between them, and what strands add to these."""
+"""Building a deep opacity map (see `opacity`): extents of cells, layers between them, and what strands add to these."""
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
 from ...view.kernels.project import wider
+from ...zbuffer.kernels.raster import Window
 from .opacity import FIVE, HEAD, cell_of
 
 ZERO = np.float32(0.0)
@@ -17,35 +20,75 @@ SHORT = np.float32(1.5)
 """Texels. A spot is two texels wide."""
 
 
-@parallel
-def draw(
-    first, screen, members, begin, size, rows, workers, far, near, focal, width, taper, scale, extents, over, layers,
-    stacks,
-):  # fmt: skip
-    """Draw strands into one map: into its extents where `stacks` is None, else into the layers between them.
+class StrandsInMap(NamedTuple):
+    """Strands as a light sees them."""
 
-    first, screen, members, begin, rows, workers, far, near, size: as in `shadow.fill`, rows and size even; focal:
-    texels a metre, where far is 0 at a depth of one; width: of strands at the root, metres, of which `taper` is lost to
-    the tip; scale (S,): factor of each strand's, or None; extents (cells, 2) float32 nearest and farthest depth, or
-    what `divide` makes of them; over: 1 / h; stacks (`numbers_of`,) float32.
+    first: NDArray[np.int64]
+    """(S + 1,) first vertex of each strand, and one more than the last."""
+    screen: NDArray[np.float32]
+    """(V, 3) x and y in texels, and the depth number of `project.points`."""
+    width: Any
+    """float32: metres at the root, of which `taper` is lost to the tip."""
+    taper: Any
+    """float32, 0 to 1."""
+    scale: NDArray[np.float32] | None
+    """(S,) factor of each strand's width, or None: 1."""
+
+
+class MapView(NamedTuple):
+    """What of a light's view turns depth numbers into metres and metres into texels."""
+
+    far: Any
+    """float32: depth range of an orthographic view, metres, or 0 for a perspective one."""
+    near: Any
+    """float32: nearest depth of an orthographic view, metres."""
+    focal: Any
+    """float32: texels a metre; of a perspective view at a depth of one."""
+
+
+class OpacityMap(NamedTuple):
+    """One map while it is built."""
+
+    extents: NDArray[np.float32]
+    """(cells, 2) nearest and farthest depth, metres, (inf, −inf) where there is no strand; or what `divide` makes of
+    them: nearest depth, and layers (1 + h / depth range), 0 where there is no strand."""
+    over: Any
+    """float32: 1 / h, 1/m."""
+    layers: int
+    stacks: NDArray[np.float32] | None
+    """(`opacity.numbers_of`,) the map itself; None while its extents are found."""
+
+
+@parallel
+def draw(strands, bands, size, view, opacity_map):
+    """Draw strands into one map: into its extents where its `stacks` is None, else into the layers between them.
+
+    strands: `StrandsInMap`; bands: `zbuffer.kernels.bands.Bands`, whose rows are even; size: texels along a side, even;
+    view: `MapView`; opacity_map: `OpacityMap`.
     """
-    for task in prange(workers):
-        for b in range(task, begin.shape[0] - 1, workers):
-            top = b * rows
-            bottom = min(top + rows, size)
-            for m in range(begin[b], begin[b + 1]):
-                s = members[m]
-                strand(
-                    first[s], first[s + 1], screen, top, bottom, size, far, near, focal,
-                    width if scale is None else width * scale[s], taper, extents, over, layers, stacks,
-                )  # fmt: skip
+    for task in prange(bands.workers):
+        for b in range(task, bands.begin.shape[0] - 1, bands.workers):
+            top = b * bands.rows
+            window = Window(top, min(top + bands.rows, size), size)
+            for m in range(bands.begin[b], bands.begin[b + 1]):
+                s = bands.members[m]
+                width = width_of(strands.width, strands.scale, s)
+                draw_strand(strands, s, width, window, view, opacity_map, opacity_map.stacks)
 
 
 @device
-def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, extents, over, layers, stacks):
-    """All pieces of the polyline a … end − 1 in the rows from `top` to before `bottom`."""
-    thin = width * taper / np.float32(max(end - a - 1, 1))
-    middle = HALF * np.float32(size)
+def width_of(width, scale, s):
+    """Width of strand s at its root, metres."""
+    return width if scale is None else width * scale[s]
+
+
+@device
+def draw_strand(strands, s, width, window, view, opacity_map, stacks):
+    """Draw what lies in the window of strand s, which is `width` metres wide at its root; stacks: those of the map."""
+    screen, far, near, focal = strands.screen, view.far, view.near, view.focal
+    a, end = strands.first[s], strands.first[s + 1]
+    thin = width * strands.taper / np.float32(max(end - a - 1, 1))
+    middle = HALF * np.float32(window.width)
     x1 = screen[a, 0]
     y1 = screen[a, 1]
     q1 = screen[a, 2]
@@ -56,8 +99,8 @@ def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, ex
         x1 = screen[v, 0]
         y1 = screen[v, 1]
         q1 = screen[v, 2]
-        # what a piece drops reaches half a texel further than the piece itself, so pieces beside these rows count too
-        if max(y0, y1) < np.float32(top) - ONE or min(y0, y1) > np.float32(bottom) + ONE:
+        # the spots of a segment reach half a texel further than itself, so segments beside these rows count too
+        if max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE:
             continue
         if q0 <= ZERO or q1 <= ZERO:
             continue
@@ -68,14 +111,16 @@ def strand(a, end, screen, top, bottom, size, far, near, focal, width, taper, ex
         if far <= ZERO:  # as a lamp sees it
             w *= wider(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:
-            widen(x0, y0, d0, x1, y1, d1, top, bottom, size, extents)
+            widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
         else:
-            piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, extents, over, layers, stacks)
+            accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map)
 
 
 @function
-def widen(x0, y0, d0, x1, y1, d1, top, bottom, size, extents):
-    """Extents of all cells that `piece` may come to, in as many parts as keep the ones beside its way out."""
+def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
+    """Widen the extents of all cells in the window that `accumulate_segment` may add to, by parts of the segment so
+    short that few other cells are widened. x, y in texels, d in metres; extents: of `OpacityMap`."""
+    top, bottom, size = window
     dx = x1 - x0
     dy = y1 - y0
     length = max(abs(dx), abs(dy))
@@ -102,13 +147,13 @@ def widen(x0, y0, d0, x1, y1, d1, top, bottom, size, extents):
 
 
 @function
-def piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, heads, over, layers, stacks):
-    """A spot for each texel's length, in depth too, or one in the middle of what is no longer than `SHORT`; `w` is the
-    width in texels, `scale` texels a metre."""
+def accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map):
+    """Add a segment to the layers of a map: a spot for each texel of its length, in depth too, or one in the middle of
+    what is no longer than `SHORT`. x, y and the width w in texels, d in metres; scale: texels a metre."""
     dx = x1 - x0
     dy = y1 - y0
     length = max(max(abs(dx), abs(dy)), abs(d1 - d0) * scale)
-    if not length <= np.float32(4 * size):  # a light so near that a piece is wider than its map
+    if not length <= np.float32(4 * window.width):  # a light so near that a piece is wider than its map
         return
     spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
     per = ONE / np.float32(spots)
@@ -120,12 +165,15 @@ def piece(x0, y0, d0, x1, y1, d1, scale, w, top, bottom, size, heads, over, laye
         t = np.float32(spot) + HALF
         u = x0 + t * dx - HALF
         v = y0 + t * dy - HALF
-        drop(u, v, d0 + t * rise, share, top, bottom, size, heads, over, layers, stacks)
+        splat(u, v, d0 + t * rise, share, window, opacity_map)
 
 
 @device
-def drop(u, v, d, share, top, bottom, size, heads, over, layers, stacks):
-    """Divide a share among the four texels that a place lies between, those of them that lie in these rows."""
+def splat(u, v, d, share, window, opacity_map):
+    """Divide a share, texels², among the four texels that a place (u, v) lies between, and add what falls on those in
+    the window to their layers at the depth d, metres."""
+    top, bottom, size = window
+    heads, over, layers, stacks = opacity_map
     left = np.floor(u)
     up = np.floor(v)
     u -= left
@@ -150,9 +198,12 @@ def drop(u, v, d, share, top, bottom, size, heads, over, layers, stacks):
 
 
 @function
-def number(extents, rows):
-    """Number the cells, extents (cells, 2), that strands come to, from 1 on; rows (cells,) float32, which can tell as
-    many apart as the largest map has. Returns how many there are."""
+def number_cells(extents, rows):
+    """Number the cells that strands cross, from 1 on, and return how many there are.
+
+    extents (cells, 2): of `OpacityMap`; rows (cells,) out: the numbers, 0 where there is no strand. float32 holds every
+    whole number up to as many cells as the largest map has.
+    """
     count = np.int64(0)
     for cell in range(extents.shape[0]):
         there = extents[cell, 0] <= extents[cell, 1]
@@ -163,8 +214,11 @@ def number(extents, rows):
 
 @parallel
 def divide(extents, layers, least, over, rows, stacks):
-    """Empty layers between the extents (cells, 2) of each cell, which are taken to be `least` metres apart or more;
-    over: 1 / h; rows (cells,): of `number`. Extents become what rows begin with."""
+    """Make empty layers between the extents of each cell, and replace these by the head of the cell's row.
+
+    extents (cells, 2) metres, taken to be `least` metres apart or more; over: 1 / h, 1/m; rows (cells,): of
+    `number_cells`; stacks (`opacity.numbers_of`,) out.
+    """
     stride = HEAD + FIVE * (layers + 1)
     cells = extents.shape[0]
     for k in range(stride):
@@ -185,8 +239,11 @@ def divide(extents, layers, least, over, rows, stacks):
 
 
 @parallel
-def add_up(cells, layers, stacks):
-    """From what is in each layer to what is in front of its end; and the mean of four texels."""
+def sum_layers(cells, layers, stacks):
+    """Turn what is in each layer into what is in front of the layer's end, and add the mean of a cell's four texels.
+
+    cells: of the map; stacks (`opacity.numbers_of`,), in place.
+    """
     stride = HEAD + FIVE * (layers + 1)
     for row in prange((stacks.shape[0] - cells) // stride - 1):
         base = cells + (row + 1) * stride + HEAD
