@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RefusedError, UsageError
-from .samples import opened, samples
+from ..picture_samples import opened, samples
 
 Pixels = npt.NDArray[np.uint8]
 

@@ -18,6 +18,8 @@ ARGUMENTS = 10
 """Of a function; commands of `strandcli.cli` have one an option."""
 ROOMS = ("common", "view", "geometry", "zbuffer", "solids", "coverage", "fibre", "shadows", "lighting", "film")
 """Of `strandcli.draw`: each imports those before it alone."""
+APART = (("draw", "simulate"), ("simulate", "draw"), ("draw", "output"), ("simulate", "output"), ("groom", "output"))
+"""Packages of which the first may import nothing of the second."""
 FOR_KERNELS = (
     "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows", "strandcli.solids",
 )  # fmt: skip
@@ -25,7 +27,6 @@ FOR_KERNELS = (
 
 KNOWN: dict[str, set[str]] = {
     "files": {
-        "strandcli.cli.render",
         "strandcli.draw.shadows.kernels.percentage_closer",
         "strandcli.simulate.rod",
     },
@@ -198,6 +199,23 @@ def test_no_packages_import_each_other_in_a_circle() -> None:
             others = {package(one) for one in imports(module) if one != "strandcli"}
             graph.setdefault(package(module), set()).update(others - {package(module)})
     only_known("packages", {" ".join(one.removeprefix("strandcli.") for one in circle) for circle in circles(graph)})
+
+
+def test_packages_import_only_what_they_may() -> None:
+    """Settings know nothing of who uses them, drawing and moving nothing of each other, and the command line is for
+    ``python -m strandcli`` alone."""
+    wrong = []
+    for module in modules():
+        package = module.split(".")[1:2]
+        for other in imports(module):
+            for importer, imported in APART:
+                if package == [importer] and other.split(".")[1:2] == [imported]:
+                    wrong.append(f"{module} imports {other}")
+            if package == ["scene"] and path_of(other).parent != PACKAGE and other.split(".")[1] != "scene":
+                wrong.append(f"{module} imports {other}")
+            if other.startswith("strandcli.cli") and package not in (["cli"], ["__main__"]):
+                wrong.append(f"{module} imports {other}")
+    assert not wrong
 
 
 def test_rooms_import_those_before_them() -> None:

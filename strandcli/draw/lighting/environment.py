@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...output.samples import opened, samples
+from ...picture_samples import opened, samples
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
