@@ -8,6 +8,8 @@ BATCH_VERTICES = 6_000_000
 
 GRID_BYTES = 1_000_000_000
 """For the lists of a light with exact shadows, about; where they would take more, they are coarser."""
+GRID_SIDE = 2048
+"""Cells along a side of the grid of a light with exact shadows, at most."""
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 

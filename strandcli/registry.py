@@ -43,12 +43,7 @@ class Registry:
                 module = importlib.import_module(f"{self._package}.{name}")
                 self._drivers[name] = getattr(module, "DRIVER", module)
             elif name in self._offered():
-                entry = self._offered()[name]
-                try:
-                    driver = entry.load()
-                except Exception as error:  # whatever another package raises while it is imported
-                    raise UsageError(f"{self.kind} {name!r} ({entry.value}) cannot be imported: {error}") from error
-                self.register(driver)
+                self.register(load(self._offered()[name], self.kind))
         return self._drivers[name]
 
     def register(self, driver: Any) -> None:
@@ -74,17 +69,26 @@ class Registry:
     @functools.cache  # noqa: B019
     def _offered(self) -> dict[str, Any]:
         """Entry points by name."""
-        if not offered(self.group):
-            return {}
-        from importlib.metadata import entry_points
-
-        return {found.name: found for found in entry_points(group=self.group)}
+        return {found.name: found for found in offered(self.group)}
 
 
-def offered(group: str) -> bool:
-    """Whether any installed package has entry points of a group. A look at the files themselves: importlib.metadata
-    takes a tenth of the time that `strandcli plan` may take, and hardly anybody has such a package."""
-    return any(group in text for text in _entry_points())
+def offered(group: str) -> list[Any]:
+    """The entry points that installed packages have in a group."""
+    # a look at the files themselves: importlib.metadata takes a tenth of the time that `strandcli plan` may take, and
+    # hardly anybody has such a package
+    if not any(group in text for text in _entry_points()):
+        return []
+    from importlib.metadata import entry_points
+
+    return list(entry_points(group=group))
+
+
+def load(entry: Any, kind: str) -> Any:
+    """The object that an entry point names. Raises `UsageError` where it cannot be imported."""
+    try:
+        return entry.load()
+    except Exception as error:  # whatever another package raises while it is imported
+        raise UsageError(f"{kind} {entry.name!r} ({entry.value}) cannot be imported: {error}") from error
 
 
 @functools.cache

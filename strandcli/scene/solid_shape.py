@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from ..errors import UsageError
-from ..plugins import offered
+from ..registry import load, offered
 from .model.solids import SOLIDS, SolidSettings
 
 _shapes: dict[str, SolidShape] = {}
@@ -55,5 +55,5 @@ def shape_of(kind: str) -> SolidShape:
 
 def search() -> None:
     """Add the shapes that installed packages name under ``strandcli.solids``. Raises `UsageError`."""
-    for shape in offered(GROUP, "solid"):
-        add(shape)
+    for entry in offered(GROUP):
+        add(load(entry, "solid"))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...constants import GRID_BYTES
+from ...constants import GRID_BYTES, GRID_SIDE
 from ...scene.model import Light
 from ..common.kernels.view_columns import CORNER_STRETCH
 from ..common.scratch import Scratch
@@ -31,7 +31,6 @@ from .kernels import grid as cells
 from .kernels import interval_bits
 from .kernels import traced as kernel
 from .kernels.occluder_intervals import OccluderLists
-from .models.traced import CELLS as FINEST
 from .shadow import light_views, texel_of
 from .vertex_shadows import VertexShadows
 
@@ -104,10 +103,10 @@ def grid_of(
     piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
     margin = piece + thickness.width
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
-    fine = light_views(light, FINEST, wider)
+    fine = light_views(light, GRID_SIDE, wider)
     texel = max(texel_of(view, wider) for view in fine)
-    cell = _cell(lines, light_views(light, COARSE, wider), FINEST / COARSE * texel, piece)
-    size = int(np.clip(FINEST * texel / max(cell, thickness.width), 8, FINEST))
+    cell = _cell(lines, light_views(light, COARSE, wider), GRID_SIDE / COARSE * texel, piece)
+    size = int(np.clip(GRID_SIDE * texel / max(cell, thickness.width), 8, GRID_SIDE))
     while True:
         views = light_views(light, size, wider)
         sides = [_bands_of(lines, view, thickness, scratch) for view in views]

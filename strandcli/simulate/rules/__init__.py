@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import UsageError
-from ...plugins import offered
+from ...registry import load, offered
 from ...scene import solid_shape
 from . import collision, elasticity, emitter_motion, gravity, stiffness, wind
 from .rule import Moment, Pass
@@ -52,8 +52,8 @@ def registry() -> Mapping[str, Any]:
     global _searched
     if not _searched:
         _searched = True
-        for rule in offered(GROUP, "rule"):
-            register(rule)
+        for entry in offered(GROUP):
+            register(load(entry, "rule"))
         solid_shape.search()  # who asks for rules is about to read a preset
     return _registry
 

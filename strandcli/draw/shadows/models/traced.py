@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ....constants import GRID_BYTES
+from ....constants import GRID_BYTES, GRID_SIDE
 from ..shadow_model import ShadowModel
 
 if TYPE_CHECKING:
     from ..vertex_shadows import StrandsInLight, VertexShadows
-
-CELLS = 2048
-"""Along a side of a grid at most."""
 
 
 class Traced(ShadowModel):
@@ -48,7 +45,7 @@ class Traced(ShadowModel):
     def vertex_bytes(self, vertices: int) -> int:
         """The lists, where they begin, and the strands as the light sees them; some three cells a piece is usual, and
         one the least."""
-        return max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * CELLS**2 + vertices * (12 + 64 + 4)
+        return max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * GRID_SIDE**2 + vertices * (12 + 64 + 4)
 
 
 DRIVER = Traced()
