@@ -17,18 +17,21 @@ STEP = 257.0
 
 
 @contextmanager
-def opened(path: Path | str) -> Iterator[Any]:
+def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
     """The Pillow image at ``path``, not decoded yet, without Pillow's warnings, which name no remedy.
 
+    With ``any_size`` it must be a PNG, and Pillow's limit of pixels does not count.
     Raises ``ValueError`` for a pipe or a device, of which nothing is read, and what Pillow raises for broken files.
     """
     from PIL import Image
+    from PIL.PngImagePlugin import PngImageFile
 
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError("it is no file")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        with Image.open(path) as image:
+        # the limit is in Image.open alone
+        with PngImageFile(path) if any_size else Image.open(path) as image:
             yield image
 
 

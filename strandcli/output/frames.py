@@ -112,10 +112,10 @@ class FrameWriter:
         if not all((self.directory / name).exists() for name in layer_files(frame, self.layers, self.exr)):
             return
         try:
-            image = png.load(path)
+            image = png.load_frame(path, self.size)
         except UsageError:
             return
-        if image.size != self.size or image.mode != "RGB":
+        if image is None or image.mode != "RGB":
             return
         made_from = image.info.get(SCENE_KEYWORD, "")
         if made_from and self.scene and made_from != self.scene:

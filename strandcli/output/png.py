@@ -108,6 +108,15 @@ def load(path: Path) -> Any:
     return _decoded(path, lambda image: image.copy())
 
 
+def load_frame(path: Path, size: tuple[int, int]) -> Any | None:
+    """The wholly decoded Pillow image at ``path``, a PNG of (width, height) ``size``; None for one of another size.
+
+    Frames may be larger than pictures from elsewhere, so Pillow's limit of pixels does not count. Raises the errors of
+    :func:`read`.
+    """
+    return _decoded(path, lambda image: image.copy() if image.size == size else None, any_size=True)
+
+
 def size_of(path: Path) -> tuple[int, int]:
     """Width and height of the picture at ``path``, which is not decoded, with the errors of :func:`read`."""
     width, height = _decoded(path, lambda image: image.size)
@@ -119,11 +128,11 @@ def read_samples(path: Path) -> npt.NDArray[Any]:
     return np.asarray(_decoded(path, samples))
 
 
-def _decoded(path: Path, decode: Callable[[Any], Any]) -> Any:
+def _decoded(path: Path, decode: Callable[[Any], Any], *, any_size: bool = False) -> Any:
     from PIL import Image
 
     try:
-        with opened(path) as image:
+        with opened(path, any_size=any_size) as image:
             return decode(image)
     except FileNotFoundError:
         raise UsageError(f"{path}: no such image") from None
@@ -139,10 +148,10 @@ def _decoded(path: Path, decode: Callable[[Any], Any]) -> Any:
 
 
 def keyword(path: Path, name: str) -> str | None:
-    """The text that the picture at ``path`` has under a name, None where it has none or cannot be read; its pixels are
+    """The text that the PNG at ``path`` has under a name, None where it has none or cannot be read; its pixels are
     not looked at."""
     try:
-        with opened(path) as image:
+        with opened(path, any_size=True) as image:
             found = image.info.get(name)
     except Exception:  # whatever a broken file makes of Pillow
         return None

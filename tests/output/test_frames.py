@@ -15,7 +15,7 @@ from PIL import Image
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import frames as module
 from strandcli.output import png
-from strandcli.output.frames import FrameWriter, frame_file
+from strandcli.output.frames import SCENE_KEYWORD, FrameWriter, frame_file
 
 SIZE = (12, 8)
 
@@ -90,6 +90,19 @@ def test_resume_keeps_whole_frames_of_the_right_size_only(tmp_path: Path) -> Non
     assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
     for frame in range(1, 6):
         np.testing.assert_array_equal(png.read(tmp_path / frame_file(frame)), picture(frame))
+
+
+def test_resume_keeps_frames_of_more_pixels_than_pillow_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, [1, 2, 3], scene="one")
+    Image.new("RGB", (50, 50)).save(tmp_path / frame_file(2))
+    (tmp_path / frame_file(3)).write_bytes((tmp_path / frame_file(3)).read_bytes()[:-40])
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", SIZE[0] * SIZE[1] // 3)
+    with pytest.raises(RefusedError):
+        png.load(tmp_path / frame_file(1))
+    writer = FrameWriter(tmp_path, [1, 2, 3], SIZE, resume=True, scene="one")
+    assert writer.wanted == (2, 3)
+    assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
+    assert png.keyword(tmp_path / frame_file(1), SCENE_KEYWORD) == "one"
 
 
 def test_resume_does_not_mix_two_scenes(tmp_path: Path) -> None:
