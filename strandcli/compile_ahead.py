@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from .compiling.folder import cache
 from .compiling.service import cores, service
+
+if TYPE_CHECKING:
+    from .scene.model import Scene
 
 PARTS = ("light", "coverage")
 """Of a frame, from its end."""
 
 
-def begin(scene: Any, threads: int | None) -> None:
+def begin(scene: Scene, threads: int | None) -> None:
     """Start the workers at once where the cache holds no kernel of light, else when several kernels turn out to be
     missing; ``threads``: processes that may be busy at once, None for as many as there are cores."""
     if not service.enabled:
@@ -33,7 +36,7 @@ def end() -> None:
     service.rest()
 
 
-def compile_parts(scene: Any, parts: Sequence[str]) -> None:
+def compile_parts(scene: Scene, parts: Sequence[str]) -> None:
     """Compile the kernels of some of `PARTS`, in a worker."""
     from .draw.compile_parts import compile_part
     from .draw.renderer import Renderer

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import options
 from .frame_range import FrameRange
 from .say import say
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
 
 @click.command()
@@ -50,7 +53,7 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
         say(f"warning: {words}", err=True)
 
 
-def _warnings(scene: Any, numbers: Any) -> list[str]:
+def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates; of panels with their labels."""
     from ..groom.emit import emit
     from ..plan import needed_strands

@@ -18,9 +18,12 @@ import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import folder
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -117,7 +120,7 @@ class Service:
             self._fail()
         return bool(told == "done")
 
-    def ahead(self, scene: Any, parts: Sequence[str], most: int) -> None:
+    def ahead(self, scene: Scene, parts: Sequence[str], most: int) -> None:
         """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``."""
         with self._lock:
             self._pending = None
@@ -134,7 +137,7 @@ class Service:
             except Exception:  # a scene with rules of this process alone
                 self.rest()
 
-    def ahead_if_missing(self, scene: Any, parts: Sequence[str], most: int) -> None:
+    def ahead_if_missing(self, scene: Scene, parts: Sequence[str], most: int) -> None:
         """The same, once kernels have been asked for that are not in the cache."""
         with self._lock:
             self._misses = 0

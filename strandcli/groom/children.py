@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from ..scene.touched import touched
 from . import fringe
 from .emit import emit, sides, stream
 from .record import Groom, frame
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
 PARENTS = 3
 ASTRAY = 0.15
@@ -68,14 +71,15 @@ class _Family(NamedTuple):
 class Children:
     """The children of one scene's guides."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         """``groom``: the guides, the first strands that the scene's emitter makes."""
         self.scene = scene
         self.groom = groom
+        assert scene.children is not None
         self.settings = scene.children
-        self.count = groom.strands * scene.children.count
-        self._waves = [wave for wave in scene.children.waves if wave.radius > 0 and wave.share > 0]
-        self.steps: int = scene.children.steps(scene.emitter.segment)
+        self.count = groom.strands * self.settings.count
+        self._waves = [wave for wave in self.settings.waves if wave.radius > 0 and wave.share > 0]
+        self.steps: int = self.settings.steps(scene.emitter.segment)
         """Steps in which a guide's segment is drawn."""
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
 

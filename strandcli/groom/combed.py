@@ -7,7 +7,7 @@ one line from root to tip, for curves, shadow, light and layers alike.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,10 @@ from .record import Groom
 from .tie import Floats, paths
 from .wisps import chosen, wisps
 
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+    from ..scene.model.emitter import Tie
+
 AT_ONCE = 1 << 16
 """Strands that are combed at once, which bounds what that takes."""
 CLEAR = 0.06
@@ -32,10 +36,12 @@ FEW = 6
 class Combed:
     """The combed parts of the strands of one scene, whose emitter has a tie."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         """``groom``: all strands that are drawn, children included."""
         self.scene = scene
         self.groom = groom
+        assert scene.emitter.tie is not None
+        self.tie = scene.emitter.tie
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
         self._wisps: NDArray[np.float32] | None = None
 
@@ -63,7 +69,7 @@ class Combed:
     def short(self) -> NDArray[np.int64]:
         """(K,) which strands are too short for the tie, in rising order."""
         groom, emitter = self.groom, self.scene.emitter
-        if emitter.tie.wisps == 0:
+        if self.tie.wisps == 0:
             return np.zeros(0, np.int64)
         return chosen(emitter, groom, groom.placed(stream(self.scene.seed, 11, groom.strands)))
 
@@ -73,7 +79,7 @@ class Combed:
             groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
             assert groom.grown is not None
             lots = np.stack([groom.placed(stream(seed, 12 + k, groom.strands))[self.short] for k in range(4)], 1)
-            self._wisps = wisps(emitter, groom.grown[self.short], lots, rows, _Over(self.scene))
+            self._wisps = wisps(emitter, groom.grown[self.short], lots, rows, _Over(self.scene, self.tie))
         return self._wisps
 
     @cached_property
@@ -87,9 +93,9 @@ class Combed:
         tie."""
         groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
         assert groom.grown is not None
-        far = emitter.tie.slack * stream(seed, 9, groom.strands) ** FEW
+        far = self.tie.slack * stream(seed, 9, groom.strands) ** FEW
         bows = groom.placed(np.stack([far, far * (2.0 * stream(seed, 10, groom.strands) - 1.0)], 1))
-        over = _Over(self.scene)
+        over = _Over(self.scene, self.tie)
         found = []
         for begin in range(0, groom.strands, AT_ONCE):
             some = slice(begin, begin + AT_ONCE)
@@ -104,8 +110,9 @@ class Combed:
 class _Over:
     """The solids that combed strands lie over, as they stand at first."""
 
-    def __init__(self, scene: Any) -> None:
-        named = [solid for solid in scene.solids if solid.name and solid.name in scene.emitter.tie.over]
+    def __init__(self, scene: Scene, tie: Tie) -> None:
+        # spheres and capsules: the checks of a scene refuse others
+        named: list[Any] = [solid for solid in scene.solids if solid.name and solid.name in tie.over]
         named.sort(key=lambda solid: solid.kind != "sphere")  # the first that blends tells how far: as they are drawn
         outer = emitter_pose(scene.emitter, 0.0)
         turn, centre = np.array(outer.rotation), np.array(outer.translation)

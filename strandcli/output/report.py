@@ -15,13 +15,16 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from . import png
 from .claim import Claim
 from .files import read_json, write_json
 from .frames import SCENE_KEYWORD, Written, frame_file
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
 SCHEMA_VERSION = 1
 FILE = "report.json"
@@ -35,7 +38,7 @@ def peak_rss_bytes() -> int:
     return peak if sys.platform == "darwin" else peak * 1024
 
 
-def fingerprint(scene: Any, *more: str) -> str:
+def fingerprint(scene: Scene, *more: str) -> str:
     """Hash of everything in a scene that changes its pixels, and of this version of strandcli.
 
     Left out: where the scene was read from, its title, and how many frames the film has, so that a longer film can

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..scene.model import Scene
     from .solver import Solver
 
 
-def solver_of(scene: Any) -> type[Solver]:
+def solver_of(scene: Scene) -> type[Solver]:
     """The class of the solver that a scene asks for; imports no other."""
     if scene.solver == "rod":
         from .rod import RodSolver

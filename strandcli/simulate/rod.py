@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from functools import cache
 from operator import sub
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
@@ -31,6 +31,9 @@ from .rod_others import code_among
 from .sag_free import Held, hold
 from .solver import Solver
 from .surroundings import Surroundings, gravity
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
 SHORT_MOST = 12
 """Segments up to which positions, in single precision, tell how far edges are from their length."""
@@ -54,7 +57,7 @@ class RodSolver(Solver):
     """Strands as rods. Their state is ``edges``, ``velocity`` and ``push``, the acceleration by contact, (packs, N,
     3 `PACK`) each, in single or double precision."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         super().__init__(scene, groom)
         for use in scene.rules:
             if use.name not in MOVED + ITS_OWN:

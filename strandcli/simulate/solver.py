@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from ..scene.motion import emitter_pose
 from ..scene.touched import touched
 from .kernels import measure
 
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
 
 class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
@@ -26,7 +29,7 @@ class Solver(ABC):
     methods tell or take of strands is in the order of emission. Raises `UsageError` for a groom that `check` refuses.
     """
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         check(groom)
         self.scene = scene
         self.groom = groom

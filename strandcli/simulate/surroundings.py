@@ -5,7 +5,7 @@ All that does not change from step to step is worked out once; of solids, those 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,11 @@ from ..scene.touched import touched
 from ..solids.shapes import other
 from .rules import wind
 
+if TYPE_CHECKING:
+    from ..scene.model import Scene
 
-def gravity(scene: Any) -> NDArray[np.float64]:
+
+def gravity(scene: Scene) -> NDArray[np.float64]:
     """(3,) the sum of all gravity rules, m/s²."""
     pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
     return np.asarray(np.sum([np.zeros(3), *pulls], axis=0))
@@ -29,7 +32,7 @@ class Surroundings:
     """Those of one scene, in numbers of a floating type. Raises `UsageError` for winds that rods cannot take together.
     """
 
-    def __init__(self, scene: Any, dtype: Any) -> None:
+    def __init__(self, scene: Scene, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
         self.gravity = gravity(scene)
         self._loop = scene.time.period

@@ -6,7 +6,7 @@ depends on the number of particles. These are the source's flaws and are kept, s
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from .. import runtime
 from ..groom.record import Groom
@@ -14,11 +14,14 @@ from .compose import step_for
 from .rules import Moment, Pass, idle, registry
 from .solver import Solver
 
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
 
 class ThesisSolver(Solver):
     """Strands under the rules of a scene, fused into one step."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         super().__init__(scene, groom)
         self.passes: list[Pass] = [
             one

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...scene.model import PlaneShape
 from ...scene.motion import camera_at, emitter_pose
@@ -88,7 +88,7 @@ def band(k: float, total: int) -> float:
 
 
 def level_of(
-    scene: Any, time: float, positions: NDArray[np.float32], strands: int, ids: NDArray[np.int32] | None, thin: bool
+    scene: Scene, time: float, positions: NDArray[np.float32], strands: int, ids: NDArray[np.int32] | None, thin: bool
 ) -> Level | None:
     """What is drawn of the first ``strands`` of positions (blocks, n + 1, 3 W); None where it is all of them.
 

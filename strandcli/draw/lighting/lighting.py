@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from .kernels import shade_strands, shade_surfaces
 from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
 from .occlusion import Occlusion
 from .palette import Palette
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 NO_BOX = np.zeros(10, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
@@ -34,7 +37,7 @@ def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]
 class Lighting:
     """What shading needs; None is what the scene does without."""
 
-    scene: Any
+    scene: Scene
     palette: Palette
     sky: Any
     """See `strandcli.draw.lighting.environment.sky_of`."""

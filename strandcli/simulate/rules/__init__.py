@@ -20,13 +20,16 @@ Rules from elsewhere are found by the entry-point group ``strandcli.rules``, or 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import UsageError
 from ...registry import load, offered
 from ...scene import solid_shape
 from . import collision, elasticity, emitter_motion, gravity, stiffness, wind
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 __all__ = ["Moment", "Pass", "idle", "register", "registry"]
 
@@ -58,6 +61,6 @@ def registry() -> Mapping[str, Any]:
     return _registry
 
 
-def idle(use: Any, scene: Any) -> str:
+def idle(use: Any, scene: Scene) -> str:
     """Why an entry of a scene's rules has nothing to do; "" where it has."""
     return str(getattr(registry()[use.name], "idle", lambda parameters, scene: "")(use.parameters, scene))

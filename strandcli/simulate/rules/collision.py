@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import boolean, names
 from ...scene.touched import chosen
 from .rule import Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "collision"
 order = 40.0
@@ -28,7 +31,7 @@ class Parameters:
     segments: bool = boolean(False, doc="also catch a segment that passes through between two particles")
 
 
-def check(parameters: Parameters, scene: Any) -> Iterable[tuple[str, str]]:
+def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:
     """Faults that only the whole scene shows."""
     known = [solid.name for solid in scene.solids]
     for place, given in enumerate(parameters.with_):
@@ -37,12 +40,12 @@ def check(parameters: Parameters, scene: Any) -> Iterable[tuple[str, str]]:
             yield f"with.{place}", f"no solid is called {given!r}; this scene has {have}"
 
 
-def idle(parameters: Parameters, scene: Any) -> str:
+def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
     return "" if chosen(parameters, scene) else "there is no solid to collide with"
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass for each kind of solid that is there, and one more for its segments where asked.
 
     A plane that no particle is below is cut by no segment: it needs no pass of its own.

@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "elasticity"
 order = 60.0
@@ -32,7 +35,7 @@ def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     return b[0] + dx * f, b[1] + dy * f, b[2] + dz * f
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass."""
 
     def prepare(moment: Moment) -> Any:

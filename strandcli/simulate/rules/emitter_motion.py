@@ -8,11 +8,14 @@ root before any rule acts on the particles after it, wherever the preset lists i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...constants import W
 from ...scene.motion import emitter_pose
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "emitter_motion"
 order = 0.0
@@ -40,12 +43,12 @@ def apply(clamp: Any, root: Any, rest_clamp: Any, rest_root: Any, p: Any) -> Non
         clamp[2 * W + k] = p[6] * bx + p[7] * by + p[8] * bz + p[11]
 
 
-def idle(parameters: Parameters, scene: Any) -> str:
+def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
     return "" if len(scene.emitter.keys) > 1 else "the emitter has fewer than two keys: it never moves"
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass."""
 
     def prepare(moment: Moment) -> Any:

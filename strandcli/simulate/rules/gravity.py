@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import Vector, vector
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "gravity"
 order = 10.0
@@ -24,12 +27,12 @@ def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     return a[0] + p[0], a[1] + p[1], a[2] + p[2]
 
 
-def idle(parameters: Parameters, scene: Any) -> str:
+def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
     return "" if any(parameters.acceleration) else "its acceleration is zero"
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass."""
 
     def prepare(moment: Moment) -> Any:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 
 class Moment(NamedTuple):
@@ -14,7 +17,7 @@ class Moment(NamedTuple):
     """End of the step in seconds; frame 1 is at 0, the pre-roll before it."""
     step: float
     """Length of the step in seconds."""
-    scene: Any
+    scene: Scene
     """The validated `Scene`."""
 
     @property

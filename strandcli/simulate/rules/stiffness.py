@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import boolean, number
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "stiffness"
 order = 30.0
@@ -36,12 +39,12 @@ def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
     )
 
 
-def idle(parameters: Parameters, scene: Any) -> str:
+def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
     return "" if parameters.strength > 0 else "its strength is zero"
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass."""
     import numpy as np
 

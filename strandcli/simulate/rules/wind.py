@@ -10,11 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import Vector, boolean, number, vector
 from ...scene.motion import sine_cosine
 from .rule import Moment, Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
 
 name = "wind"
 order = 20.0
@@ -110,12 +113,12 @@ def downwind(parameters: Parameters, time: float, phases: Any, loop: float = 0.0
     return (c * x + s * z) / size, y / size, (c * z - s * x) / size
 
 
-def idle(parameters: Parameters, scene: Any) -> str:
+def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
     return "" if parameters.strength > 0 else "its strength is zero"
 
 
-def passes(parameters: Parameters, scene: Any) -> list[Pass]:
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass, the simplest that the parameters allow."""
     import numpy as np
 

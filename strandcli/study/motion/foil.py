@@ -7,7 +7,7 @@ friction and of particles only.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from ...simulate.solver import Solver
 from ...simulate.surroundings import gravity
 from .kernels import foil as kernel
 
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
 APPLIED = ("emitter_motion", "gravity", "wind", "collision", "elasticity", "stiffness")
 """Rules that a scene may list; in place of the last two the foil has its own."""
 
@@ -33,7 +36,7 @@ class Foil(Solver):
     """Strands as rods. ``x`` and ``v`` (blocks, particles, 3 W) float64 are the state; ``mass`` (particles − 1,) is
     that of each particle but the root over a segment's, and may be changed before the first step."""
 
-    def __init__(self, scene: Any, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom) -> None:
         strange = [use.name for use in scene.rules if use.name not in APPLIED]
         if strange:
             raise UsageError(f"rule {strange[0]}: the foil does not apply it")
