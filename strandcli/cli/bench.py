@@ -14,7 +14,7 @@ from .say import say
 
 OWN = {
     "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",
-    "quality": "--quality", "curves.level": "--level", "time.frames": "--frames",
+    "quality": "--quality", "time.frames": "--frames",
 }  # fmt: skip
 """Settings that have options of their own here."""
 
@@ -36,7 +36,6 @@ OWN = {
     show_default=True,
     help="How finely the scene is drawn; preset: as it is written.",
 )
-@click.option("--level", type=options.Whole(0, 8), metavar="N", help="2 ** N pieces a segment, whatever the quality.")
 @options.overrides
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads
@@ -48,7 +47,6 @@ def command(
     size: tuple[int, int],
     solver: str,
     quality: str,
-    level: int | None,
     overrides: tuple[str, ...],
     growth: bool,
     threads: int | None,
@@ -87,7 +85,6 @@ def command(
                 threads=threads,
                 solver=solver,
                 quality=quality,
-                level=level,
                 overrides=overrides,
                 notify=progress.note,
             )

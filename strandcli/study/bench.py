@@ -48,12 +48,11 @@ def run(
     threads: int | None = None,
     solver: str = "thesis",
     quality: str = "preset",
-    level: int | None = None,
     overrides: Sequence[str] = (),
     notify: Notify | None = None,
 ) -> dict[str, Any]:
-    """All figures of one sitting; ``level``: every segment is drawn as 2 ** level pieces, whatever the quality says.
-    ``overrides`` change other settings of the scene, as after ``--set``, but not what `rules` and `lines` time."""
+    """All figures of one sitting. ``overrides`` change other settings of the scene, as after ``--set``, but not what
+    `rules` and `lines` time."""
     settings = {
         "emitter.strands": strands,
         "emitter.particles": particles,
@@ -62,8 +61,6 @@ def run(
         "solver": solver,
         "quality": quality,
     }
-    if level is not None:
-        settings["curves.level"] = level
     scene = load("headline", overrides=overrides, settings=settings)
     require_memory(make_plan(scene, range(1, frames + 2)))
     runtime.start(threads, notify)

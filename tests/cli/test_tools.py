@@ -243,8 +243,8 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert "steps alone                1.50 ms   15.00 ns a particle and step" in table
     assert "penetration_max" not in table
     assert asked["overrides"] == ()
-    run("bench", "--set", "wind.strength=2", "--set", "material.width=0.001")
-    assert asked["overrides"] == ("wind.strength=2", "material.width=0.001")
+    assert run("bench", "--set", "wind.strength=2", "--set", "curves.level=7").code == 0
+    assert asked["overrides"] == ("wind.strength=2", "curves.level=7")
     refused = run("bench", "--set", "emitter.strands=5")
     assert (refused.code, "write --strands" in refused.error()) == (2, True)
     assert run("bench", "--strands", "0").code == 2
