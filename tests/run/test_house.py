@@ -44,12 +44,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": {
-        "strandcli.draw.shadows.kernels.penumbra:box",
-        "strandcli.draw.shadows.kernels.penumbra:capsule",
-        "strandcli.draw.shadows.kernels.penumbra:lit",
-        "strandcli.draw.shadows.kernels.penumbra:nearest",
-        "strandcli.draw.shadows.kernels.penumbra:past",
-        "strandcli.draw.shadows.kernels.strand_shadows:sink",
         "strandcli.groom.kernels.children:grow",
         "strandcli.groom.kernels.children:lay",
         "strandcli.simulate.kernels.contact:off_solids",

@@ -38,6 +38,7 @@ LIT = np.ones(surface_batch.ROWS * W, np.float32)
 BLOCK = np.ones((5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
 SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
+RAY = penumbra.LightRay(*[ONE] * 7)
 
 SLOPE = DepthSlope(*4 * (ONE,))
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -96,11 +97,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "plane": (plane.meet, (TABLE, 1, *[ONE] * 6)),
     "box": (box.meet, (TABLE, 1, *[ONE] * 6)),
     "normal": (rays.normal, (SOLIDS, 1, ONE, ONE, ONE)),
-    "penumbra": (penumbra.lit, (SOLIDS, *[ONE] * 10)),
-    "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, *[ONE] * 9)),
-    "penumbra of a box": (penumbra.box, (TABLE, 1, *[ONE] * 9)),
+    "penumbra": (penumbra.lit, (SOLIDS, RAY, ONE, ONE, ONE)),
+    "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, RAY, ONE, ONE)),
+    "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.lit, (SOLIDS, *[ONE] * 8)),
-    "soften": (soft_shadows.soften, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
+    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
     "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),

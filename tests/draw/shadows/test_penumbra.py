@@ -43,6 +43,11 @@ def disc(count: int) -> NDArray[np.float64]:
     return np.stack([np.cos(angle), np.sin(angle)], 1) * np.sqrt(k / count)[:, None]
 
 
+def ray_of(where: Any, way: Any, reach: Any = FAR) -> penumbra.LightRay:
+    """The ray from a point along a unit vector, in single precision."""
+    return penumbra.LightRay(*where.astype(np.float32), *way.astype(np.float32), reach)
+
+
 def by_rays(packed: Any, where: Any, middle: Any, radius: float, rays: int = 600) -> float:
     """Share of a disc of directions about a unit vector, ``radius`` the sine of its angular radius, that are free."""
     side = np.cross(middle, [0.31, -0.52, 0.79])
@@ -67,7 +72,7 @@ def test_a_round_light_is_hidden_as_much_as_rays_find(name: str) -> None:
     for x in np.linspace(-1.6, 1.6, 65):
         where = np.array([x, -1.2, 0.05])
         one = penumbra.lit(
-            packed, *where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN, np.float32(radius), np.float32(0)
+            packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)
         )
         found.append(float(one))
         right.append(by_rays(packed, where, middle, radius))
@@ -90,7 +95,7 @@ def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
         middle -= where  # often enough toward the solid
         middle /= np.linalg.norm(middle)
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        tiny = penumbra.lit(packed, *numbers, np.float32(1e-4), np.float32(0))
+        tiny = penumbra.lit(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
         differ += abs(tiny - cast.lit(packed, *numbers)) > 0.01
     assert differ <= 2
 
@@ -104,10 +109,7 @@ def test_a_lamp_is_as_wide_as_it_is_near() -> None:
     where = np.array([0.0, 0.0, 0.0])
     reach = np.linalg.norm(lamp - where)
     way = (lamp - where) / reach
-    found = penumbra.lit(
-        packed, *where.astype(np.float32), *way.astype(np.float32), np.float32(reach), SKIN, np.float32(radius),
-        np.float32(1),
-    )  # fmt: skip
+    found = penumbra.lit(packed, ray_of(where, way, np.float32(reach)), SKIN, np.float32(radius), np.float32(1))
     x = height / radius
     assert found == pytest.approx(1 - (math.acos(x) - x * math.sqrt(1 - x * x)) / math.pi, abs=1e-4)
 
@@ -147,8 +149,7 @@ def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
         middle = generator.normal(size=3) - 0.7 * where
         middle /= np.linalg.norm(middle)
         radius = math.sin(math.radians(generator.uniform(0.1, 30)))
-        numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        clear = penumbra.lit(packed, *numbers, np.float32(radius), np.float32(0)) == 1
+        clear = penumbra.lit(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)) == 1
         share = by_rays(packed, where, middle, radius, 60)
         assert share == 1 or not clear
         told += clear
@@ -177,9 +178,9 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
         lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
-        soft_shadows.soften(work.reshape(-1), count, lights, 0, packed, SKIN)
+        soft_shadows.soft_shadows(work.reshape(-1), count, lights, 0, packed, SKIN)
         alone = [
-            penumbra.lit(packed, *where[k], *ways[k], reach[k], SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
+            penumbra.lit(packed, ray_of(where[k], ways[k], reach[k]), SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
             for k in range(count)
         ]  # fmt: skip
         shares += alone

@@ -248,9 +248,8 @@ def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
                 lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
                 power = falloff * (RED * lights[i, POWER_R] + GREEN * lights[i, POWER_G] + BLUE * lights[i, POWER_B])
                 whole += power
-                power *= penumbra.past(
-                    solids, sx, sy, sz, lx, ly, lz, reach, skin, lights, i, sized
-                )
+                ray = penumbra.LightRay(sx, sy, sz, lx, ly, lz, reach)
+                power *= penumbra.past(solids, ray, skin, lights, i, sized)
                 if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, texels, starts, sizes, views)
                 if power > ZERO and lights[i, MAP_LAYERS] > ZERO:

@@ -55,8 +55,8 @@ from ...fibre.kernels.dual_scattering import dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import mix
 from ...fibre.kernels.width_highlights import width_highlights
-from ...shadows.kernels.soft_shadows import soften
-from ...shadows.kernels.strand_shadows import beyond, shade, sink
+from ...shadows.kernels.soft_shadows import soft_shadows
+from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
 from ...solids.kernels import rays
 from .ambient import ambient_light
 from .light import toward
@@ -189,7 +189,7 @@ def past_solids(work, n, lights, i, solids, skin, sized):
     if sized is None:
         hide(work, n, solids, skin)
     else:
-        soften(work, n, lights, i, solids, skin)
+        soft_shadows(work, n, lights, i, solids, skin)
 
 
 @device
@@ -198,10 +198,9 @@ def past_strands(work, n, lights, i, shadows, dual):
     each vertex, and with dual scattering those behind it too."""
     rows = lights.rows
     bias = rows[i, BIAS]
-    starts, sizes, views = shadows.starts, shadows.sizes, shadows.views
     if rows[i, MAP_LAYERS] == ZERO:
         for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
-            shade(work, n, views, one, shadows.texels, starts[one], sizes[one], bias)
+            shade_by_minmax(work, n, shadows, one, bias)
         return
     for k in range(n):
         work[PASSED + k] = ZERO
@@ -210,9 +209,9 @@ def past_strands(work, n, lights, i, shadows, dual):
     width = rows[i, STRAND_WIDTH]
     over = rows[i, PER_FALL]
     for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
-        sink(work, n, views, one, shadows.stacks, layers, starts[one], sizes[one], bias, width, over)
+        count_in_front(work, n, shadows, one, layers, bias, width, over)
         if dual is not None:
-            beyond(work, n, views, one, shadows.stacks, layers, starts[one], sizes[one], bias, width)
+            count_behind(work, n, shadows, one, layers, bias, width)
     for k in range(n):
         work[UNBLOCKED + k] = work[ARRIVES + k]
     if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:

@@ -13,7 +13,7 @@ different sides, too much of it is left.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,22 +40,48 @@ ALONG = np.int64(16)
 """Along an axis."""
 
 
+class LightRay(NamedTuple):
+    """The way from a point to a light's middle; numbers are float32."""
+
+    x: Any
+    """The point (x, y, z), metres."""
+    y: Any
+    z: Any
+    lx: Any
+    """The unit direction (lx, ly, lz) to the light's middle."""
+    ly: Any
+    lz: Any
+    reach: Any
+    """Metres to the light's middle."""
+
+
+class Axis(NamedTuple):
+    """A capsule's axis; numbers are float32."""
+
+    x: Any
+    """The vector (x, y, z) from its first end to the other, metres."""
+    y: Any
+    z: Any
+    square: Any
+    """The vector's squared length, metres²."""
+
+
 @device
-def past(solids, x, y, z, lx, ly, lz, reach, skin, lights, i, sized):
-    """What solids leave of light number i at a point: `rays.lit`, or `lit` where any light has a size."""
+def past(solids, ray, skin, lights, i, sized):
+    """Share of light number i that solids leave along a `LightRay`: `rays.lit`, or `lit` where any light has a size."""
     if sized is None:
-        return rays.lit(solids, x, y, z, lx, ly, lz, reach, skin)
-    return lit(solids, x, y, z, lx, ly, lz, reach, skin, lights[i, LIGHT_SIZE], lights[i,
-    KIND])
+        return rays.lit(solids, ray.x, ray.y, ray.z, ray.lx, ray.ly, ray.lz, ray.reach, skin)
+    return lit(solids, ray, skin, lights[i, LIGHT_SIZE], lights[i, KIND])
 
 
 @function
-def lit(solids, x, y, z, lx, ly, lz, reach, skin, size, point):
-    """Share of a light that a point sees past all solids, a `strandcli.solids.Solids`.
+def lit(solids, ray, skin, size, point):
+    """Share of a round light, 0 to 1, that a point sees past all `strandcli.solids.Solids`.
 
-    l: unit direction to its middle, at ``reach``; size: sine of its angular radius, or where ``point`` is 1 its radius
-    in metres; skin: as in `rays.lit`.
+    ray: `LightRay`; skin: metres, as in `rays.lit`; size: sine of the light's angular radius, or where ``point`` is 1
+    its radius in metres.
     """
+    x, y, z, lx, ly, lz, reach = ray
     radius = seen_from(size, point, reach)
     x += skin * lx
     y += skin * ly
@@ -69,7 +95,8 @@ def lit(solids, x, y, z, lx, ly, lz, reach, skin, size, point):
         least = min(least, ball(r, cx, cy, cz, lx, ly, lz, reach))
     for m in range(solids.capsules.shape[0]):
         if least > -radius:
-            least = min(least, capsule(solids.capsules, m, x, y, z, lx, ly, lz, reach, skin, radius))
+            lifted = LightRay(x, y, z, lx, ly, lz, reach)
+            least = min(least, capsule(solids.capsules, m, lifted, skin, radius))
     for m in range(solids.planes.shape[0]):
         over = solids.planes[m, 0] * x + solids.planes[m, 1] * y + solids.planes[m, 2] * z - solids.planes[m, 3]
         up = solids.planes[m, 0] * lx + solids.planes[m, 1] * ly + solids.planes[m, 2] * lz
@@ -77,7 +104,8 @@ def lit(solids, x, y, z, lx, ly, lz, reach, skin, size, point):
             least = min(least, over / reach + up)
     for m in range(solids.boxes.shape[0]):
         if least > -radius:
-            least = min(least, box(solids.boxes, m, x, y, z, lx, ly, lz, reach, skin, radius))
+            lifted = LightRay(x, y, z, lx, ly, lz, reach)
+            least = min(least, box(solids.boxes, m, lifted, skin, radius))
     least = min(least, other.lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin))
     return share(least, radius)
 
@@ -90,7 +118,7 @@ def seen_from(size, point, reach):
 
 @inlined
 def share(least, radius):
-    """What is left of a light by the sines of the least angle from its middle to an edge and of its own radius."""
+    """Share of a light that is left, from the sines of the least angle from its middle to an edge and of its radius."""
     side = max(least / radius, -ONE)
     return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
 
@@ -112,7 +140,7 @@ def ball(r, cx, cy, cz, lx, ly, lz, reach):
 
 @inlined
 def aside(r, cx, cy, cz, lx, ly, lz, radius):
-    """Whether a light is seen past a whole ball for sure: its centre is further off the light's middle line, t along
+    """Whether a light is surely seen past a whole ball: its centre is further off the light's middle line, t along
     it, than what the cone about the light, of sine ``radius``, and the ball itself reach."""
     t = cx * lx + cy * ly + cz * lz
     ex = cx - t * lx
@@ -123,15 +151,19 @@ def aside(r, cx, cy, cz, lx, ly, lz, radius):
 
 @inlined
 def beside(r, off, t, radius):
-    """`aside`, for the square of the distance off the line; without a root."""
+    """Whether a light is surely seen past a ball, as `aside`; off: squared distance of the centre off the line."""
     reach = r + t * radius
     return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
 
 
 @device
-def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
-    """As `ball`, the least of a capsule's balls: along the axis there is one minimum, since the capsule is convex.
-    ``radius`` (sine) of the light, beyond which nothing has to be known."""
+def capsule(p, m, ray, skin, radius):
+    """Sine of the angle from the light's middle to the edge of row m of the capsules p: the least `ball` on the axis,
+    along which there is one minimum, since a capsule is convex.
+
+    ray: `LightRay`; skin: metres; radius: sine of the light's own; angles beyond that may be found too large.
+    """
+    x, y, z, lx, ly, lz, reach = ray
     bx = p[m, 3]
     by = p[m, 4]
     bz = p[m, 5]
@@ -143,7 +175,7 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
     around = r + HALF * math.sqrt(bb)
     if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, radius):
         return CLEAR
-    free, s = nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius)
+    free, s = nearest(r, wx, wy, wz, Axis(bx, by, bz, bb), lx, ly, lz, radius)
     if free:
         return CLEAR
     least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
@@ -153,9 +185,13 @@ def capsule(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
 
 
 @inlined
-def nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius):
-    """Whether a light is seen past a capsule for sure, its middle line passing the whole axis so far off; and the place
-    on the axis which the way to the light passes nearest. The axis goes along b from w; bb: b · b."""
+def nearest(r, wx, wy, wz, axis, lx, ly, lz, radius):
+    """Whether a light is surely seen past a whole capsule, and the place in [0, 1] on its axis nearest to the way to
+    the light.
+
+    r: metres; w: from the point to the first end of the `Axis`; radius: sine of the light's own.
+    """
+    bx, by, bz, bb = axis
     bw = -(bx * wx + by * wy + bz * wz)
     bl = bx * lx + by * ly + bz * lz
     lw = lx * wx + ly * wy + lz * wz
@@ -172,9 +208,13 @@ def nearest(r, wx, wy, wz, bx, by, bz, bb, lx, ly, lz, radius):
 
 
 @device
-def box(p, m, x, y, z, lx, ly, lz, reach, skin, radius):
-    """As `ball`, for a box: the least of its distance over the distance travelled, which has one minimum on the way to
-    the light because the box is convex. ``radius`` (sine) of the light, beyond which nothing has to be known."""
+def box(p, m, ray, skin, radius):
+    """Sine of the angle from the light's middle to the edge of row m of the boxes p: the least of the box's distance
+    over the distance travelled, which has one minimum on the way to the light because a box is convex.
+
+    ray: `LightRay`; skin: metres; radius: sine of the light's own; angles beyond that may be found too large.
+    """
+    x, y, z, lx, ly, lz, reach = ray
     cx = x - p[m, 0]
     cy = y - p[m, 1]
     cz = z - p[m, 2]

@@ -1,7 +1,7 @@
 """Shadows of solids in a light that has a size, at a batch of points: what `penumbra.lit` finds, by vectors.
 
-Solid after solid, a loop over all points leaves out those that see the light past it for sure. The others are listed,
-and what takes long is done for these alone, row by row as well.
+For each solid a loop over all points leaves out those that surely see the light past it. The others are listed, and the
+costly part runs over these alone, by vectors too.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 
 MOVED = 8
-"""Rows from `LIST` on that a point takes along."""
+"""Rows from `LIST` on that hold a listed point."""
 
 
 @function
-def soften(work, n, lights, i, solids, skin):
-    """Take from what of light number i arrives at the first n points of a batch what solids hide.
+def soft_shadows(work, n, lights, i, solids, skin):
+    """Multiply what arrives of light number i at the first n points of a batch by the share that solids leave.
 
     Rows of `batch`; solids a `strandcli.solids.Solids`; skin: as in `penumbra.lit`.
     """
@@ -68,10 +68,8 @@ def soften(work, n, lights, i, solids, skin):
         for k in range(n):
             if work[LEAST + k] > -work[RADIUS + k]:
                 x, y, z = lifted(work, k, skin)
-                least = penumbra.box(
-                    solids.boxes, m, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
-                    work[RADIUS + k],
-                )  # fmt: skip
+                ray = penumbra.LightRay(x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
+                least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
                 work[LEAST + k] = min(work[LEAST + k], least)
     if other.count(solids) > 0:
         for k in range(n):
@@ -92,7 +90,7 @@ def lifted(work, k, skin):
 
 @device
 def by_ball(work, n, cx, cy, cz, r, skin):
-    """Past a ball of radius r."""
+    """Lower the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         least = penumbra.ball(r, cx - x, cy - y, cz - z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
@@ -101,7 +99,7 @@ def by_ball(work, n, cx, cy, cz, r, skin):
 
 @device
 def by_plane(work, n, nx, ny, nz, height, skin):
-    """Past a plane."""
+    """Lower the rows `LEAST` to the sines of the angles to a plane of unit normal n, `height` from the origin."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         over = nx * x + ny * y + nz * z - height
@@ -112,7 +110,7 @@ def by_plane(work, n, nx, ny, nz, height, skin):
 
 @device
 def by_capsule(work, n, capsules, m, skin):
-    """Past a capsule."""
+    """Lower the rows `LEAST` to the sines of the angles to the edge of row m of the capsules."""
     r = capsules[m, 6] - skin
     if r <= ZERO:
         return
@@ -147,7 +145,7 @@ def by_capsule(work, n, capsules, m, skin):
         work[NEAR + j] = work[RADIUS + k]
     for j in range(count):
         free, s = penumbra.nearest(
-            r, work[WX + j], work[WY + j], work[WZ + j], bx, by, bz, bb,
+            r, work[WX + j], work[WY + j], work[WZ + j], penumbra.Axis(bx, by, bz, bb),
             work[DX + j], work[DY + j], work[DZ + j], work[NEAR + j],
         )  # fmt: skip
         least = on_axis(work, j, r, bx, by, bz, s)
@@ -158,7 +156,7 @@ def by_capsule(work, n, capsules, m, skin):
 
 @device
 def listed_again(work, count):
-    """Note what was found of those that are listed, and list those that have to be asked further; returns how many."""
+    """Store what was found for the listed points, keep in the list those that need a search; return their number."""
     left = np.int64(0)
     for j in range(count):
         k = np.int64(work[LIST + j])
@@ -180,7 +178,7 @@ def on_axis(work, j, r, bx, by, bz, s):
 
 @device
 def search(work, count, r, bx, by, bz):
-    """`penumbra.lowest_on_axis` for those that are listed."""
+    """Do what `penumbra.lowest_on_axis` does, for all listed points."""
     if count == 0:
         return
     for j in range(count):

@@ -20,8 +20,10 @@ TWICE = np.float32(2.0)
 
 
 @device
-def shade(work, n, views, one, maps, start, size, bias):
-    """What strands leave of a light, by one map: only where no map before held the vertex."""
+def shade_by_minmax(work, n, shadows, one, bias):
+    """Multiply what arrives at the first n vertices of a batch by the share that strands leave, by min/max map number
+    `one` of `ShadowArrays`, where no map before held the vertex. bias: metres."""
+    maps, start, size, views = shadows.texels, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
@@ -51,7 +53,8 @@ def shade(work, n, views, one, maps, start, size, bias):
 
 @device
 def locate(work, n, views, one, size, bias):
-    """Where a map shows the vertices that no map before held."""
+    """Store where map number `one`, `size` texels a side, shows the vertices that no map before held: rows `U`, `V`
+    (texels), `DEPTH` (metres, less the bias) and `INSIDE`."""
     edge = np.float32(size - 1)
     for k in range(n):
         u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
@@ -63,9 +66,13 @@ def locate(work, n, views, one, size, bias):
 
 
 @device
-def sink(work, n, views, one, stacks, layers, start, size, bias, width, over):
-    """Strands between the light and each vertex, by one opacity map: as `shade`; width: mean one of strands, metres;
-    over: of `opacity_maps.draw`."""
+def count_in_front(work, n, shadows, one, layers, bias, width, over):
+    """Add to the rows `PASSED` the optical depth of the strands between the light and each of the first n vertices, by
+    opacity map number `one` of `ShadowArrays`, where no map before held the vertex.
+
+    bias: metres; width: mean one of strands, metres; over: 1 / h of `opacity`, 1/m.
+    """
+    stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
@@ -95,8 +102,10 @@ def scale_at(work, k, views, one, bias):
 
 
 @device
-def beyond(work, n, views, one, stacks, layers, start, size, bias, width):
-    """Strands behind each vertex, where `sink` has just found those in front of it."""
+def count_behind(work, n, shadows, one, layers, bias, width):
+    """Add to the rows `LEFT` the optical depth of the strands behind each vertex, after `count_in_front` of the same
+    map."""
+    stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
     for k in range(n):

@@ -19,7 +19,7 @@ class Traced(ShadowModel):
     blurs = False
 
     def casts_map(self, counted: bool) -> bool:
-        """Where somebody counts strands."""
+        """Whether anything reads the number of strands before a point."""
         return counted
 
     def layers(self, shadow: Any) -> int:
