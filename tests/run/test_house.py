@@ -27,14 +27,12 @@ FOR_KERNELS = (
 
 KNOWN: dict[str, set[str]] = {
     "files": {
-        "strandcli.draw.shadows.kernels.percentage_closer",
         "strandcli.simulate.rod",
     },
     "functions": {
         "strandcli.cli.render:_run",
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
         "strandcli.draw.geometry.kernels.curves:flatten",
-        "strandcli.draw.shadows.shadow:plan_maps",
         "strandcli.draw.zbuffer.kernels.raster:ribbon",
         "strandcli.groom.kernels.children:lay",
         "strandcli.simulate.kernels.contact:touch",

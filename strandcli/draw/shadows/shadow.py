@@ -55,7 +55,7 @@ NO_THICKNESS = Thickness()
 
 @dataclass
 class ShadowMaps:
-    """All maps, as `kernels.shadow.transmittance` and `kernels.opacity.optical_depth` read them."""
+    """All maps, as `kernels.minmax.transmittance` and `kernels.opacity.optical_depth` read them."""
 
     views: list[View]
     packed: NDArray[np.float32]
@@ -172,10 +172,10 @@ def plan_maps(
     spacing: float = 0.0,
     counted: bool = True,
 ) -> ShadowMaps | None:
-    """Empty maps for the lights that want one, fitted to the box ``bounds`` (2, 3); None where none does.
+    """Empty maps for the lights that cast one, fitted to the box ``bounds`` (2, 3), metres; None where none does.
 
-    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: see
-    `models.base.ShadowModel.casts_map`.
+    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: as of
+    `ShadowModel.casts_map`.
     """
     views: list[View] = []
     layers: list[int] = []
@@ -184,49 +184,65 @@ def plan_maps(
         before = len(views)
         if casts_map(light, counted):
             count = model_of(light).layers(light.shadow)
-            deep = count > 0
-            size = model_of(light).side_of(light.shadow)
-            if deep:  # of whole cells, two texels wide, two of which a point lies between
-                size = max(size + size % 2, 4)
-            found = light_views(light, size, bounds)
-            if deep:
-                apart = max(TEXEL * spacing, thickness.width) if spacing > 0 else LONE * thickness.width
-                wanted = light.shadow.texel or apart
-                found = _coarser(light, size, bounds, found, wanted)
+            found = _views_of(light, count > 0, bounds, thickness, spacing)
             views += found
             layers += [count] * len(found)
         owners.append((before, len(views) - before))
     if not views:
         return None
     sizes = np.array([view.width for view in views], np.int64)
-    dense, across = spacing > 0 < thickness.mean, float(np.linalg.norm(bounds[1] - bounds[0]))
-    h = max(FALL * spacing**2 / thickness.mean, LEAST_FALL * across) if dense else across
-    deep_maps = np.array(layers) > 0
-    counts = np.where(deep_maps, sizes**2 // opacity.TEXELS, sizes**2)
-    begin = np.concatenate([[0], np.cumsum(np.where(deep_maps, 0, counts))]).astype(np.int64)
-    ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    order = np.argsort(deep_maps, kind="stable")  # min/max maps first, so that their texels are one array
-    every = scratch.take("texels", (int(ends[-1]), 2), np.float32)
-    every[:, 0] = np.inf
-    every[:, 1] = -np.inf
-    extents: list[Any] = [None] * len(views)
-    at = 0
-    for number in order:
-        extents[number] = every[at : at + counts[number]]
-        at += int(counts[number])
+    deep = np.array(layers) > 0
+    begin, texels, extents = _room(sizes, deep, scratch)
     return ShadowMaps(
         views,
         np.stack([view.pack() for view in views]),
-        begin[:-1],
+        begin,
         sizes,
-        None if deep_maps.all() else every[: int(begin[-1])],
+        texels,
         owners,
         None,
         layers,
         extents,
         thickness,
-        1.0 / max(h, TINY),
+        1.0 / max(_fall_length(bounds, thickness, spacing), TINY),
     )
+
+
+def _views_of(
+    light: Light, deep: bool, bounds: NDArray[np.float64], thickness: Thickness, spacing: float
+) -> list[View]:
+    """The views of a light's maps; of opacity maps, where ``deep``, with texels as wide as strands lie apart."""
+    size = model_of(light).side_of(light.shadow)
+    if not deep:
+        return light_views(light, size, bounds)
+    size = max(size + size % 2, 4)  # of whole cells, two texels wide, two of which a point lies between
+    apart = max(TEXEL * spacing, thickness.width) if spacing > 0 else LONE * thickness.width
+    return _coarser(light, size, bounds, light_views(light, size, bounds), light.shadow.texel or apart)
+
+
+def _fall_length(bounds: NDArray[np.float64], thickness: Thickness, spacing: float) -> float:
+    """h of `kernels.opacity`, metres."""
+    across = float(np.linalg.norm(bounds[1] - bounds[0]))
+    dense = spacing > 0 < thickness.mean
+    return max(FALL * spacing**2 / thickness.mean, LEAST_FALL * across) if dense else across
+
+
+def _room(
+    sizes: NDArray[np.int64], deep: NDArray[np.bool_], scratch: Scratch
+) -> tuple[NDArray[np.int64], NDArray[np.float32] | None, list[NDArray[np.float32]]]:
+    """Empty extents for all maps: where each min/max map begins in their texels, these texels (T, 2) or None, and the
+    extents (n, 2) of each map, as in `ShadowMaps`."""
+    counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
+    begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
+    every = scratch.take("texels", (int(counts.sum()), 2), np.float32)
+    every[:, 0] = np.inf
+    every[:, 1] = -np.inf
+    extents: list[Any] = [None] * len(sizes)
+    at = 0
+    for number in np.argsort(deep, kind="stable"):  # min/max maps first, so that their texels are one array
+        extents[number] = every[at : at + counts[number]]
+        at += int(counts[number])
+    return begin[:-1], None if deep.all() else every[: int(begin[-1])], extents
 
 
 def light_views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:

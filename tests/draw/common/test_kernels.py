@@ -17,7 +17,15 @@ from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
-from strandcli.draw.shadows.kernels import minmax, opacity, opacity_maps, penumbra, percentage_closer, soft_shadows
+from strandcli.draw.shadows.kernels import (
+    filter_window,
+    minmax,
+    opacity,
+    opacity_maps,
+    penumbra,
+    percentage_closer,
+    soft_shadows,
+)
 from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
 from strandcli.draw.view.kernels.depth_slope import DepthSlope
@@ -72,12 +80,12 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "optical depth": (
         opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
     ),
-    "hold": (percentage_closer.hold, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
-    "search": (percentage_closer.search, (LIT, 1, ONE, np.uint64(0), ONE, 5, np.ones(1024, np.float32))),
-    "about": (percentage_closer.about, (LIT, 1, ONE, ONE)),
-    "weigh": (percentage_closer.weigh, (LIT, 1, ONE, ONE, ONE)),
-    "sink": (percentage_closer.sink, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
-    "dim": (percentage_closer.dim, (LIT, 1, TABLE)),
+    "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
+    "find blur": (percentage_closer.find_blur, (LIT, 1, ONE, np.uint64(0), ONE, 5, np.ones(1024, np.float32))),
+    "place windows": (filter_window.place_windows, (LIT, 1, ONE, ONE)),
+    "place texel": (filter_window.place_texel, (LIT, 1, ONE, ONE, ONE)),
+    "count in front": (percentage_closer.count_in_front, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
+    "add loss": (percentage_closer.add_loss, (LIT, 1, TABLE)),
     "segment of an opacity map": (
         opacity_maps.accumulate_segment,
         (*[ONE] * 8, raster.Window(0, 8, 8),

@@ -66,7 +66,7 @@ def leave(points: NDArray[np.float64], loss: NDArray[np.float32] | None, *number
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
-    percentage_closer.leave(work.reshape(-1), len(points), *numbers[:2], given(loss, 3), *numbers[2:])
+    percentage_closer.transmittance(work.reshape(-1), len(points), *numbers[:2], given(loss, 3), *numbers[2:])
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 

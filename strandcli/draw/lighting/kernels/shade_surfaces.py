@@ -132,7 +132,7 @@ def past_strands(work, n, lights, i, shadows, loss):
                     shadows.texels, shadows.starts, shadows.sizes, shadows.views,
                 )  # fmt: skip
     if lights[i, MAP_LAYERS] > ZERO:
-        percentage_closer.leave(
+        percentage_closer.transmittance(
             work, n, lights, i, loss, shadows.stacks, shadows.starts, shadows.sizes, shadows.views
         )  # fmt: skip
     else:

@@ -33,7 +33,7 @@ def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, k
 
     first (S + 1,) int64; bands (V, 4): of each vertex x and y in cells, the depth number of `project.points`, half the
     width in cells, which lines aside of the view's middle exceed up to `stretch` times; members, begin, rows, workers:
-    as in `shadow.fill`; at (size * size,) int64: counts, to be added to, or the place of each cell's next key; keys
+    as in `minmax.fill`; at (size * size,) int64: counts, to be added to, or the place of each cell's next key; keys
     (K,) int64.
     """
     for task in prange(workers):

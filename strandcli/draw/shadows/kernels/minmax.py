@@ -112,9 +112,8 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
     """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
     light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
 
-    x, y, z metres; lights (n, 16) as in `shade_strands.strands`: of light i [7], [8] its first map and their number,
-    [9] bias in metres in front of which nothing is shaded; maps (T, 2): all texels of all maps, starts, sizes (M,)
-    int64, views (M, 24). A point that no map of the light holds is lit.
+    x, y, z metres; lights (n, `light_columns.COLUMNS`); maps, starts, sizes, views: `texels` … of `ShadowArrays`. A
+    point that no map of the light holds is lit.
     """
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         u, v, d = texel_of(x, y, z, views, one)

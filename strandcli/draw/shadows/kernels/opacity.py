@@ -80,7 +80,7 @@ def cell_of(row, column, start, size, layers, stacks):
 def layers_at(d, rows, start, number, over, layers):
     """Of the rows of these numbers, in the map that begins at `start`, the layers of depths d, how much of τ in the
     layer is in front, how many layers have ended, beyond the last too, and how many there are a metre. Vectors, as
-    `number`; rows: `lay` of the maps."""
+    `number`; rows: `pointer` to the maps."""
     stride = HEAD + FIVE * (layers + 1)
     far = max(ZERO, (d - gather(rows, start, number, stride, ZERO)) * over)
     near = ONE / (far + ONE)
@@ -124,7 +124,7 @@ def one_of(lower, right, a, b, c, d):
 def in_front(u, v, d, scale, rows, start, size, over, layers):
     """τ in front of places of the map that begins at `start`, column and row, whole at the texels' middles, and depth:
     by the texels about them, by the cells about them, of which these texels are some, and what the latter grows by a
-    metre; scale: texels a metre there. Vectors; rows: `lay` of the maps."""
+    metre; scale: texels a metre there. Vectors; rows: `pointer` to the maps."""
     half = size >> 1
     last = np.float32(half - 2)
     body = start + half * half
@@ -215,8 +215,8 @@ def settled(texels, cells, growth, width, scale):
 def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
     """τ between a light and a point; 0 where no map of the light holds the point.
 
-    As `shadow.transmittance`; width: mean one of strands, metres, or 0 for a point that is on none; lights [10]:
-    layers, [14]: 1 / h; starts: where a map begins in stacks.
+    As `minmax.transmittance`; width: mean one of strands, metres, or 0 for a point that is on none; stacks, starts,
+    sizes, views: of `ShadowArrays`.
     """
     layers = np.int64(lights[i, MAP_LAYERS])
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):

@@ -1,24 +1,21 @@
 """Shadows of strands on solids, from deep opacity maps.
 
-On strands a texel's steps drown among strands; on smooth skin each shows as a square. So here what is left of the light
-is averaged over the texels about a point (percentage-closer filtering, Reeves, Salesin & Cook 1987), by weights that
-fall smoothly to nothing at R texels, (1 − (x / R)²)² along each side. R is a texel and a half at the least, where they
-are next to a quadratic spline, and more where the light has a size: the shadow of strands at a distance D is blurred by
-a disc of the light's angular radius times D, of which a texel itself is a part. D is the mean distance of the strands
-that hide the light, by how much each texel hides, over every other texel as far as strands in the map's middle would
-blur, or at its front for points before that (Fernando 2005): what touches the skin is blurred little, however far away
-the rest of the groom is.
-Where R is more than six texels only every second one is looked at, every fourth at more than twelve, and so on to
-every sixteenth at more than 48, which costs no more than six do; the others fade out before, so that no step shows
-where they go.
+On strands the steps between texels do not show; on smooth skin each texel shows as a square. So what is left of the
+light is averaged over the texels about a point (percentage-closer filtering, Reeves, Salesin & Cook 1987), by weights
+that fall smoothly to zero at R texels, (1 − (x / R)²)² along each side. R is a texel and a half at the least, where the
+weights are close to a quadratic spline, and more where the light has a size: the shadow of strands at a distance D is
+blurred by a disc of the light's angular radius times D, of which a texel itself is a part. D is the mean distance of
+the strands that hide the light, by how much each texel hides, over every other texel as far as strands in the map's
+middle would blur, or at its front for points before that (Fernando 2005): what touches the skin is blurred little,
+however far away the rest of the groom is. Where R is large only some texels are read (`filter_window`).
 
-Light that strands scatter on goes all ways and comes down beside their shadow, the more so the further behind them a
-point is. Of what a disc sends on, a share of about w / (w + g) falls on a disc of its size at a distance g, w being .6
-of its radius (their view factor). What is translucent of a groom is its fringe: w is taken as a sixteenth of the
-map's width. Without this a coat's shadow would have a warm rim far from it, and not on the skin under it alone.
+Light that strands scatter leaves in all directions and arrives beside their shadow, the more so the further behind
+them a point is. Of what a disc scatters, a share of about w / (w + g) falls on a disc of its size at a distance g, w
+being .6 of its radius (their view factor). What is translucent of a groom is its fringe: w is taken as a sixteenth of
+the map's width. Without this a coat's shadow would have a warm rim far from it, and not on the skin under it alone.
 
 On a ground under a thousand strands the mean error against rays to all of a light is .023 where it is blurred by three
-texels, .037 without the filter; where by one and less, .038 against .033: smoothness has its price.
+texels, .037 without the filter; where by one and less, .038 with it and .033 without.
 """
 
 from __future__ import annotations
@@ -41,41 +38,27 @@ from ...common.kernels.surface_batch import (
     BLUR,
     CLOUD,
     DOWN,
-    FADE,
-    FIRST_U,
-    FIRST_V,
     FRONT,
-    LAST_U,
-    LAST_V,
     LEFT,
     LOST,
     NEAR,
     OTHER,
     PASSED,
-    PER,
     RADIUS,
-    STRIDE,
     TOTAL,
     WEIGHT,
 )
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
+from .filter_window import WIDEST, place_texel, place_windows
 from .minmax import texel_of
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-FOUR = np.float32(4.0)
-EIGHT = np.float32(8.0)
-SIXTEEN = np.float32(16.0)
 LEAST = np.float32(1.5)
-MOST = np.float32(6.0)
-"""Texels to each side that are looked at."""
-WIDEST = SIXTEEN * MOST
-"""And over which a light is averaged at the most."""
-FADED = np.float32(0.75)
-"""Of MOST, from where on every other texel fades out."""
+"""Texels to each side over which a light is averaged at the least."""
 DISC = np.float32(7.0 / 4.0)
 TEXEL = np.float32(7.0 / 12.0)
 """R² of weights, whose variance is R² / 7, for that of a disc of radius one, a quarter, and of a texel, a twelfth."""
@@ -83,22 +66,21 @@ DARK = np.float32(1e-6)
 FEW = np.float32(1e-3)
 """Weight of strands that hide next to nothing."""
 STEP = 2
-"""Texels from one that is asked for its strands' distance to the next."""
+"""Texels from one whose strands' distance is read to the next."""
 WIDE = np.float32(1 / 16)
-"""Of a map's width, the w of light that goes on."""
+"""The w of scattered light, of a map's width."""
 
 
 @function
-def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
-    """Share of light number i, in red, green and blue, that strands leave the first n points of a batch on a solid.
+def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
+    """Store the share of light number i, in red, green and blue, that strands leave the first n points of a batch.
 
-    Rows of `surface_batch`: from the points and what `ARRIVES`, to `LEFT`, which is 1 where nothing arrives. lights …
-    views: as `opacity.optical_depth`; lights [12]: the light's size,
-    of `strandcli.draw.lighting.pack_lights.pack_lights`; veil
-    (n, 3): of `strandcli.draw.fibre.dual.loss_table`, none where strands shade in grey and by e^-τ alone.
-
-    Texel by texel, each of which is the same place about all points: those that a point has none at weigh nothing.
+    Rows of `surface_batch`: from the points' places and `ARRIVES` to `LEFT`, which is 1 where nothing arrives.
+    lights … views: as of `opacity.optical_depth`; loss (m, 3): of `strandcli.draw.fibre.dual.loss_table`, no rows where
+    strands shade in grey, by e^-τ.
     """
+    # The loop over texels is the outer one: a texel is the same place in the windows of all points, and weighs nothing
+    # where it is beyond a point's window.
     for k in range(n):
         work[INSIDE + k] = ZERO
     for k in range(3 * W):
@@ -107,26 +89,26 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         size = sizes[one]
         start = starts[one]
-        hold(work, n, lights, i, views, one, size)
-        search(work, n, np.float32(size), start, lights[i, PER_FALL], layers, stacks)
-        wide, tall = about(work, n, ONE, ZERO)
+        locate(work, n, lights, i, views, one, size)
+        find_blur(work, n, np.float32(size), start, lights[i, PER_FALL], layers, stacks)
+        wide, tall = place_windows(work, n, ONE, ZERO)
         for k in range(n):
             work[TOTAL + k] = ZERO
         for k in range(3 * W):
             work[LOST + k] = ZERO
         for row in range(tall):
             for column in range(wide):
-                weigh(work, n, np.float32(row), np.float32(column), np.float32(size))
-                sink(work, n, start, size, lights[i, PER_FALL], layers, stacks)
-                if veil.shape[0] == 0:
+                place_texel(work, n, np.float32(row), np.float32(column), np.float32(size))
+                count_in_front(work, n, start, size, lights[i, PER_FALL], layers, stacks)
+                if loss.shape[0] == 0:
                     for k in range(n):
                         passed = work[PASSED + k]
-                        lost = work[WEIGHT + k] * (ONE - exp(-passed))
-                        work[LOST + k] += lost if passed > ZERO else ZERO
+                        dimmed = work[WEIGHT + k] * (ONE - exp(-passed))
+                        work[LOST + k] += dimmed if passed > ZERO else ZERO
                 else:
-                    dim(work, n, veil)
+                    add_loss(work, n, loss)
         for c in range(3):
-            row = LOST if veil.shape[0] == 0 else LOST + c * W
+            row = LOST if loss.shape[0] == 0 else LOST + c * W
             for k in range(n):
                 left = ONE - work[row + k] * (ONE / max(work[TOTAL + k], DARK))
                 work[LEFT + c * W + k] = left if work[INSIDE + k] > ZERO else work[LEFT + c * W + k]
@@ -135,9 +117,10 @@ def leave(work, n, lights, i, veil, stacks, starts, sizes, views):
 
 
 @device
-def hold(work, n, lights, i, views, one, size):
-    """Where each point is in a map, 1 in the row `INSIDE` where light arrives at it and no map before held it, and how
-    far strands would blur that are in the map's middle, or at its front for points in its front half."""
+def locate(work, n, lights, i, views, one, size):
+    """Store where map number `one`, `size` texels a side, shows each point: rows `U`, `V` (texels) and `DEPTH` (metres);
+    1 in the row `INSIDE` where light arrives and no map before held the point; and in `RADIUS` the blur, texels, of
+    strands in the map's middle, or at its front for points in its front half."""
     edge = np.float32(size - 1)
     flat = views[one, PERSPECTIVE] == ZERO
     near = views[one, NEAR_PLANE]
@@ -150,7 +133,7 @@ def hold(work, n, lights, i, views, one, size):
         far = max(d, DARK)
         angle = lights[i, LIGHT_SIZE] if flat or lights[i, KIND] == ZERO else lights[i, LIGHT_SIZE] / far
         blur = angle * fine if flat else angle * fine / far
-        radius = reach(blur * away)
+        radius = radius_for(blur * away)
         room = wide * radius
         held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
         held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
@@ -166,15 +149,19 @@ def hold(work, n, lights, i, views, one, size):
 
 
 @device
-def reach(blur):
-    """Texels to each side over which a disc of so many texels is averaged."""
+def radius_for(blur):
+    """Texels to each side over which a light is averaged that strands blur by a disc of that radius, texels."""
     return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
 
 
 @device
-def search(work, n, size, start, over, layers, stacks):
-    """How far the strands blur that hide the light: by their mean distance from each point, as far as there are any."""
-    wide, tall = about(work, n, np.float32(STEP), LEAST)
+def find_blur(work, n, size, start, over, layers, stacks):
+    """Set the rows `RADIUS`, texels, by the mean distance of the strands that hide the light from each point; rows of
+    points that no strand hides, or whose radius is the least already, stay.
+
+    size: texels a side, float32; start, over, layers, stacks: as of `opacity.in_front`.
+    """
+    wide, tall = place_windows(work, n, np.float32(STEP), LEAST)
     if wide == 0:
         return
     for k in range(n):
@@ -182,8 +169,8 @@ def search(work, n, size, start, over, layers, stacks):
         work[LOST + W + k] = FEW * work[AWAY + k]
     for row in range(tall):
         for column in range(wide):
-            weigh(work, n, np.float32(row), np.float32(column), size)
-            sink(work, n, start, np.int64(size), over, layers, stacks)
+            place_texel(work, n, np.float32(row), np.float32(column), size)
+            count_in_front(work, n, start, np.int64(size), over, layers, stacks)
             for k in range(n):
                 passed = work[PASSED + k]
                 d = work[DEPTH + k]
@@ -191,84 +178,14 @@ def search(work, n, size, start, over, layers, stacks):
                 work[LOST + k] += weight
                 work[LOST + W + k] += weight * (d - HALF * (work[FRONT + k] + min(work[BACK + k], d)))
     for k in range(n):
-        found = reach(work[BLUR + k] * (work[LOST + W + k] / work[LOST + k]))
+        found = radius_for(work[BLUR + k] * (work[LOST + W + k] / work[LOST + k]))
         work[RADIUS + k] = found if work[RADIUS + k] > LEAST else work[RADIUS + k]
 
 
 @device
-def about(work, n, step, least):
-    """Which texels are about each point that this map holds and that is averaged over more than `least`, from the first
-    that `step`, or more where many are about it, divides; returns the greatest number of columns and of rows."""
-    for k in range(n):
-        radius = work[RADIUS + k]
-        u = work[U + k]
-        v = work[V + k]
-        asked = (work[INSIDE + k] > ZERO) & (radius > least)
-        times = ONE if radius <= MOST else TWO if radius <= TWO * MOST else FOUR
-        times = times if radius <= FOUR * MOST else EIGHT if radius <= EIGHT * MOST else SIXTEEN
-        stride = step * times
-        share = ONE / stride
-        left = -stride * below((radius - u) * share)
-        top = -stride * below((radius - v) * share)
-        work[PER + k] = ONE / radius
-        work[STRIDE + k] = stride
-        work[FADE + k] = max((radius / (times * MOST) - FADED) * (ONE / (ONE - FADED)), ZERO)
-        work[FIRST_U + k] = left
-        work[FIRST_V + k] = top
-        work[LAST_U + k] = below(u + radius) if asked else left - stride
-        work[LAST_V + k] = below(v + radius) if asked else top - stride
-    return most(work, n, FIRST_U, LAST_U), most(work, n, FIRST_V, LAST_V)
-
-
-@device
-def below(x):
-    """The greatest whole number that is no greater, as a loop's compiler knows it."""
-    whole = np.float32(np.int32(x))
-    return whole - ONE if whole > x else whole
-
-
-@device
-def most(work, n, first, last):
-    """The greatest number of columns or rows that a point has about it."""
-    out = ZERO
-    for k in range(n):
-        out = max(out, (work[last + k] - work[first + k]) / work[STRIDE + k] + ONE)
-    return np.int64(out)
-
-
-@device
-def weigh(work, n, row, column, size):
-    """Place and weight of the texel in this row and column of those about each point."""
-    for k in range(n):
-        stride = work[STRIDE + k]
-        across = work[FIRST_U + k] + column * stride
-        down = work[FIRST_V + k] + row * stride
-        there = (across <= work[LAST_U + k]) & (down <= work[LAST_V + k])
-        held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
-        work[ACROSS + k] = across if held else -ONE
-        work[DOWN + k] = down
-        share = HALF / stride
-        fade = work[FADE + k]
-        thin = (ONE - fade * odd(across * share)) * (ONE - fade * odd(down * share))
-        across = (across - work[U + k]) * work[PER + k]
-        across = ONE - across * across
-        down = (down - work[V + k]) * work[PER + k]
-        down = ONE - down * down
-        weight = thin * down * down * across * across if there else ZERO
-        work[WEIGHT + k] = weight
-        work[TOTAL + k] += weight
-
-
-@device
-def odd(half):
-    """1 where a whole number, of which this is half, is odd, and 0 where it is even."""
-    return TWO * (half - below(half))
-
-
-@device
-def sink(work, n, start, size, over, layers, stacks):
-    """Strands in front of each point in that texel, 0 where there is none, and the depths where those of its cell begin
-    and end."""
+def count_in_front(work, n, start, size, over, layers, stacks):
+    """Store the optical depth in front of each point at the texel of rows `ACROSS`, `DOWN`, 0 where there is none, and
+    where the strands of its cell begin and end, metres: rows `PASSED`, `FRONT`, `BACK`."""
     rows, maps = pointer(work), pointer(stacks)
     half = size >> 1
     body = start + half * half
@@ -295,8 +212,9 @@ def sink(work, n, start, size, over, layers, stacks):
 
 
 @device
-def dim(work, n, veil):
-    """Add the light that strands in that texel take from each point, in red, green and blue."""
+def add_loss(work, n, loss):
+    """Add to the rows `LOST` the light that strands at that texel take from each point, in red, green and blue; loss:
+    as of `transmittance`."""
     for k in range(n):
         cloud = work[CLOUD + k]
         gap = max(work[DEPTH + k] - work[BACK + k], ZERO)
@@ -306,10 +224,10 @@ def dim(work, n, veil):
     for k in range(n):
         passed = work[PASSED + k]
         if passed > ZERO:
-            at = passed / (passed + HALF_WAY) * np.float32(veil.shape[0] - 1)
-            j = min(np.int64(at), veil.shape[0] - 2)
+            at = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
+            j = min(np.int64(at), loss.shape[0] - 2)
             at -= np.float32(j)
             for c in range(3):
                 work[LOST + c * W + k] += (
-                    work[NEAR + k] * (veil[j, c] + at * (veil[j + 1, c] - veil[j, c])) + work[OTHER + k]
+                    work[NEAR + k] * (loss[j, c] + at * (loss[j + 1, c] - loss[j, c])) + work[OTHER + k]
                 )
