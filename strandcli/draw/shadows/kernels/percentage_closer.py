@@ -118,7 +118,7 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
 
 @device
 def locate(work, n, lights, i, views, one, size):
-    """Store where map number `one`, `size` texels a side, shows each point: rows `U`, `V` (texels) and `DEPTH` (metres);
+    """Store where map number `one`, `size` texels a side, shows each point: rows `U`, `V` in texels, `DEPTH` in metres;
     1 in the row `INSIDE` where light arrives and no map before held the point; and in `RADIUS` the blur, texels, of
     strands in the map's middle, or at its front for points in its front half."""
     edge = np.float32(size - 1)
