@@ -104,7 +104,7 @@ def test_a_ball_that_moves_pushes() -> None:
         solver.step((i + 1) / 24, 1 / 24)
         errors = solver.errors(i + 2)
         assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
-        assert solver._depth((i + 1) / 24) <= 1e-6  # type: ignore[operator]
+        assert solver._depths((i + 1) / 24)[0] <= 1e-6  # type: ignore[operator]
 
 
 @njit(error_model="numpy")

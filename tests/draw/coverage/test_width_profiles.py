@@ -12,8 +12,9 @@ from strand_kit import groom_of, scene_of
 from strandcli.blocks import lanes
 from strandcli.draw.coverage.kernels import width_profiles as kernel
 from strandcli.draw.fibre import chiang, marschner
-from strandcli.draw.fibre.width_tables import N_PHI, N_THETA, columns_of
+from strandcli.draw.fibre.width_tables import N_PHI, N_THETA
 from strandcli.jit import parallel
+from strandcli.registry import FIBRES
 from strandcli.scene.model import Material, Scene
 from strandcli.study import chiang_reference
 from strandcli.study.pictures.settings import changed
@@ -56,7 +57,7 @@ def across(scene: Scene, **settings: Any) -> np.ndarray:
 @pytest.mark.parametrize("model", ["marschner", "chiang"])
 def test_columns_average_to_nothing_and_with_the_average_are_the_light_at_an_offset(model: str) -> None:
     material = Material(model=model, colour=(0.5, 0.3, 0.2), beta_n=0.35, azimuthal=15.0)
-    columns = columns_of(material)
+    columns = FIBRES[material.model].columns(material)
     assert columns is not None
     np.testing.assert_allclose(columns.mean(2), 0, atol=2e-6 * np.abs(columns).max())
     tables = (marschner if model == "marschner" else chiang).build_tables(material, N_THETA, N_PHI)
