@@ -105,27 +105,34 @@ class Children:
         """The first ``strands`` children at a time in seconds, or of those called ``ids``, as positions
         (blocks, rows, 3 W) and segment lengths (blocks, W), from guides in the same layout."""
         from .kernels import children as kernel
+        from .kernels.inputs import Clumps, Following, Guides, Waves
 
         family, steps = self.family, self.steps
         n = positions.shape[1] - 1
-        guides = scratch.take("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
-        kernel.refine(positions, np.int64(steps), guides)
-        rests = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
+        particles = scratch.take("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
+        kernel.refine(positions, np.int64(steps), particles)
+        segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
         roots = (family.roots @ rotation.T + shift).astype(np.float32)
         own = np.arange(strands, dtype=np.int32) if ids is None else ids[:strands]
-        m = guides.shape[1] - 1
+        m = particles.shape[1] - 1
         way = np.linspace(0.0, 1.0, m)
         ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)
+        forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
+        across = (family.across @ rotation.T).astype(np.float32)
         blocks = -(-strands // W)
         out = scratch.take("children", (blocks, m + 1, 3 * W), np.float32)
         rest = scratch.take("children_lengths", (blocks, W), np.float32)
-        waves = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         kernel.grow(
-            guides, rests, own, family.parents, family.weights, roots, family.shares, family.middles, family.pulls,
-            ramps, waves, family.radii, family.turns, family.phases, (family.across @ rotation.T).astype(np.float32),
-            self._solids(at), out, rest,
-        )  # fmt: skip
+            Guides(particles, segments),
+            own,
+            Following(family.parents, family.weights, roots, family.shares),
+            Clumps(family.middles, family.pulls, ramps),
+            Waves(forms, family.radii, family.turns, family.phases, across),
+            self._solids(at),
+            out,
+            rest,
+        )
         return out, rest
 
     def _solids(self, at: float) -> solids.Solids:
@@ -231,12 +238,12 @@ class _Levels:
 def _nearest(
     points: NDArray[np.float32], others: NDArray[np.float32], many: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    from .kernels import children as kernel
+    from .kernels.nearest import nearest
 
     found = np.empty((len(points), many), np.int32)
     squares = np.empty((len(points), many), np.float32)
     order = np.argsort(others[:, 0], kind="stable").astype(np.int32)
-    kernel.nearest(points, np.ascontiguousarray(others[order]), order, found, squares)
+    nearest(points, np.ascontiguousarray(others[order]), order, found, squares)
     return found, squares
 
 

@@ -16,7 +16,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import SimulationError
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
-from strandcli.groom.kernels import children as kernel
+from strandcli.groom.kernels.nearest import nearest
 from strandcli.scene.model import Camera, Clump, Scene, Wave
 
 SCENE = """
@@ -250,7 +250,7 @@ def test_the_nearest_are_the_nearest() -> None:
     points, others = (lots.normal(size=(n, 4)).astype(np.float32) for n in (500, 60))
     order = np.argsort(others[:, 0]).astype(np.int32)
     found, squares = np.empty((500, 3), np.int32), np.empty((500, 3), np.float32)
-    kernel.nearest(points, others[order], order, found, squares)
+    nearest(points, others[order], order, found, squares)
     true = ((points[:, None].astype(float) - others) ** 2).sum(2)
     np.testing.assert_array_equal(found, np.argsort(true, axis=1)[:, :3])
     np.testing.assert_allclose(squares, np.sort(true, axis=1)[:, :3], rtol=1e-5)

@@ -34,7 +34,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
         "strandcli.draw.geometry.kernels.curves:flatten",
         "strandcli.draw.zbuffer.kernels.raster:ribbon",
-        "strandcli.groom.kernels.children:lay",
         "strandcli.simulate.kernels.contact:touch",
         "strandcli.simulate.kernels.rod_sweep:sweep",
         "strandcli.simulate.kernels.rod_tension:observe",
@@ -42,8 +41,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": {
-        "strandcli.groom.kernels.children:grow",
-        "strandcli.groom.kernels.children:lay",
         "strandcli.simulate.kernels.contact:off_solids",
         "strandcli.simulate.kernels.contact:touch",
         "strandcli.simulate.kernels.rod_curl:frames",

@@ -34,56 +34,6 @@ ROUNDS = 3
 
 
 @parallel
-def nearest(points, others, order, out, distances):
-    """The nearest of others to each point, nearest first.
-
-    points (N, 4), others (G, 4) float32, the latter in the ascending order of their first coordinate, which bounds the
-    search; order (G,) int32: what to call each; out (N, K) int32, K <= G; distances (N, K) float32: squared.
-    """
-    count = others.shape[0]
-    most = out.shape[1]
-    for i in prange(points.shape[0]):
-        found = distances[i]
-        names = out[i]
-        found[:] = np.float32(np.inf)
-        x = points[i, 0]
-        low = np.int64(0)
-        high = np.int64(count)
-        while low < high:
-            middle = (low + high) // 2
-            if others[middle, 0] < x:
-                low = middle + 1
-            else:
-                high = middle
-        right = low
-        left = low - 1
-        while True:
-            before = x - others[left, 0] if left >= 0 else np.float32(np.inf)
-            after = others[right, 0] - x if right < count else np.float32(np.inf)
-            way = min(before, after)
-            if not way * way < found[most - 1]:
-                break
-            if before < after:
-                at = left
-                left -= 1
-            else:
-                at = right
-                right += 1
-            square = ZERO
-            for c in range(4):
-                d = points[i, c] - others[at, c]
-                square += d * d
-            place = most - 1
-            if square < found[place]:
-                while place > 0 and square < found[place - 1]:
-                    found[place] = found[place - 1]
-                    names[place] = names[place - 1]
-                    place -= 1
-                found[place] = square
-                names[place] = order[at]
-
-
-@parallel
 def refine(positions, steps, out):
     """Guides (blocks, n + 1, 3 W) in so many steps a segment, on the cubic that central differences give, into
     out (G, (n − 1) steps + 2, 3)."""
@@ -112,20 +62,14 @@ def refine(positions, steps, out):
 
 
 @parallel
-def grow(
-    guides, rests, own, parents, weights, roots, shares, middles, pulls, ramps, waves, radii, turns, phases, across,
-    solids, out, lengths,
-):  # fmt: skip
-    """Place children.
+def grow(guides, own, following, clumps, waves, solids, out, lengths):
+    """Place children about `Guides`.
 
-    guides (G, m + 1, 3) and rests (G,), metres a segment; own (N,) int32: which of all A children are placed; of all:
-    parents, weights (A, 3), roots (A, 3) metres, shares (A,) of the guides' length, middles (C, A) of their clumps,
-    from wide to narrow, pulls (C, A), radii (V, A) metres of waves, turns (V, A) radians a metre, phases (V, A)
-    radians, across (A, 3) unit vectors at which waves begin; ramps (C, m): a clump's share along a guide; waves (V, 2):
-    roundness, onset; solids packed; out (blocks, m + 1, 3 W) and lengths (blocks, W), the last block padded with copies
-    of the last child.
+    own (N,) int32: which of all A children are placed; `Following`, `Clumps` and `Waves` hold all of them; solids:
+    packed `Solids`; out (blocks, m + 1, 3 W) metres and lengths (blocks, W) of segments, metres, are written, the last
+    block padded with copies of the last child.
     """
-    m = guides.shape[1] - 1
+    m = guides.particles.shape[1] - 1
     edge = np.float32(m - 1)
     count = own.shape[0]
     for block in prange(out.shape[0]):
@@ -133,20 +77,18 @@ def grow(
         path = np.empty((m + 1, 3), np.float32)
         for lane in range(W):
             i = own[min(b * W + lane, count - 1)]
-            share = shares[i]
-            rest = ZERO
-            for p in range(parents.shape[1]):
-                rest += weights[i, p] * rests[parents[i, p]]
-            rest *= share
+            share = following.shares[i]
+            rest = segment_length(guides, following, i) * share
             for j in range(m):
                 u = min(np.float32(j) * share, edge)
                 low = min(np.int64(u), m - 2)
                 t = u - np.float32(low)
-                x, y, z = base(guides, parents, weights, roots, i, low, t)
-                for level in range(middles.shape[0] - 1, -1, -1):
-                    pull = pulls[level, i] * (ramps[level, low] + t * (ramps[level, low + 1] - ramps[level, low]))
+                x, y, z = base(guides, following, i, low, t)
+                for level in range(clumps.middles.shape[0] - 1, -1, -1):
+                    ramp = clumps.ramps[level, low]
+                    pull = clumps.pulls[level, i] * (ramp + t * (clumps.ramps[level, low + 1] - ramp))
                     if pull > ZERO:
-                        ax, ay, az = base(guides, parents, weights, roots, middles[level, i], low, t)
+                        ax, ay, az = base(guides, following, clumps.middles[level, i], low, t)
                         x += pull * (ax - x)
                         y += pull * (ay - y)
                         z += pull * (az - z)
@@ -157,33 +99,43 @@ def grow(
             # the row before the root: the direction there
             for c in range(3):
                 back = ZERO
-                for p in range(parents.shape[1]):
-                    g = parents[i, p]
-                    back += weights[i, p] * (guides[g, 0, c] - guides[g, 1, c])
+                for p in range(following.parents.shape[1]):
+                    g = following.parents[i, p]
+                    back += following.weights[i, p] * (guides.particles[g, 0, c] - guides.particles[g, 1, c])
                 path[0, c] = back
-            lay(path, i, rest, waves, radii, turns, phases, across, solids, out, b, lane)
+            lay(path, i, rest, waves, solids, out, b, lane)
             lengths[b, lane] = rest
 
 
 @device
-def base(guides, parents, weights, roots, i, low, t):
-    """Child number i between rows low and low + 1 of its guides, without clumps and waves."""
-    x = roots[i, 0]
-    y = roots[i, 1]
-    z = roots[i, 2]
-    for p in range(parents.shape[1]):
-        g = parents[i, p]
-        w = weights[i, p]
+def segment_length(guides, following, i):
+    """Length of a segment, metres, that child i would have at the length of its guides."""
+    rest = ZERO
+    for p in range(following.parents.shape[1]):
+        rest += following.weights[i, p] * guides.segments[following.parents[i, p]]
+    return rest
+
+
+@device
+def base(guides, following, i, low, t):
+    """Place, metres, of child i at the share t between rows low and low + 1 of its guides, without clumps and waves."""
+    particles = guides.particles
+    x = following.roots[i, 0]
+    y = following.roots[i, 1]
+    z = following.roots[i, 2]
+    for p in range(following.parents.shape[1]):
+        g = following.parents[i, p]
+        w = following.weights[i, p]
         if w > ZERO:
-            x += w * (mix(guides, g, low, np.int64(0), t) - guides[g, 1, 0])
-            y += w * (mix(guides, g, low, np.int64(1), t) - guides[g, 1, 1])
-            z += w * (mix(guides, g, low, np.int64(2), t) - guides[g, 1, 2])
+            x += w * (mix(particles, g, low, np.int64(0), t) - particles[g, 1, 0])
+            y += w * (mix(particles, g, low, np.int64(1), t) - particles[g, 1, 1])
+            z += w * (mix(particles, g, low, np.int64(2), t) - particles[g, 1, 2])
     return x, y, z
 
 
 @device
 def mix(guides, g, low, c, t):
-    """Coordinate c of guide g between two particles."""
+    """Coordinate c of guide g, (G, m + 1, 3), at the share t between two particles."""
     a = guides[g, low + 1, c]
     return a + t * (guides[g, low + 2, c] - a)
 
@@ -215,18 +167,18 @@ def straighten(path, rest):
 
 
 @device
-def lay(path, i, rest, waves, radii, turns, phases, across, solids, out, b, lane):
-    """Wind the waves about a path, root to tip, give its segments their length, and write it."""
+def lay(path, i, rest, waves, solids, out, b, lane):
+    """Write child i, whose path (m + 1, 3) has the direction before the root in row 0, into a lane of a block of out:
+    wound in waves, its segments of the length ``rest``, root to tip, and kept out of solids."""
     m = path.shape[0] - 1
     solid = count_solids(solids) > 0
-    clear = CLEAR * rest
     # where the wound path was, and where the strand is
     wx = px = path[1, 0]
     wy = py = path[1, 1]
     wz = pz = path[1, 2]
-    ax = across[i, 0]
-    ay = across[i, 1]
-    az = across[i, 2]
+    ax = waves.across[i, 0]
+    ay = waves.across[i, 1]
+    az = waves.across[i, 2]
     size = rest / math.sqrt(max(path[0, 0] ** 2 + path[0, 1] ** 2 + path[0, 2] ** 2, TINY))
     for c in range(3):
         out[b, 0, c * W + lane] = path[1, c] + size * path[0, c]
@@ -235,48 +187,66 @@ def lay(path, i, rest, waves, radii, turns, phases, across, solids, out, b, lane
         x = path[j, 0]
         y = path[j, 1]
         z = path[j, 2]
-        if waves.shape[0] > 0:
-            after = min(j + 1, m)
-            tx, ty, tz = unit(path[after, 0] - path[j - 1, 0], path[after, 1] - path[j - 1, 1],
-                              path[after, 2] - path[j - 1, 2])  # fmt: skip
-            # carried along without a turn about the path
-            d = ax * tx + ay * ty + az * tz
-            ax, ay, az = unit(ax - d * tx, ay - d * ty, az - d * tz)
-            bx = ty * az - tz * ay
-            by = tz * ax - tx * az
-            bz = tx * ay - ty * ax
-            along = np.float32(j - 1)
-            share = along / np.float32(m - 1)
-            for w in range(waves.shape[0]):
-                angle = phases[w, i] + turns[w, i] * along * rest
-                size = radii[w, i] * min(share / max(waves[w, 1], TINY), ONE)
-                f = size * math.cos(angle)
-                g = size * waves[w, 0] * math.sin(angle)
-                x += f * ax + g * bx
-                y += f * ay + g * by
-                z += f * az + g * bz
+        if waves.forms.shape[0] > 0:
+            ax, ay, az, x, y, z = wind(path, j, i, rest, waves, ax, ay, az)
         ex, ey, ez = unit(x - wx, y - wy, z - wz)
         wx = x
         wy = y
         wz = z
+        ox = px
+        oy = py
+        oz = pz
         px += rest * ex
         py += rest * ey
         pz += rest * ez
         if solid:
-            for _ in range(ROUNDS):  # out of one solid may be into another, and off the segment's length
-                qx, qy, qz = outside(px, py, pz, clear, solids)
-                if qx == px and qy == py and qz == pz:
-                    break
-                ox = out[b, j - 1, lane]
-                oy = out[b, j - 1, W + lane]
-                oz = out[b, j - 1, 2 * W + lane]
-                ex, ey, ez = unit(qx - ox, qy - oy, qz - oz)
-                px, py, pz = outside(
-                    ox + rest * ex, oy + rest * ey, oz + rest * ez, clear, solids
-                )
+            px, py, pz = keep_out(px, py, pz, ox, oy, oz, rest, solids)
         out[b, j, lane] = px
         out[b, j, W + lane] = py
         out[b, j, 2 * W + lane] = pz
+
+
+@device
+def wind(path, j, i, rest, waves, ax, ay, az):
+    """The vector across child i, which row j − 1 of its path had as (ax, ay, az), carried along to row j without a turn
+    about the path, and row j as the waves displace it, metres."""
+    m = path.shape[0] - 1
+    after = min(j + 1, m)
+    tx, ty, tz = unit(path[after, 0] - path[j - 1, 0], path[after, 1] - path[j - 1, 1],
+                      path[after, 2] - path[j - 1, 2])  # fmt: skip
+    d = ax * tx + ay * ty + az * tz
+    ax, ay, az = unit(ax - d * tx, ay - d * ty, az - d * tz)
+    bx = ty * az - tz * ay
+    by = tz * ax - tx * az
+    bz = tx * ay - ty * ax
+    along = np.float32(j - 1)
+    share = along / np.float32(m - 1)
+    x = path[j, 0]
+    y = path[j, 1]
+    z = path[j, 2]
+    for w in range(waves.forms.shape[0]):
+        angle = waves.phases[w, i] + waves.turns[w, i] * along * rest
+        size = waves.radii[w, i] * min(share / max(waves.forms[w, 1], TINY), ONE)
+        f = size * math.cos(angle)
+        g = size * waves.forms[w, 0] * math.sin(angle)
+        x += f * ax + g * bx
+        y += f * ay + g * by
+        z += f * az + g * bz
+    return ax, ay, az, x, y, z
+
+
+@device
+def keep_out(x, y, z, ox, oy, oz, rest, solids):
+    """A particle (x, y, z) outside the solids, at the distance ``rest`` from (ox, oy, oz), the particle before it, as
+    near as `ROUNDS` rounds bring it; all in metres."""
+    clear = CLEAR * rest
+    for _ in range(ROUNDS):  # out of one solid may be into another, and off the segment's length
+        qx, qy, qz = outside(x, y, z, clear, solids)
+        if qx == x and qy == y and qz == z:
+            break
+        ex, ey, ez = unit(qx - ox, qy - oy, qz - oz)
+        x, y, z = outside(ox + rest * ex, oy + rest * ey, oz + rest * ez, clear, solids)
+    return x, y, z
 
 
 @device
