@@ -23,7 +23,8 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
-from .kernels import rod_step, rod_tension, tickets
+from .kernels import rod_step, rod_tension, work_queue
+from .kernels.records import DRAG, NUMBERS, POSE, STEP, Flags, Forcing, Material, State
 from .kernels.rod import PACK
 from .material import TORSION, matter_along, needs_double, stiffness
 from .rest_shape import carried, coiled, straight, unit_edges
@@ -132,21 +133,22 @@ class RodSolver(Solver):
             ENOUGH[self.second, rod.precision == "double"], 4 * float(np.finfo(self.dtype).eps), self.torsion
         )  # fmt: skip
         self._gust = np.ones(self.own_lengths.shape, self.dtype)
-        self._numbers = np.zeros(14 + 24, self.dtype)
+        self._numbers = np.zeros(NUMBERS + POSE, self.dtype)
         self._burden, self._resisted = self.mass.copy(), 0.0
         self._code: int | None = None
         size = rod_tension.size_for(n) * VECTOR
         self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
-        arrays = (
-            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.rows,
-            self.own_lengths, self.stiffness, self._burden, self.joint, self.roots, self.directions, self.bends,
-            self.twist, self._gust, self.residuals, self._numbers[14:], self._numbers[:14],
+        state = State(
+            self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.twist,
+            self.rows, self.residuals,
         )  # fmt: skip
+        material = Material(self.own_lengths, self.stiffness, self._burden, self.joint, self.bends)
+        forcing = Forcing(self.roots, self.directions, self._gust, self._numbers[NUMBERS:], self._numbers[:NUMBERS])
         *solids, whole = around.solids(0.0, 0.0)
-        self._arrays = *arrays, *solids
-        flags = self.second, self.curled, around.any_solids, whole
-        self._book = rod_step.book_of(self.strands, n, rod.iterations, flags, self.scratch, arrays, tuple(solids))
-        # lanes without a strand are copies of the last strand, and tickets leave most of them alone
+        self._arrays = (state, material, forcing), tuple(solids)  # whose addresses the descriptor holds
+        flags = Flags(self.second, self.curled, around.any_solids, whole)
+        self._descriptor = rod_step.descriptor_of(self.strands, n, rod.iterations, flags, self.scratch, *self._arrays)
+        # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
         last = self.rows[-1].reshape(-1, W)
         done = len(self.edges) * PACK - (len(self.rows) - 1) * W
         self._padding = last[:, done:], last[:, done - 1, None]
@@ -187,11 +189,11 @@ class RodSolver(Solver):
         """Run the step with the first of its numbers, on all threads that there is work for."""
         now, past = _flat(pose), _flat(self.pose)
         self._numbers[:] = (*numbers, *self._bounds, *now, *map(sub, now, past))
-        resisted = self._numbers[0] * self._numbers[7]
+        resisted = self._numbers[STEP] * self._numbers[DRAG]
         if resisted != self._resisted:
             np.multiply(self.mass, 1 + resisted, out=self._burden)  # with what drag resists
             self._resisted = resisted
-        self._book[tickets.NEXT] = 0
+        self._descriptor[work_queue.NEXT] = 0
         if self._code is None:  # not compiled before anything moves, which need not be
             double, others = self.dtype == np.float64, self.surroundings.others
             self._code = code_among(others, double) if others else _code(double)
@@ -199,7 +201,7 @@ class RodSolver(Solver):
         workers = len(self.scratch)
         if workers > 1:
             workers = min(workers, numba.get_num_threads())
-        tickets.share_out(self._code, self._book, workers)
+        work_queue.share_out(self._code, self._descriptor, workers)
         idle, last = self._padding
         if idle.size:
             np.copyto(idle, last)
@@ -301,4 +303,4 @@ def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
 @cache
 def _code(double: bool) -> int:
     """Address of the step, compiled for a precision."""
-    return tickets.address(rod_step.double if double else rod_step.single)
+    return work_queue.address(rod_step.double if double else rod_step.single)

@@ -9,7 +9,7 @@ from typing import Any
 from .. import runtime
 from ..solids.shapes.other import module_for
 from ..written import module_of
-from .kernels import tickets
+from .kernels import work_queue
 
 TEMPLATE = '''\
 """The step of rods among solids of other packages, written by strandcli.simulate.rod_others."""
@@ -22,26 +22,26 @@ from {solids} import distance_at
 
 
 @device
-def all_of(kind, book):
-    a, b, c, d = solids_of(kind, book)
-    return a, b, c, d, others_of(kind, book), distance_at
+def all_of(kind, descriptor):
+    a, b, c, d = solids_of(kind, descriptor)
+    return a, b, c, d, others_of(kind, descriptor), distance_at
 
 
 @function
-def single(book, worker):
-    work(np.float32, book, worker, all_of)
+def single(descriptor, worker):
+    work(np.float32, descriptor, worker, all_of)
 
 
 @function
-def double(book, worker):
-    work(np.float64, book, worker, all_of)
+def double(descriptor, worker):
+    work(np.float64, descriptor, worker, all_of)
 '''
 
 
 def code_among(others: Sequence[Any], double: bool) -> int:
     """Address of the step, compiled for a precision and the kinds of these solids."""
     module = _load(TEMPLATE.format(solids=module_for(others).__name__))
-    return tickets.address(module.double if double else module.single)
+    return work_queue.address(module.double if double else module.single)
 
 
 @functools.cache

@@ -126,15 +126,16 @@ def both(d, one, one_inverse, one_limit, two, two_inverse, two_limit):
 
 
 @inlined
-def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, first):
+def off_solids(s, segment, q, d, positions, contact):
     """Turn an edge from q along d off every solid that its end is in.
 
-    One solid after the other turns it, the deepest first. With ``whole``, where the edge itself is to be kept out, what
-    one solid asks for is often what another forbids, and turns to and fro need not come to an end: an edge that would
-    be turned back into the solid before goes to where the two circles cross. Whatever that leaves, the end is turned
-    out alone: no segment is kept out at the price of its particle."""
-    # or short edges would be turned for the rounding of where they begin, again and again
-    slack = max(SLACK * length, rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
+    One solid after the other turns it, the deepest first. Where the edge itself is to be kept out, turns to and fro may
+    never end: what one solid asks for, another often forbids. So an edge that would be turned back into the solid
+    before goes to where the two circles cross. Whatever that leaves, the end is turned out alone: no segment is kept
+    out at the price of its particle."""
+    # without slack, short edges would be turned for the rounding of where they begin, again and again
+    o, length, whole = segment.scratch, segment.length, contact.segments
+    slack = max(SLACK * length, contact.rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
     rounds = 3 * ROUNDS if whole else ROUNDS
     zero = broadcast(length, 0.0)
     last, last_inverse, limit = (zero, zero, zero), zero, broadcast(length, UNBOUND)
@@ -143,7 +144,9 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
     for k in range(rounds):
         edges = whole and not settled and k < 2 * ROUNDS
         x, y, z = along(q, length, d)
-        depth, found = nearest(s, o, (x, y, z), d, length, (positions, here), -slack, solids, edges, first)
+        depth, found = nearest(
+            s, o, (x, y, z), d, length, (positions, segment.position), -slack, contact.solids, edges, segment.first
+        )
         inside = depth > slack
         if whole and not edges:
             best, least = select(depth < least, d, best), min(depth, least)
@@ -173,29 +176,27 @@ def off_solids(s, o, q, d, length, positions, here, rounding, solids, whole, fir
 
 
 @inlined
-def touch(
-    s, o, q, length, row, here, velocity, push, positions, alone, beat, friction, rounding, solids, whole, first,
-    touched,
-):  # fmt: skip
-    """Turn the unit edge of segment o, which begins at q, off all solids, update the force on its particle, and add up
-    in OFF how far that is put off; ``first``: whether q is the root, ``touched``: whether there is any force of the
-    step before. The particle's velocity and force are in ``row``, its place before the step ``here``; alone: how far an
-    acceleration of 1 m/s² takes a particle; beat: how long a step is; rounding: what is lost of a number of 1."""
+def touch(s, segment, q, state, contact, pressed):
+    """Turn the unit edge of a segment that begins at q off all solids, update the force on its particle, and add the
+    particle's displacement to OFF; ``pressed``: whether there is any force of the step before."""
+    o, row, here, length, push = segment.scratch, segment.row, segment.position, segment.length, state.push
     d = load3(s, o + E, 1)
     x, y, z = along(q, length, d)
     none = broadcast(length, 0.0)
     grip, light, held = none, broadcast(length, 1.0), (none, none, none)
-    if touched:
+    if pressed:
         ax, ay, az = load3(push, row, PACK)
         grip = abs(ax) + abs(ay) + abs(az)
         # of particles that nothing pressed R tells only how far others' forces take them
         light = where(grip > 0.0, load(s, o + R), 0.0)
         light = where(light > 0.0, min(max(light, LIGHTEST), 1.0), 1.0)
-        f = alone * light
+        f = contact.reach * light
         grip *= f  # at least as far as it puts the particle off
         held = f * ax, f * ay, f * az
     was = grip > 0.0
-    depth, found = nearest(s, o, (x, y, z), d, length, (positions, here), grip, solids, whole, first)
+    depth, found = nearest(
+        s, o, (x, y, z), d, length, (state.positions, here), grip, contact.solids, contact.segments, segment.first
+    )
     if not any_lane((depth > -grip) | was):
         return
     over = load(s, OVER)
@@ -225,21 +226,21 @@ def touch(
         f *= depth / max(1.0 - f * f, STEEP)
         way = along((x - load(s, found + 4), y - load(s, found + 5), z - load(s, found + 6)), -f, d)
         kept = along(along(held, -1.0, way), dot(way, n), n)
-        most = friction * force
+        most = contact.friction * force
         f = min(sqrt(most * most / max(dot(kept, kept), TINY)), 1.0)
         kept = f * kept[0], f * kept[1], f * kept[2]
         p = across(along(d, over, along(kept, -1.0, held)), axis, inverse, square)
         turned = select(near, along(p, share, axis), turned)
         kept = along(kept, force, n)
         # an edge too deep inside to end at the surface is only turned: no force of its depth would be the right one
-        f = where(square > 0.0, 1.0 / (alone * light), 0.0)
+        f = where(square > 0.0, 1.0 / (contact.reach * light), 0.0)
         new = near & ~was
         if any_lane(new):
             # an impact is no force that stays: of the depth, what velocity alone has led to
-            vx, vy, vz = load3(velocity, row, PACK)
-            ax, ay, az = load3(positions, here, W)
+            vx, vy, vz = load3(state.velocity, row, PACK)
+            ax, ay, az = load3(state.positions, here, W)
             fall = dot(n, (load(s, found + 4) - ax, load(s, found + 5) - ay, load(s, found + 6) - az))
-            fall -= beat * dot(n, (vx, vy, vz))
+            fall -= contact.duration * dot(n, (vx, vy, vz))
             f = where(new, f * max(depth - max(fall, 0.0), 0.0) / max(depth, TINY), f)
             store(s, HIT, load(s, HIT) + where(new, broadcast(f, 1.0), 0.0))
         ax, ay, az = select(near, (f * kept[0], f * kept[1], f * kept[2]), (none, none, none))
@@ -247,7 +248,7 @@ def touch(
         store(s, GRIP, load(s, GRIP) + (abs(ax) + abs(ay) + abs(az)))
     else:
         store3(push, row, PACK, 0.0, 0.0, 0.0)
-    turned = off_solids(s, o, q, turned, length, positions, here, rounding, solids, whole, first)
+    turned = off_solids(s, segment, q, turned, state.positions, contact)
     store3(s, o + E, 1, turned[0], turned[1], turned[2])
     ax, ay, az = load3(s, OFF, 1)
     store3(s, OFF, 1, ax + turned[0] - d[0], ay + turned[1] - d[1], az + turned[2] - d[2])

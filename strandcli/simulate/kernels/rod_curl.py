@@ -19,6 +19,7 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device
 from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
+from .records import DAMPING, STEP, TORSION
 from .rod import AXES, DI, FIRST, N1, N2, PACK, SEGMENT, TINY, C, E, G
 
 MOST = 1.0
@@ -26,16 +27,18 @@ MOST = 1.0
 
 
 @device
-def recall(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion, damping):
-    """Add the rest shape to c̄, of rows as `rod_step.run` has them."""
-    frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion)
-    react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, 1 / (1 + damping))
+def add_rest(s, at, state, material, forcing):
+    """Add the rest shape to c̄, and update the twist."""
+    numbers = forcing.numbers
+    carry_frames(s, at, state, material, forcing.pose, numbers[TORSION])
+    react(s, at, state, material, numbers[TORSION], 1 / (1 + numbers[DAMPING] / numbers[STEP]))
 
 
 @device
-def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
+def carry_frames(s, at, state, material, pose, torsion):
     """From the root to the tip: G takes what of a target is across the edge before it, for the ψ that there is, and N1
     and N2 the elimination of ψ_{j−1} = N1 + N2 ψ_j."""
+    n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, FIRST - SEGMENT + E, 1)
     x, y, z = load3(bends, bend, PACK)
     ax = pose[0] * x + pose[1] * y + pose[2] * z
@@ -54,7 +57,7 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
         store3(s, o + G, 1, x, y, z)
-        ex, ey, ez = load3(edges, edge + j * AXES, PACK)
+        ex, ey, ez = load3(state.edges, at.edge + j * AXES, PACK)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j] if j + 1 < n else 0.0
@@ -66,7 +69,7 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
             store(s, o + N1, a)
             store(s, o + N2, b)
         store(s, o + DI, angle)
-        angle = load(twist, tip + j * PACK)
+        angle = load(state.twist, at.tension + j * PACK)
         # the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
         f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, 1e-6)
         ax -= f * (tx + ex)
@@ -82,19 +85,20 @@ def frames(s, n, edge, bend, tip, edges, bends, twist, pose, joint, torsion):
 
 
 @device
-def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
+def react(s, at, state, material, torsion, share):
     """From the tip to the root: the new ψ, targets by it, and what they ask of the edges before them."""
+    n, joint = at.segments, material.joint
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after, and the edge after it
     nx, ny, nz = zero, zero, zero
     bx, by, bz = zero, zero, zero  # Σ of forces on edges so far
     after = zero  # q / (1 + e·e) of the joint after
     angle = zero
-    ex, ey, ez = load3(edges, edge + (n - 1) * AXES, PACK)
+    ex, ey, ez = load3(state.edges, at.edge + (n - 1) * AXES, PACK)
     for j in range(n - 1, -1, -1):
         o = FIRST + j * SEGMENT
         if j > 0:
-            px, py, pz = load3(edges, edge + (j - 1) * AXES, PACK)
+            px, py, pz = load3(state.edges, at.edge + (j - 1) * AXES, PACK)
         else:
             px, py, pz = load3(s, FIRST - SEGMENT + E, 1)
         past = load(s, o + DI)
@@ -103,7 +107,7 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
         if j > 0:
             now = load(s, o + N1) + load(s, o + N2) * angle
             now = past + min(max(now - past, -MOST), MOST)
-            store(twist, tip + (j - 1) * PACK, now)
+            store(state.twist, at.tension + (j - 1) * PACK, now)
         if j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
         q = q / max(1.0 + ex * px + ey * py + ez * pz, FOLD)
@@ -122,7 +126,7 @@ def react(s, n, edge, bend, tip, edges, bends, twist, joint, torsion, share):
         c = cosine(now - past)
         d = sine(now - past)
         wx, wy, wz = cross(px, py, pz, x, y, z)
-        u = load(bends, bend + (j + 1) * AXES)
+        u = load(material.bends, at.bend + (j + 1) * AXES)
         x = u * px + c * x + d * wx
         y = u * py + c * y + d * wy
         z = u * pz + c * z + d * wz

@@ -26,15 +26,15 @@ FAST = 1.9
 
 
 @device
-def iterate(s, n, mass, joint, iterations, enough, given):
+def iterate(s, at, state, material, scheme, iterations, enough):
     """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
     returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
     greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
-    loads turn out to be far greater than that knows of, for more; ``given``: the first segment's row, and the rest of
-    what `rod_start.wish` makes u* of.
+    loads turn out to be far greater than that knows of, for more.
 
     From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
     changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
+    n, mass, joint = at.segments, material.mass, material.joint
     worst = broadcast(s, 0.0)
     total = worst
     alone = min(1.0, FINE / n)
@@ -50,7 +50,7 @@ def iterate(s, n, mass, joint, iterations, enough, given):
         if count == 0:
             if not any_lane(worst > WILD):
                 continue
-            pull(s, n, mass, given)
+            pull(s, at, state, mass, scheme)
         stale = programmed
         programmed = count > 0 and (hard or programmed)
         if count > 0:
@@ -88,17 +88,16 @@ def iterate(s, n, mass, joint, iterations, enough, given):
 
 
 @device
-def pull(s, n, mass, given):
+def pull(s, at, state, mass, scheme):
     """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
     from the tip."""
-    edge, velocity, before, moved, push, third, second, pressed = given
     x = broadcast(s, 0.0)
     y = x
     z = x
     sum = x
-    for j in range(n - 1, -1, -1):
+    for j in range(at.segments - 1, -1, -1):
         o = FIRST + j * SEGMENT
-        ax, ay, az = rod_start.wish(s, edge + j * AXES, velocity, before, moved, push, third, second, pressed)
+        ax, ay, az = rod_start.predict(s, at.edge + j * AXES, state, scheme)
         x += mass[j] * ax
         y += mass[j] * ay
         z += mass[j] * az

@@ -1,6 +1,6 @@
 """The step of the rod solver over blocks of strands: predict, iterate, make lengths exact, take the new velocity.
 
-As many threads as the driver likes take tickets, each with scratch of its own (`tickets.share_out`); lanes are
+Each thread takes packs from the work queue (`work_queue.share_out`) and has scratch of its own; strands are
 independent, so that the number of threads changes no bit. A vector of strands moves at once, from the first to the last
 of a step.
 """
@@ -16,132 +16,166 @@ from ...constants import W
 from ...jit import device, function
 from ...simd import any_lane, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
+from .records import (
+    FRICTION,
+    ROTATION,
+    ROUNDING,
+    SHIFTED,
+    STEP,
+    THIRD,
+    TOLERANCE,
+    TRANSLATION,
+    TURNED,
+    Contact,
+    Flags,
+    Forcing,
+    Material,
+    Place,
+    Scheme,
+    State,
+)
 from .rod import AXES, FIRST, PACK, SEGMENT, SHIFT, E
 from .rod_sweep import ROW
-from .tickets import ALL, take
+from .work_queue import TASKS, take
 
-# places of a book: after the tickets numbers, and then an address for each array and a size for each kind of solids
-SEGMENTS, ITERATIONS, SECOND, CURLED, SOLID, WHOLE, SCRATCH, SCRATCH_BYTES, AT = 2, 3, 4, 5, 6, 7, 8, 9, 10
+# columns of a descriptor after those of the work queue: numbers, then an address for each array, then solids
+SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, SCRATCH, SCRATCH_BYTES, STATE = 2, 3, 4, 5, 6, 7, 8, 9, 10
+MATERIAL = STATE + len(State._fields)
+FORCING = MATERIAL + len(Material._fields)
+SOLIDS = FORCING + len(Forcing._fields)
+SIZES = SOLIDS + 4
+OTHERS, OTHERS_SIZE, OTHERS_COLUMNS = SIZES + 4, SIZES + 5, SIZES + 6
 
 
-def book_of(
-    strands: int, segments: int, iterations: int, flags: tuple[bool, bool, bool, bool], scratch: NDArray[Any],
-    arrays: tuple[NDArray[Any], ...], solids: tuple[NDArray[Any], ...],
+def descriptor_of(
+    strands: int, segments: int, iterations: int, flags: Flags, scratch: NDArray[Any],
+    arrays: tuple[State, Material, Forcing], solids: tuple[NDArray[Any], ...],
 ) -> NDArray[np.int64]:  # fmt: skip
-    """The book of a solver's steps. ``flags``, ``arrays`` and ``solids`` are those of `run`, in its order, scratch
-    (workers, size); whoever keeps the book has to keep all arrays, for it knows no more than where they are. A fifth of
-    ``solids`` is those of other packages."""
-    assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *arrays, *solids))
+    """What the kernel is given: numbers and addresses. The caller keeps all arrays alive.
+
+    ``scratch`` is (workers, size), of the same floating type as all arrays; ``solids`` are rows of spheres, capsules,
+    planes and boxes, and perhaps a fifth array of solids of other packages.
+    """
+    flat = [one for part in arrays for one in part]
+    assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
     numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
-    addresses = [one.ctypes.data for one in (*arrays, *solids[:4])]
+    addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     return np.array([*numbers, *addresses, *(one.size for one in solids[:4]), *others])
 
 
 @device
-def solids_of(kind, book):
+def state_of(kind, descriptor):
+    """Pointers to the arrays of `State`, of a floating type."""
+    return State(
+        pointer_at(kind, descriptor[STATE]), pointer_at(kind, descriptor[STATE + 1]),
+        pointer_at(kind, descriptor[STATE + 2]), pointer_at(kind, descriptor[STATE + 3]),
+        pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
+        pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
+        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
+    )  # fmt: skip
+
+
+@device
+def material_of(kind, descriptor):
+    """Pointers to the arrays of `Material`."""
+    return Material(
+        pointer_at(kind, descriptor[MATERIAL]), pointer_at(kind, descriptor[MATERIAL + 1]),
+        pointer_at(kind, descriptor[MATERIAL + 2]), pointer_at(kind, descriptor[MATERIAL + 3]),
+        pointer_at(kind, descriptor[MATERIAL + 4]),
+    )  # fmt: skip
+
+
+@device
+def forcing_of(kind, descriptor):
+    """Pointers to the arrays of `Forcing`."""
+    return Forcing(
+        pointer_at(kind, descriptor[FORCING]), pointer_at(kind, descriptor[FORCING + 1]),
+        pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
+        pointer_at(kind, descriptor[FORCING + 4]),
+    )  # fmt: skip
+
+
+@device
+def flags_of(descriptor):
+    """`Flags` as booleans."""
+    return Flags(
+        descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0
+    )  # fmt: skip
+
+
+@device
+def solids_of(kind, descriptor):
     """Solids as `contact_shapes.nearest` takes them, of a floating type."""
     return (
-        (pointer_at(kind, book[AT + 20]), book[AT + 24]),
-        (pointer_at(kind, book[AT + 21]), book[AT + 25]),
-        (pointer_at(kind, book[AT + 22]), book[AT + 26]),
-        (pointer_at(kind, book[AT + 23]), book[AT + 27]),
+        (pointer_at(kind, descriptor[SOLIDS]), descriptor[SIZES]),
+        (pointer_at(kind, descriptor[SOLIDS + 1]), descriptor[SIZES + 1]),
+        (pointer_at(kind, descriptor[SOLIDS + 2]), descriptor[SIZES + 2]),
+        (pointer_at(kind, descriptor[SOLIDS + 3]), descriptor[SIZES + 3]),
     )
 
 
 @device
-def others_of(kind, book):
-    """Solids of other packages: their rows, where the last ends, and numbers of each."""
-    return pointer_at(kind, book[AT + 28]), book[AT + 29], book[AT + 30]
+def others_of(kind, descriptor):
+    """Solids of other packages: their rows, the size of all rows, and columns of each."""
+    return pointer_at(kind, descriptor[OTHERS]), descriptor[OTHERS_SIZE], descriptor[OTHERS_COLUMNS]
 
 
 @function
-def single(book, worker):
-    """The step in single precision, as one of the threads; `work` has more of it."""
-    work(np.float32, book, worker, solids_of)
+def single(descriptor, worker):
+    """Run the step in single precision as one of the threads."""
+    work(np.float32, descriptor, worker, solids_of)
 
 
 @function
-def double(book, worker):
-    """The step in double precision."""
-    work(np.float64, book, worker, solids_of)
+def double(descriptor, worker):
+    """Run the step in double precision."""
+    work(np.float64, descriptor, worker, solids_of)
 
 
 @device
-def work(kind, book, worker, solids_of):
-    """Move strands by one step, in place, a pack to each ticket while there are any. ``book`` is what `book_of` makes,
-    all of its arrays of the floating type ``kind``; ``solids_of`` gives the solids in it."""
-    # there are flags where a None would have everything compiled once more
-    scratch = vector_pointer_at(kind, book[SCRATCH] + worker * book[SCRATCH_BYTES])
-    solids = solids_of(kind, book)
-    ticket = take(book)
-    while ticket < book[ALL]:
-        coming = take(book)
+def work(kind, descriptor, worker, solids_of):
+    """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it."""
+    scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
+    state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
+    flags, solids = flags_of(descriptor), solids_of(kind, descriptor)
+    pack = take(descriptor)
+    while pack < descriptor[TASKS]:
+        next_pack = take(descriptor)
         run(
-            pointer_at(kind, book[AT]), pointer_at(kind, book[AT + 1]), pointer_at(kind, book[AT + 2]),
-            pointer_at(kind, book[AT + 3]), pointer_at(kind, book[AT + 4]), pointer_at(kind, book[AT + 5]),
-            pointer_at(kind, book[AT + 6]), pointer_at(kind, book[AT + 7]), pointer_at(kind, book[AT + 8]),
-            pointer_at(kind, book[AT + 9]), pointer_at(kind, book[AT + 10]), pointer_at(kind, book[AT + 11]),
-            pointer_at(kind, book[AT + 12]), pointer_at(kind, book[AT + 13]), pointer_at(kind, book[AT + 14]),
-            pointer_at(kind, book[AT + 15]), pointer_at(kind, book[AT + 16]), pointer_at(kind, book[AT + 17]),
-            pointer_at(kind, book[AT + 18]), pointer_at(kind, book[AT + 19]),
-            book[ITERATIONS], book[SECOND] != 0, book[CURLED] != 0, book[SOLID] != 0, solids, book[WHOLE] != 0, scratch,
-            ticket, coming, book[SEGMENTS],
+            scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack,
+            descriptor[SEGMENTS],
         )  # fmt: skip
-        ticket = coming
+        pack = next_pack
 
 
 @device
-def run(
-    edges, velocity, before, moved, tension, push, touching, positions, lengths, stiffness, mass, joint, roots,
-    directions, bends, twist, gust, residuals, pose, numbers, iterations, second, curled, solid, solids, whole, scratch,
-    pack, coming, n,
-):  # fmt: skip
-    """The step of a ``pack`` of strands, a vector of them at a time; the next one is ``coming``.
-
-    Of P packs of S = `PACK` strands: edges (P, N, 3 S): unit vectors; velocity (P, N, 3 S) m/s; for BDF2, that is where
-    `second`, before: the same one step before, moved: the last displacement in metres, else (1, N, 3 S) and not
-    touched; tension (P, N, S): force densities of the last step over h²; push (P, N, 3 S): acceleration of particles by
-    contact, m/s², touching (P, S): 1 for strands that have any, (1, …) each where not `solid`; positions (blocks, N +
-    2, 3 W) world, row 0 one segment before the root, row 1 the root; lengths (P, S) of a segment; stiffness (P, S): B /
-    (ρ A ℓ⁴) in 1/s²; mass, joint (N,): a particle's mass, drag times step heavier, and the rigidity of the joint
-    before an edge, relative (root joint 2, tip mass 1/2); roots, directions (P, 3 S) in the emitter's frame; bends (P,
-    N + 1, 3 S): row 0 a unit vector across each direction, in the emitter's frame, then the rest value of c_j in the
-    frame carried along the strand; twist (P, N, S): angles by which frames are turned besides; where not `curled`, both
-    (1, …) and not read; gust (P, S): factor of the air's velocity; residuals (P, S): greatest
-    | |e| − 1 | before lengths are made exact; pose (24,): the emitter's rotation by rows and its translation, and what
-    each of them changed by in this step; numbers: [0] step in s, [1:4] gravity m/s², [4:7] velocity of the air, [7]
-    drag 1/s, [8] material damping s, [9] 1/3 for BDF2 (0 for the Euler step that it starts with), [10] friction, [11]
-    error of |e|² at which iterations stop, [12] that which is no more than rounding, [13] torsional over bending
-    rigidity; solids: spheres, capsules, planes and boxes as in `contact_shapes`, `solid` whether there are any; whole:
-    segments are caught too; scratch as `rod_tension.size_for` says.
-    """
+def run(scratch, state, material, forcing, flags, solids, iterations, pack, next_pack, n):
+    """Step the strands of a ``pack`` with ``n`` segments, a vector of them at a time. ``next_pack`` is fetched ahead;
+    the size of ``scratch`` is `rod_tension.size_for`."""
+    numbers = forcing.numbers
+    contact = Contact(
+        solids, flags.solids, flags.segments, rod_start.free_displacement(numbers),
+        numbers[STEP] * (1 + 1.5 * numbers[THIRD]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
+    )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
-        tip = pack * n * PACK + lane
-        edge = pack * n * AXES + lane
-        place = rod_sweep.place_of(strand, n)
-        place_root(scratch, pack * AXES + lane, place + ROW, roots, directions, pose, positions)
-        touched = solid and any_lane(load(touching, strand) > 0.0)
-        rod_start.start(
-            scratch, n, edge, tip, strand, edges, tension, velocity, before, moved, push, lengths, stiffness, gust,
-            numbers, second, touched,
-        )  # fmt: skip
-        if curled:
-            rod_curl.recall(
-                scratch, n, edge, pack * (n + 1) * AXES + lane, tip, edges, bends, twist, pose, joint,
-                numbers[13], numbers[8] / numbers[0],
-            )  # fmt: skip
-        given = edge, velocity, before, moved, push, numbers[9], second, touched
-        worst = rod_newton.iterate(scratch, n, mass, joint, iterations, numbers[11], given)
+        position = rod_sweep.position_of(strand, n)
+        at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
+        place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing)
+        touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
+        scheme = Scheme(numbers[THIRD], flags.second, touched)
+        rod_start.start(scratch, at, state, material, forcing, scheme)
+        if flags.curled:
+            rod_curl.add_rest(scratch, at, state, material, forcing)
+        worst = rod_newton.iterate(scratch, at, state, material, scheme, iterations, numbers[TOLERANCE])
         # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
-        store(residuals, strand, worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst))))
+        residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
+        store(state.residuals, strand, residual)
         if touched:
-            rod.yield_to(scratch, n, edge, mass, push)
-        rod_sweep.sweep(
-            scratch, n, edge, tip, place, strand, coming, edges, velocity, before, moved, tension, push, touching,
-            lengths, positions, numbers, second, solid, solids, whole, touched,
-        )  # fmt: skip
+            rod.yield_to(scratch, n, at.edge, material.mass, state.push)
+        rod_sweep.sweep(scratch, at, next_pack, state, material.lengths, numbers, scheme, contact)
 
 
 @device
@@ -155,13 +189,15 @@ def rotated(turn, k, x, y, z):
 
 
 @device
-def place_root(s, local, place, roots, directions, pose, positions):
-    """The root in the world, by how much it moved, and the clamped direction, which is the edge before the first."""
-    x, y, z = load3(roots, local, PACK)
-    px, py, pz = rotated(pose, 0, x, y, z)
-    store3(positions, place, W, px + pose[9], py + pose[10], pz + pose[11])
-    px, py, pz = rotated(pose, 12, x, y, z)
-    store3(s, SHIFT, 1, px + pose[21], py + pose[22], pz + pose[23])
-    x, y, z = load3(directions, local, PACK)
-    x, y, z = rotated(pose, 0, x, y, z)
+def place_root(s, local, place, positions, forcing):
+    """Write the root's position in the world, its displacement, and the clamped direction as the edge before the
+    first."""
+    pose = forcing.pose
+    x, y, z = load3(forcing.roots, local, PACK)
+    px, py, pz = rotated(pose, ROTATION, x, y, z)
+    store3(positions, place, W, px + pose[TRANSLATION], py + pose[TRANSLATION + 1], pz + pose[TRANSLATION + 2])
+    px, py, pz = rotated(pose, TURNED, x, y, z)
+    store3(s, SHIFT, 1, px + pose[SHIFTED], py + pose[SHIFTED + 1], pz + pose[SHIFTED + 2])
+    x, y, z = load3(forcing.directions, local, PACK)
+    x, y, z = rotated(pose, ROTATION, x, y, z)
     store3(s, FIRST - SEGMENT + E, 1, x, y, z)

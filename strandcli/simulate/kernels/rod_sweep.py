@@ -5,7 +5,9 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
-from . import contact, rod, rod_start
+from . import rod, rod_start
+from .contact import touch
+from .records import ROUNDING, STEP, THIRD, Segment
 from .rod import AXES, FIRST, GRIP, HARD, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, T
 
 ROW = 3 * W
@@ -22,91 +24,84 @@ U = D
 
 
 @device
-def sweep(
-    s, n, edge, tip, place, strand, coming, edges, velocity, before, moved, tension, push, touching, lengths, positions,
-    numbers, second, solid, solids, whole, touched,
-):  # fmt: skip
-    """Every edge gets its length exactly, heading for where the iterations put its end, and is turned off the solids;
-    an edge that has no direction or none that is finite stays as it was. The velocity is what led there, (u − û) / h. u
-    is that of the iterations and how far the particle is put off: what rounding does to edges, an error of places, must
-    not become one of velocities, which would last."""
+def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
+    """Give every edge exactly its length in the direction that the iterations found, turn it off the solids, and set
+    the velocity (u − û) / h. An edge that has no finite direction stays as it was."""
+    # u is that of the iterations and what contact adds, not a difference of positions: what rounding does to edges must
+    # not become an error of velocities, which would last
+    n, strand, positions = at.segments, at.strand, state.positions
     length = load(lengths, strand)
     over = load(s, OVER)
-    px, py, pz = load3(positions, place + ROW, W)
+    px, py, pz = load3(positions, at.position + ROW, W)
     ex, ey, ez = load3(s, FIRST - SEGMENT + E, 1)
     # as `rod.place_roots` rounds it
-    store3(positions, place, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
+    store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, OFF, 1, 0.0, 0.0, 0.0)
     store(s, LOST, 0.0)
     store(s, HIT, 0.0)
     store(s, GRIP, 0.0)
-    far = rod_start.alone(numbers)
-    beat = numbers[0] * (1 + 1.5 * numbers[9])  # all of the step
     least = where(load(s, HARD) > 0.0, broadcast(s, 0.0), -HUGE)
-    rate = 1 / (numbers[0] * numbers[0])
+    rate = 1 / (numbers[STEP] * numbers[STEP])
     y0 = broadcast(s, 0.0)
     z0 = y0
     lost = False
-    fetched, ahead = coming * PACK + strand % PACK, 0
+    fetched, ahead = next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
     for j in range(n):
         near = min(j + ahead, n - 1)
-        fetch(n, near, fetched, edges, velocity, before, moved, tension, push, positions, second, solid)
-        row = edge + j * AXES
-        here = place + (j + 2) * ROW
+        fetch(n, near, fetched, state, scheme.second, contact.any_solids)
+        row = at.edge + j * AXES
+        here = at.position + (j + 2) * ROW
         o = FIRST + j * SEGMENT
-        lost = straighten(s, o, row, edges, numbers[12]) or lost
-        x, y, z = rod_start.wish(s, row, velocity, before, moved, push, numbers[9], second, touched)
+        lost = straighten(s, o, row, state.edges, numbers[ROUNDING]) or lost
+        x, y, z = rod_start.predict(s, row, state, scheme)
         dx, dy, dz = load3(s, o + D, 1)
         store3(s, o + U, 1, x - dx, y - dy, z - dz)
         # τ / h² for the next step, which does not begin with compression that made H indefinite
         t = max(load(s, o + T), least)
-        store(tension, tip + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
-        if touched:
+        store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
+        if scheme.pressed:
             y0, z0 = rod.yielding(s, o, y0, z0)
-        if solid:
-            contact.touch(
-                s, o, (px, py, pz), length, row, here, velocity, push, positions, far, beat, numbers[10],
-                0.25 * numbers[12], solids, whole, j == 0, touched,
-            )  # fmt: skip
+        if contact.any_solids:
+            touch(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
         x, y, z = load3(s, OFF, 1)
         ax, ay, az = load3(s, o + U, 1)
         store3(s, o + U, 1, ax + x, ay + y, az + z)
         if lost:
-            turn_alone(s, o, j, row, edges, over)
+            turn_alone(s, o, j, row, state.edges, over)
         x, y, z = load3(s, o + E, 1)
-        store3(edges, row, PACK, x, y, z)
+        store3(state.edges, row, PACK, x, y, z)
         px += length * x
         py += length * y
         pz += length * z
         store3(positions, here, W, px, py, pz)
-        settle(s, o, row, length, velocity, before, moved, numbers, second)
-    if solid:
-        store(touching, strand, where(load(s, GRIP) > 0.0, broadcast(s, 1.0), 0.0))
+        settle(s, o, row, length, state, numbers, scheme.second)
+    if contact.any_solids:
+        store(state.touching, strand, where(load(s, GRIP) > 0.0, broadcast(s, 1.0), 0.0))
 
 
 @inlined
-def place_of(strand, n):
+def position_of(strand, n):
     """Where positions of a strand begin."""
     return strand // W * (n + 2) * ROW + strand % W
 
 
 @device
-def fetch(n, j, strand, edges, velocity, before, moved, tension, push, positions, second, solid):
-    """Have the processor fetch what the step has of segment j of a strand: of one to come, of which none has been used
-    since the step before, and asked for all at once it would be waited for; of a long one itself."""
+def fetch(n, j, strand, state, second, solids):
+    """Prefetch the state of segment j of a strand."""
+    # of the next pack, one segment at a time: all at once the processor would have to wait; of a long strand its own
     segment = strand // PACK * n + j
     row = segment * AXES + strand % PACK
-    prefetch3(edges, row, PACK)
-    prefetch3(velocity, row, PACK)
+    prefetch3(state.edges, row, PACK)
+    prefetch3(state.velocity, row, PACK)
     if second:
-        prefetch3(before, row, PACK)
-        prefetch3(moved, row, PACK)
-    if solid:
-        prefetch3(push, row, PACK)
-    prefetch(tension, segment * PACK + strand % PACK)
-    prefetch3(positions, place_of(strand, n) + (j + 2) * ROW, W)
+        prefetch3(state.before, row, PACK)
+        prefetch3(state.moved, row, PACK)
+    if solids:
+        prefetch3(state.push, row, PACK)
+    prefetch(state.tension, segment * PACK + strand % PACK)
+    prefetch3(state.positions, position_of(strand, n) + (j + 2) * ROW, W)
 
 
 @device
@@ -156,22 +151,22 @@ def turn_alone(s, o, j, row, edges, over):
 
 
 @device
-def settle(s, o, row, length, velocity, before, moved, numbers, second):
+def settle(s, o, row, length, state, numbers, second):
     """The velocity that led to the displacement. From where a strand has been HIT on, it goes on from that alone: BDF2
     would take a jump of velocity further, and strands bounce."""
-    over = 1 / numbers[0]
+    over = 1 / numbers[STEP]
     if second:
-        third = numbers[9]
+        third = numbers[THIRD]
         rate = over / (1 + 1.5 * third)
         hit = load(s, HIT) > 0.0
         for c in range(3):
             sum = length * load(s, o + U + c)
             p = row + c * PACK
-            past = load(velocity, p)
-            v = where(hit, rate * sum, (sum - load(moved, p) * third) * over)
-            store(before, p, where(hit, v, past))
-            store(velocity, p, v)
-            store(moved, p, sum)
+            past = load(state.velocity, p)
+            v = where(hit, rate * sum, (sum - load(state.moved, p) * third) * over)
+            store(state.before, p, where(hit, v, past))
+            store(state.velocity, p, v)
+            store(state.moved, p, sum)
     else:
         for c in range(3):
-            store(velocity, row + c * PACK, length * load(s, o + U + c) * over)
+            store(state.velocity, row + c * PACK, length * load(s, o + U + c) * over)

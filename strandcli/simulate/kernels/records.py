@@ -1,0 +1,150 @@
+"""What the kernels of a rod's step are given: flat tuples of pointers and numbers.
+
+P packs of S = `rod.PACK` strands with N segments each; (P, N, 3 S) holds x of all strands of a pack, then y, then z.
+The driver fills `State`, `Material` and `Forcing` with arrays of one floating type; kernels see pointers to them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+STEP, GRAVITY, AIR, DRAG, DAMPING, THIRD, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
+NUMBERS = 14
+"""Columns of ``Forcing.numbers``: step in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in 1/s, material
+damping in s, 1/3 for BDF2 and 0 for Euler's method, friction, error of |e|² at which iterations stop, error that is no
+more than rounding, torsional over bending rigidity."""
+ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
+POSE = 24
+"""Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
+step."""
+
+
+class State(NamedTuple):
+    """What a step changes. Members that a scene does not need have one row, which is not read."""
+
+    edges: Any
+    """(P, N, 3 S) unit vectors."""
+    velocity: Any
+    """(P, N, 3 S) of particles, m/s."""
+    before: Any
+    """(P, N, 3 S) velocity one step before, m/s; needed by BDF2."""
+    moved: Any
+    """(P, N, 3 S) last displacement, metres; needed by BDF2."""
+    tension: Any
+    """(P, N, S) force densities of the last step over h², 1/s²."""
+    push: Any
+    """(P, N, 3 S) acceleration of particles by contact, m/s²; needed with solids."""
+    touching: Any
+    """(P, S) 1 for strands with forces of contact; needed with solids."""
+    twist: Any
+    """(P, N, S) angles by which frames are turned about their edges, radians; needed by curled strands."""
+    positions: Any
+    """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
+    residuals: Any
+    """(P, S) greatest | |e| − 1 | before lengths are made exact."""
+
+
+class Material(NamedTuple):
+    """What strands are made of."""
+
+    lengths: Any
+    """(P, S) of a segment, metres."""
+    stiffness: Any
+    """(P, S) B / (ρ A ℓ⁴), 1/s²."""
+    mass: Any
+    """(N,) relative mass of a particle, drag times step included; the tip has 1/2."""
+    joint: Any
+    """(N,) relative rigidity of the joint before an edge; the root has 2."""
+    bends: Any
+    """(P, N + 1, 3 S) row 0 a unit vector across the clamped direction, in the emitter's frame, then the rest value of
+    c_j in the frame carried along the strand; needed by curled strands."""
+
+
+class Forcing(NamedTuple):
+    """What moves strands in a step."""
+
+    roots: Any
+    """(P, 3 S) in the emitter's frame, metres."""
+    directions: Any
+    """(P, 3 S) unit vectors along which strands are clamped, in the emitter's frame."""
+    gust: Any
+    """(P, S) factor of the air's velocity."""
+    pose: Any
+    """(`POSE`,)"""
+    numbers: Any
+    """(`NUMBERS`,)"""
+
+
+class Flags(NamedTuple):
+    """What a scene needs; numbers at run time, for each variant of the kernel would take seconds to compile."""
+
+    second: Any
+    """Whether there is room for BDF2."""
+    curled: Any
+    """Whether rest shapes are curved."""
+    solids: Any
+    """Whether there are solids."""
+    segments: Any
+    """Whether solids keep whole segments out."""
+
+
+class Place(NamedTuple):
+    """Where the arrays hold a vector of strands."""
+
+    segments: Any
+    """N."""
+    strand: Any
+    """Place in (P, S)."""
+    edge: Any
+    """Of the first segment in (P, N, 3 S)."""
+    tension: Any
+    """Of the first segment in (P, N, S)."""
+    bend: Any
+    """Of the first row in (P, N + 1, 3 S)."""
+    position: Any
+    """Of row 0 in the positions."""
+
+
+class Scheme(NamedTuple):
+    """How a particle's free motion is predicted."""
+
+    third: Any
+    """1/3 for BDF2, 0 for Euler's method."""
+    second: Any
+    """Whether the state one step before is to be read."""
+    pressed: Any
+    """Whether some strand of the vector has forces of contact of the step before."""
+
+
+class Contact(NamedTuple):
+    """What keeps strands out of solids."""
+
+    solids: Any
+    """As `contact_shapes.nearest` takes them."""
+    any_solids: Any
+    """Whether there are any."""
+    segments: Any
+    """Whether whole segments are kept out."""
+    reach: Any
+    """How far an acceleration of 1 m/s² takes a free particle in a step, metres."""
+    duration: Any
+    """Of the step, seconds."""
+    friction: Any
+    """Coulomb's coefficient."""
+    rounding: Any
+    """Relative rounding error of a coordinate."""
+
+
+class Segment(NamedTuple):
+    """A segment of a vector of strands whose end is tested against solids."""
+
+    scratch: Any
+    """Its place in the scratch."""
+    row: Any
+    """Its place in (P, N, 3 S)."""
+    position: Any
+    """Place of its end in the positions."""
+    length: Any
+    """Metres, a vector."""
+    first: Any
+    """Whether it begins at the root."""
