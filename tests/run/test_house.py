@@ -40,7 +40,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": {
-        "strandcli.study.motion.kernels.foil:step",
     },
     "packages": set(),
     "kernels": set(),

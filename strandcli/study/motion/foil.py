@@ -82,10 +82,8 @@ class Foil(Solver):
             light[-1] = 0.0
         rod = self.scene.rod
         numbers = np.array([dt, *gravity(self.scene), *self._air(time), rod.drag, rod.damping])
-        kernel.step(
-            self.x, self.v, self.before, self.clamp, self.segment, self.stiffness, light, self.joint, self._gust(time),
-            numbers, held, self._solids(time),
-        )  # fmt: skip
+        material = kernel.Material(self.clamp, self.segment, self.stiffness, light, self.joint)
+        kernel.step(self.x, self.v, self.before, material, self._gust(time), numbers, held, self._solids(time))
         self.positions[:, 1:] = self.x
         self.positions[:, 0] = self.x[:, 0] - self._lengths() * self.clamp
 

@@ -7,6 +7,9 @@ root first. Masses are relative to a segment's, ρ A ℓ, and stiffness to it as
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import function, parallel, prange
@@ -21,13 +24,27 @@ plane = function(plane_kernel.collide)
 box = function(box_kernel.collide)
 
 
+class Material(NamedTuple):
+    """What strands are made of, in double precision; nobody writes to it during a step."""
+
+    clamp: NDArray[Any]
+    """(blocks, 3 W) unit directions at the roots."""
+    lengths: NDArray[Any]
+    """(blocks, W) of a segment, metres."""
+    stiffness: NDArray[Any]
+    """(blocks, W) κ, 1/s²."""
+    light: NDArray[Any]
+    """(n,) inverse masses, 0 where a particle is held."""
+    joint: NDArray[Any]
+    """(n − 1,) rigidity of the joint before each segment over that of the rod."""
+
+
 @parallel
-def step(x, v, before, clamp, lengths, stiffness, light, joint, gust, numbers, held, solids):
+def step(x, v, before, material, gust, numbers, held, solids):
     """Move every strand by one step, in place.
 
     v (blocks, n, 3 W) m/s; before as x: where particles were, row 0 filled in by the driver, which has moved the root
-    already; clamp (blocks, 3 W): unit directions; lengths, stiffness (blocks, W): ℓ in m and κ; light (n,): inverse
-    masses, 0 where a particle is held; joint (n − 1,): rigidity of the joint before each segment over that of the rod;
+    already; material: a `Material`;
     gust (blocks, W): factor of the air's velocity; numbers: [0] step h in s, [1:4] gravity m/s², [4:7]
     velocity of the air m/s, [7] drag 1/s, [8] material damping s; held (3,): where the tip is held, or (0,); solids:
     four arrays as in `strandcli.solids`.
@@ -39,16 +56,20 @@ def step(x, v, before, clamp, lengths, stiffness, light, joint, gust, numbers, h
             for c in range(3):
                 for k in range(W):
                     x[b, n - 1, c * W + k] = held[c]
-        lean(x[b], before[b], clamp[b], lengths[b], stiffness[b], light[1], joint[0], numbers)
+        stiffness = material.stiffness[b]
+        lean(
+            x[b], before[b], material.clamp[b], material.lengths[b], stiffness, material.light[1], material.joint[0],
+            numbers,
+        )  # fmt: skip
         for i in range(1, n - 1):
-            bend(x[b], before[b], i, stiffness[b], light, joint[i], numbers)
+            bend(x[b], before[b], i, stiffness, material.light, material.joint[i], numbers)
         for i in range(1, n):
-            stretch(x[b, i - 1], x[b, i], lengths[b], light[i - 1], light[i])
+            stretch(x[b, i - 1], x[b, i], material.lengths[b], material.light[i - 1], material.light[i])
         for i in range(1, n):
-            sphere(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[0], i, n)
-            capsule(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[1], i, n)
-            plane(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[2], i, n)
-            box(x[b, i], x[b, i], x[b, i], x[b, 0], lengths[b], solids[3], i, n)
+            sphere(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[0], i, n)
+            capsule(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[1], i, n)
+            plane(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[2], i, n)
+            box(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[3], i, n)
         per = 1 / numbers[0]
         for i in range(n):
             for j in range(3 * W):
