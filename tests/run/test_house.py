@@ -26,9 +26,7 @@ FOR_KERNELS = (
 """What modules in a folder `kernels` import beside kernels."""
 
 KNOWN: dict[str, set[str]] = {
-    "files": {
-        "strandcli.simulate.rod",
-    },
+    "files": {"strandcli.simulate.rod"},
     "functions": {
         "strandcli.cli.render:_run",
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
@@ -39,8 +37,7 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.simulate.rod:__init__",
         "strandcli.simulate.rules.collision_segments:capsule",
     },
-    "arguments": {
-    },
+    "arguments": set(),
     "packages": set(),
     "kernels": set(),
 }
