@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import MismatchError
+from ..errors import MismatchError, UsageError
 from . import options
 from .say import say
 
@@ -37,21 +37,37 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Compare the pixels of two images A and B; ends with exit code 3 if they differ by more than allowed."""
+    """Compare the pixels of two images A and B, or of the frames in two folders; ends with exit code 3 if they differ
+    by more than allowed."""
     from ..output.compare import compare_files, difference_image, write_image
 
     if output is not None:
         options.require_png(output)
-    found, one, two = compare_files(first, second, threshold)
-    if output is not None:
-        write_image(output, difference_image(one, two))
-    if as_json:
-        options.print_json({"a": str(first), "b": str(second), **found.as_dict()})
-    elif not quiet:
-        say(str(found))
-        if not found.equal and found.psnr_db is not None:
-            say(f"PSNR {found.psnr_db:.1f} dB")
-    if 100 * found.over_fraction > allow:
-        raise MismatchError(f"{first} and {second} differ: {found}")
-    if rmse is not None and found.rmse > rmse:
-        raise MismatchError(f"{first} and {second} differ: RMSE {found.rmse:.3g}/255 is above {rmse:g}")
+    folders = first.is_dir() and second.is_dir()
+    if folders and (output is not None or as_json):
+        raise UsageError("-o and --json are for two images: name one frame of each folder")
+    for a, b in _frames(first, second) if folders else [(first, second)]:
+        found, one, two = compare_files(a, b, threshold)
+        if output is not None:
+            write_image(output, difference_image(one, two))
+        if as_json:
+            options.print_json({"a": str(a), "b": str(b), **found.as_dict()})
+        elif not quiet:
+            say(f"{a.name}: {found}" if folders else str(found))
+            if not found.equal and found.psnr_db is not None:
+                say(f"PSNR {found.psnr_db:.1f} dB")
+        if 100 * found.over_fraction > allow:
+            raise MismatchError(f"{a} and {b} differ: {found}")
+        if rmse is not None and found.rmse > rmse:
+            raise MismatchError(f"{a} and {b} differ: RMSE {found.rmse:.3g}/255 is above {rmse:g}")
+
+
+def _frames(first: Path, second: Path) -> list[tuple[Path, Path]]:
+    """The frames of two folders in pairs. Raises `MismatchError` for a frame that is in one of them alone, and
+    `UsageError` where there are none."""
+    names = [{path.name for path in folder.glob("frame_*.png")} for folder in (first, second)]
+    if not names[0] | names[1]:
+        raise UsageError(f"{first} and {second}: neither holds a frame_*.png")
+    for alone in sorted(names[0] ^ names[1]):
+        raise MismatchError(f"{alone}: only in {first if alone in names[0] else second}")
+    return [(first / name, second / name) for name in sorted(names[0])]

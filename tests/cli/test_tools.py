@@ -64,6 +64,22 @@ def test_pictures_are_written_under_names_that_say_what_they_are(run: Runner) ->
     assert sorted(os.listdir()) == ["a.png", "tiny.yaml"]
 
 
+def test_compare_of_two_folders_looks_at_every_frame(run: Runner) -> None:
+    for folder in ("one", "two"):
+        os.makedirs(folder)
+        picture(f"{folder}/frame_0001.png")
+        picture(f"{folder}/frame_0002.png", 9)
+    same = run("compare", "one", "two")
+    assert (same.code, same.out) == (0, "frame_0001.png: the same pixels\nframe_0002.png: the same pixels\n")
+    picture("two/frame_0002.png")
+    assert "frame_0002.png differ" in run("compare", "one", "two").error()
+    assert run("compare", "one", "two").code == 3
+    os.remove("two/frame_0002.png")
+    assert run("compare", "one", "two").error().endswith("frame_0002.png: only in one")
+    os.makedirs("empty")
+    assert run("compare", "empty", "empty").code == 2
+
+
 def test_compare_of_what_cannot_be_compared(run: Runner) -> None:
     picture("a.png")
     Image.new("RGB", (3, 3)).save("small.png")
