@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .canvas import mark
 from .common.kernels.keys import EMPTY
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .geometry.extent import Thickness
+from .geometry.kernels.screen_lines import ScreenLines
 from .lighting import occlusion
 from .lighting.lighting import Lighting
 from .lighting.pack_lights import pack_lights
@@ -42,7 +44,8 @@ def _light(renderer: Renderer) -> None:
     if renderer.coverage is None:
         film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
     else:
-        renderer.coverage.nothing().compose(colours, image)
+        empty = ScreenLines(lines.first, np.zeros((1, 3), np.float32), _widths(renderer, 1))
+        renderer.coverage.empty_layer(empty, view.depth_slope).compose(colours, image)
     lighting.shade_surfaces(keys, image)
     renderer.develop(image, renderer.blank())
 
@@ -58,6 +61,11 @@ def _coverage(renderer: Renderer) -> None:
     edges = None if packed is None else find_edges(keys, packed, view, renderer.size, renderer.scratch)
     if edges is not None:
         edges.lay(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
-    widths = np.zeros(2, np.float32) if renderer.scene.material.width > 0 else None
-    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, renderer.scratch, False, view.depth_slope):
+    widths, scratch = _widths(renderer, 2), renderer.scratch
+    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, scratch, False, view.depth_slope):
         pass
+
+
+def _widths(renderer: Renderer, vertices: int) -> NDArray[np.float32] | None:
+    """(V,) widths of nothing, or None where strands are lines one pixel wide."""
+    return np.zeros(vertices, np.float32) if renderer.scene.material.width > 0 else None

@@ -92,13 +92,17 @@ class Coverage:
         self.most = 0
         """Bytes that the fragments of its fullest layer took, with the rows of segments that they come from."""
 
-    def nothing(self) -> Layer:
-        """A layer of one row without a fragment."""
+    def empty_layer(self, lines: ScreenLines, depth_slope: DepthSlope = FLAT) -> Layer:
+        """A layer of one tile without a fragment, resolved, so that all kernels of a layer's end are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
             1, PLACES, 0, 1, 1,
         )  # fmt: skip
-        return Layer(fragments, NO_LIGHT, 1, np.zeros(1, np.uint8))
+        chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
+        segments = TileSegments(none, none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
+        marks, found = np.zeros(len(lines.screen), np.uint8), np.zeros(1, np.int64)
+        resolve.resolve(lines, self.opacity, depth_slope, NO_SOLIDS, segments, None, 1, fragments, found, marks)
+        return Layer(fragments, NO_LIGHT, 1, marks)
 
     def layers(
         self,
