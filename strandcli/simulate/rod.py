@@ -25,7 +25,7 @@ from ..scene.model import Rod
 from ..scene.motion import Pose, emitter_pose
 from .kernels import rod_step, rod_tension, work_queue
 from .kernels.records import DRAG, NUMBERS, POSE, STEP, Flags, Forcing, Material, State
-from .kernels.rod import PACK
+from .kernels.rod_scratch import PACK
 from .material import TORSION, matter_along, needs_double, stiffness
 from .rest_shape import carried, coiled, straight, unit_edges
 from .rod_others import code_among
@@ -136,7 +136,7 @@ class RodSolver(Solver):
         self._numbers = np.zeros(NUMBERS + POSE, self.dtype)
         self._burden, self._resisted = self.mass.copy(), 0.0
         self._code: int | None = None
-        size = rod_tension.size_for(n) * VECTOR
+        size = rod_tension.scratch_size(n) * VECTOR
         self.scratch = aligned((workers, size // self._numbers.itemsize), self.dtype)
         state = State(
             self.edges, self.velocity, self.before, self.moved, self.tension, self.push, self.touching, self.twist,

@@ -32,8 +32,6 @@ KNOWN: dict[str, set[str]] = {
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
         "strandcli.draw.geometry.kernels.curves:flatten",
         "strandcli.draw.zbuffer.kernels.raster:ribbon",
-        "strandcli.simulate.kernels.contact:touch",
-        "strandcli.simulate.kernels.rod_tension:observe",
         "strandcli.simulate.rod:__init__",
         "strandcli.simulate.rules.collision_segments:capsule",
     },

@@ -115,7 +115,9 @@ def radius_for_first_edges(given, length, r, out):
     x, y, z = load3(rows, 0, LANES)
     d = load3(rows, 3 * LANES, LANES)
     x, y, z = x + length * d[0], y + length * d[1], z + length * d[2]
-    store(pointer(out), 0, contact_shapes.kept_from(x, y, z, r, d, d, broadcast(rows, length), True, True))
+    size = broadcast(rows, length)
+    edges = contact_shapes.Edges(d, d, size, size, True, True)
+    store(pointer(out), 0, contact_shapes.clearance_radius((x, y, z), r, edges))
 
 
 def test_an_edge_from_a_surface_is_a_tangent_whichever_way_its_beginning_is_rounded() -> None:

@@ -1,39 +1,66 @@
-"""Where solids are from a particle of a rod: how deep it is, and the ball or the flat face that is to keep it out.
+"""The solid that a particle of a rod is deepest in, and the ball or the flat face that is to keep it out there.
 
-Solids come packed as by `strandcli.solids.pack`, each row followed by 12 numbers: the rigid motion (rotation by rows,
-translation) that took it through this step. Solids of a kind are handed on as rows and how many numbers these hold, one
-of them as rows and its place; all of them in the order spheres, capsules, planes, boxes. Coordinates are vectors of
-lanes; a solid that is out of every lane's reach costs no more than finding that out.
+Solids come packed as by `strandcli.solids.pack`, each row followed by the `MOTION` of this step. Solids of a kind come
+as a pair: the numbers of all rows, and how many there are; a single solid as numbers and the place m of its row; kinds
+in the order spheres, capsules, planes, boxes. Coordinates are vectors of lanes. A solid out of every lane's reach costs
+no more than finding that out.
 
-Where whole edges are caught, each particle stays far enough from a solid that the near halves of its edges do, as they
-lie: √(r² + s²) from a ball, where s is how far along a half it is nearest. So no edge is a lever that a touch near its
-beginning would throw up. Of the first edge, whose root cannot give way, the particle takes care of all.
+Where whole edges are kept out, each particle stays far enough from a solid that the near halves of its edges do, in
+their present directions: √(r² + s²) from a ball, where s is the distance along a half to its place nearest the centre.
+So no contact near the beginning of an edge acts on its end as on a lever. Of the first edge, whose root cannot give
+way, the particle takes care of all.
 """
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load3, sqrt, where
 from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
-from .contact_others import MOTION, by_others
-from .contact_place import find
-from .rod import FOUND, SEGMENT, E
+from .contact_others import by_others
+from .contact_place import MOTION, SLOT, find
+from .rod_scratch import EDGE, SEGMENT, SOLID_SLOTS
 
 TINY = 1e-20
+OUT_OF_REACH = -1.0 / TINY
+"""A depth less than any."""
 LEAST = 1e-6
+"""Length below which a vector of two unit vectors has no direction."""
 OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
 SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
 """Columns of a packed solid without its motion, and with it."""
 
 
+class Edges(NamedTuple):
+    """The two edges of a particle."""
+
+    edge: Any
+    """Unit vector of the edge that ends at the particle."""
+    next: Any
+    """Unit vector of the edge that begins there; zero at the tip."""
+    length: Any
+    """Metres."""
+    lever: Any
+    """How far the place of an edge that is nearest to a solid may be from the particle, metres; 0 where only particles
+    are kept out."""
+    whole: Any
+    """Whether edges are kept out, not only particles."""
+    first: Any
+    """Whether the edge begins at the root."""
+
+
 @device
-def cut(boxes, m, x, y, z, dx, dy, dz, reach):
-    """How deep a line from (x, y, z) on is in a box within ``reach``, and the direction in which that is. One that
-    enters by a face F and leaves by a face G cuts off an edge of the box; the way out is across both the line and that
-    edge, |d·G| F + |d·F| G. One that has passed G before it comes to F goes by the edge, at a negative depth. One that
-    leaves by the opposite face, or not at all, is led out by the nearest face. -1 / TINY: neither of them."""
+def edge_depth_in_box(boxes, m, x, y, z, dx, dy, dz, reach):
+    """Depth in box m of the line from (x, y, z) along the unit vector d up to ``reach``, and the normal of the shortest
+    way out; `OUT_OF_REACH` where the line meets no face.
+
+    A line that enters by a face F and leaves by a face G cuts off an edge of the box; the way out is perpendicular to
+    the line and to that edge, |d·G| F + |d·F| G. A line that passes G before it comes to F misses the edge, at a
+    negative depth. One that leaves by the opposite face, or not at all, leaves by the face nearest to its middle.
+    """
     zero = broadcast(x, 0.0)
     enter = zero
     leave = reach
@@ -63,7 +90,7 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         bz = where(sooner, way * boxes[m + ROW_Z + k], bz)
     inside = leave > enter
     if not any_lane(inside | ((f > 0.0) & (g > 0.0))):
-        return broadcast(x, -1.0 / TINY), zero, zero, zero
+        return broadcast(x, OUT_OF_REACH), zero, zero, zero
     nx = g * ax + f * bx
     ny = g * ay + f * by
     nz = g * az + f * bz
@@ -81,43 +108,45 @@ def cut(boxes, m, x, y, z, dx, dy, dz, reach):
         nx = where(edge, nx, ax)
         ny = where(edge, ny, ay)
         nz = where(edge, nz, az)
-    return where(inside | edge, depth, -1.0 / TINY), nx, ny, nz
+    return where(inside | edge, depth, OUT_OF_REACH), nx, ny, nz
 
 
 @inlined
-def foot(x, y, z, edge, next, half):
-    """How far back along a particle's edge it is nearest to a point that the particle is (x, y, z) away from, and how
-    far on along the next one; no further than ``half``."""
+def nearest_on_edges(x, y, z, edge, next, half):
+    """Distances along a particle's edges, back and on, to their places nearest to a point from which the particle is
+    (x, y, z) away; at most ``half``."""
     back = min(max(x * edge[0] + y * edge[1] + z * edge[2], 0.0), half)
     on = min(max(-(x * next[0] + y * next[1] + z * next[2]), 0.0), half)
     return back, on
 
 
 @inlined
-def kept_from(dx, dy, dz, r, edge, next, length, whole, first):
-    """Radius that keeps a particle, (dx, dy, dz) away from the centre, off a ball, and the halves of its edges, too. Of
-    the first edge all: up to its end it goes on for what is left of it from the tangent point."""
-    if not whole:
-        return broadcast(dx, r)
-    back, on = foot(dx, dy, dz, edge, next, 0.5 * length)
-    if first:
+def clearance_radius(away, radius, edges):
+    """Radius that keeps a particle, ``away`` from a ball's centre, so far off that the halves of its edges are out of
+    the ball, and all of the first edge: there s is what is left of it beyond the tangent point."""
+    if not edges.whole:
+        return broadcast(away[0], radius)
+    dx, dy, dz = away
+    edge, length = edges.edge, edges.length
+    back, on = nearest_on_edges(dx, dy, dz, edge, edges.next, 0.5 * length)
+    if edges.first:
         x = dx - length * edge[0]
         y = dy - length * edge[1]
         z = dz - length * edge[2]
-        back = max(length - sqrt(max(x * x + y * y + z * z - r * r, 0.0)), 0.0)
+        back = max(length - sqrt(max(x * x + y * y + z * z - radius * radius, 0.0)), 0.0)
     s = max(back, on)
-    return sqrt(s * s + r * r)
+    return sqrt(s * s + radius * radius)
 
 
 @device
-def toward_axis(capsules, m, point, on_axis, edges, lever):
-    """Point of a capsule's axis that is nearest to a particle's edges up to ``lever`` away from it, begun with the one
-    that is nearest to the particle: by alternating projections."""
+def axis_point_near_edges(capsules, m, point, on_axis, edges):
+    """Point of a capsule's axis nearest to a particle's edges, by alternating projections that begin with ``on_axis``,
+    the one nearest to the particle."""
     x, y, z = point
     ox, oy, oz = on_axis
-    edge, next = edges
+    edge, next = edges.edge, edges.next
     for _ in range(2):
-        back, on = foot(x - ox, y - oy, z - oz, edge, next, lever)
+        back, on = nearest_on_edges(x - ox, y - oy, z - oz, edge, next, edges.lever)
         behind = back > on
         back = where(behind, back, 0.0)
         on = where(behind, 0.0, on)
@@ -130,7 +159,7 @@ def toward_axis(capsules, m, point, on_axis, edges, lever):
 
 @device
 def deeper(one, other):
-    """Of two ways out of a box, (depth, normal) each, the longer one."""
+    """Of two pairs of depth and normal, (depth, x, y, z) each, the one with the greater depth."""
     a = one[0] > other[0]
     return (
         max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
@@ -138,74 +167,117 @@ def deeper(one, other):
 
 
 @device
-def past_edge(boxes, m, point, under, edges, lever, length, far):
-    """`box.depth`, which found a particle ``under`` it, or where it is outside how deep the near parts of its edges
-    are, if no further away than ``far``."""
+def box_depth_with_edges(boxes, m, point, under, edges, reach):
+    """Depth and normal of a particle in box m: ``under``, those of `box.depth`, or where the particle is outside those
+    of its edges, if no further outside than ``reach``."""
     x, y, z = point
-    edge, next = edges
+    edge, next = edges.edge, edges.next
     out = under[0] <= 0.0
-    back = cut(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], lever)
-    depth, nx, ny, nz = deeper(back, cut(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * length))
-    return deeper((where(out & (depth > -far), depth, -1.0 / TINY), nx, ny, nz), under)
+    back = edge_depth_in_box(boxes, m, x, y, z, -edge[0], -edge[1], -edge[2], edges.lever)
+    on = edge_depth_in_box(boxes, m, x, y, z, next[0], next[1], next[2], 0.5 * edges.length)
+    depth, nx, ny, nz = deeper(back, on)
+    return deeper((where(out & (depth > -reach), depth, OUT_OF_REACH), nx, ny, nz), under)
 
 
 @inlined
-def nearest(s, o, point, edge, length, at, reach, solids, whole, first):
-    """How deep the particle of segment o is in the solid that it is deepest in, or nearest to and no further than
-    ``reach``, and from where on the scratch tells of that solid; a depth of -reach: there is none.
-
-    point: where the particle is; edge: its unit edge, the next one being in the segment after o; at: positions and the
-    place in them where the particle was before this step; solids: pairs of rows and where they end, spheres, capsules,
-    planes, boxes, and perhaps others (`contact_others`); whole: edges are kept out too, of the first one all. Scratch
-    holds the centre and radius, or of a flat face the normal and how far along that the particle has to be; where the
-    solid has carried the particle's place in this step; 1 where it is round there and 0 where flat.
-    """
-    x, y, z = point
-    spheres, last_sphere = solids[0]
-    capsules, last_capsule = solids[1]
-    planes, last_plane = solids[2]
-    boxes, last_box = solids[3]
-    most = -reach
-    found, other = FOUND, FOUND + 8
-    next = (most, most, most)
-    lever = broadcast(x, 0.0)  # how far the nearest place of an edge may be from the particle
+def edges_of(s, o, edge, length, whole, first):
+    """`Edges` of the particle of the segment at place o of the scratch, which has the next edge."""
+    zero = broadcast(length, 0.0)
+    next = zero, zero, zero
+    lever = zero
     if whole:
-        next = load3(s, o + SEGMENT + E, 1)
+        next = load3(s, o + SEGMENT + EDGE, 1)
         lever = length if first else 0.5 * length
-    for m in range(0, last_sphere, SPHERE):
-        dx, dy, dz = x - spheres[m], y - spheres[m + 1], z - spheres[m + 2]
-        far = spheres[m + sphere.RADIUS] + lever - most
+    return Edges(edge, next, length, lever, whole, first)
+
+
+@inlined
+def nearest(s, point, edges, at, reach, solids):
+    """Depth of a particle in the solid that it is deepest in, or nearest to and within ``reach``, and the place of that
+    solid's slot in the scratch; a depth of -reach where there is none.
+
+    point: the particle; edges: its `Edges`; at: positions, and the place in them of the particle before this step;
+    solids: a pair for each kind, and perhaps others (`contact_others`).
+    """
+    slots = SOLID_SLOTS, SOLID_SLOTS + SLOT
+    most, slots = nearest_sphere(s, slots, -reach, point, edges, at, solids[0])
+    most, slots = nearest_capsule(s, slots, most, point, edges, at, solids[1])
+    most, slots = nearest_plane(s, slots, most, point, at, solids[2])
+    most, slots = nearest_box(s, slots, most, point, edges, at, solids[3], reach)
+    return by_others(s, slots, most, point, (edges.edge, edges.next), edges.lever, at, solids)
+
+
+@inlined
+def nearest_sphere(s, slots, most, point, edges, at, spheres):
+    """`nearest` among spheres: the greatest depth, at least ``most``, and the places of the slots, that of the solid
+    first."""
+    x, y, z = point
+    rows, end = spheres
+    found, other = slots
+    for m in range(0, end, SPHERE):
+        radius = rows[m + sphere.RADIUS]
+        dx, dy, dz = x - rows[m + sphere.X], y - rows[m + sphere.Y], z - rows[m + sphere.Z]
+        far = radius + edges.lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
-            r = kept_from(dx, dy, dz, spheres[m + sphere.RADIUS], edge, next, length, whole, first)
-            d = sphere.under(dx, dy, dz, r)
-            place = broadcast(x, spheres[m]), broadcast(x, spheres[m + 1]), broadcast(x, spheres[m + 2])
-            found, other = find(s, found, other, d > most, 1.0, place, r, spheres, m + OF_SPHERE, at)
-            most = max(most, d)
-    for m in range(0, last_capsule, CAPSULE):
-        ox, oy, oz = capsule.on_axis(capsules, m, x, y, z)
+            r = clearance_radius((dx, dy, dz), radius, edges)
+            depth = sphere.under(dx, dy, dz, r)
+            centre = (
+                broadcast(x, rows[m + sphere.X]), broadcast(x, rows[m + sphere.Y]), broadcast(x, rows[m + sphere.Z]),
+            )  # fmt: skip
+            found, other = find(s, found, other, depth > most, 1.0, centre, r, rows, m + OF_SPHERE, at)
+            most = max(most, depth)
+    return most, (found, other)
+
+
+@inlined
+def nearest_capsule(s, slots, most, point, edges, at, capsules):
+    """The same among capsules, each of which is a ball about the nearest point of its axis."""
+    x, y, z = point
+    rows, end = capsules
+    found, other = slots
+    for m in range(0, end, CAPSULE):
+        radius = rows[m + capsule.RADIUS]
+        ox, oy, oz = capsule.on_axis(rows, m, x, y, z)
         dx, dy, dz = x - ox, y - oy, z - oz
-        far = capsules[m + capsule.RADIUS] + lever - most
+        far = radius + edges.lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
-            if whole:
-                ox, oy, oz = toward_axis(capsules, m, point, (ox, oy, oz), (edge, next), lever)
-            r = kept_from(x - ox, y - oy, z - oz, capsules[m + capsule.RADIUS], edge, next, length, whole, first)
-            d = sphere.under(x - ox, y - oy, z - oz, r)
-            place = ox, oy, oz
-            found, other = find(s, found, other, d > most, 1.0, place, r, capsules, m + OF_CAPSULE, at)
-            most = max(most, d)
-    for m in range(0, last_plane, PLANE):
-        d = plane.depth(planes, m, x, y, z)
-        if any_lane(d > most):
-            way = broadcast(x, planes[m]), broadcast(x, planes[m + 1]), broadcast(x, planes[m + 2])
-            level = broadcast(x, planes[m + plane.HEIGHT])
-            found, other = find(s, found, other, d > most, 0.0, way, level, planes, m + OF_PLANE, at)
-            most = max(most, d)
-    for m in range(0, last_box, BOX):
-        d, ox, oy, oz = box.depth(boxes, m, x, y, z)
-        if any_lane(d + lever > most):
-            if whole:
-                d, ox, oy, oz = past_edge(boxes, m, point, (d, ox, oy, oz), (edge, next), lever, length, reach)
-            level = d + x * ox + y * oy + z * oz
-            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, boxes, m + OF_BOX, at)
-            most = max(most, d)
-    return by_others(s, (found, other), most, (x, y, z), (edge, next), lever, at, solids)
+            if edges.whole:
+                ox, oy, oz = axis_point_near_edges(rows, m, point, (ox, oy, oz), edges)
+            r = clearance_radius((x - ox, y - oy, z - oz), radius, edges)
+            depth = sphere.under(x - ox, y - oy, z - oz, r)
+            found, other = find(s, found, other, depth > most, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
+            most = max(most, depth)
+    return most, (found, other)
+
+
+@inlined
+def nearest_plane(s, slots, most, point, at, planes):
+    """The same among planes, in which no edge is deeper than both of its ends."""
+    x, y, z = point
+    rows, end = planes
+    found, other = slots
+    for m in range(0, end, PLANE):
+        depth = plane.depth(rows, m, x, y, z)
+        if any_lane(depth > most):
+            normal = broadcast(x, rows[m + plane.X]), broadcast(x, rows[m + plane.Y]), broadcast(x, rows[m + plane.Z])
+            height = broadcast(x, rows[m + plane.HEIGHT])
+            found, other = find(s, found, other, depth > most, 0.0, normal, height, rows, m + OF_PLANE, at)
+            most = max(most, depth)
+    return most, (found, other)
+
+
+@inlined
+def nearest_box(s, slots, most, point, edges, at, boxes, reach):
+    """The same among boxes; of their edges and corners the face through the surface there."""
+    x, y, z = point
+    rows, end = boxes
+    found, other = slots
+    for m in range(0, end, BOX):
+        depth, nx, ny, nz = box.depth(rows, m, x, y, z)
+        if any_lane(depth + edges.lever > most):
+            if edges.whole:
+                depth, nx, ny, nz = box_depth_with_edges(rows, m, point, (depth, nx, ny, nz), edges, reach)
+            level = depth + x * nx + y * ny + z * nz
+            found, other = find(s, found, other, depth > most, 0.0, (nx, ny, nz), level, rows, m + OF_BOX, at)
+            most = max(most, depth)
+    return most, (found, other)

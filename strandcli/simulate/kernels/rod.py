@@ -29,136 +29,127 @@ is enough: it is where joints are alike, and need not be where they stiffen towa
 back to unit length before each iteration, and r is what the step H⁻¹ρ from there would make of them. That is sequential
 quadratic programming on the unit spheres with a convexified Hessian (Nocedal & Wright 2006,
 §18.2-18.3): the same solution, reached linearly, for compression cannot run away.
-
-Scratch is a heap of vectors, a segment's together, and for short strands small enough for the nearest cache. Two
-segments of zeros before the first and after the last spare the recurrences their special cases.
 """
 
 from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
+from .rod_scratch import (
+    AXES,
+    EDGE,
+    EDGE_FACTOR,
+    FIRST_SEGMENT,
+    INERTIAL,
+    INVERSE_PIVOT,
+    LOAD,
+    MOBILITY,
+    PACK,
+    PARTICLE_FACTOR,
+    REST_BEND,
+    SEGMENT,
+    STIFFNESS,
+)
 
 FAR = 0.3
-"""Error of |e|² above which edges go back to unit length before the next iteration."""
+"""Error of |e|² above which edges return to unit length before the next iteration."""
 TINY = 1e-30
-MOST = 1e18
-
-PACK = 16
-"""Strands whose state lies together, a cache line of each number in single precision, one after the other as a step
-needs them: processors fetch ahead what is read in a row."""
-AXES = 3 * PACK
-"""Numbers of a row of three coordinates, of all strands of a pack."""
-
-# vectors of a segment: edge, what is left of u* − u, c̄, its change g by loads alone (3 each); τ; the inverse pivot i,
-# i κ and i B; r and then δ
-SEGMENT = 17
-"""An odd number: vectors at distances of a power of two would share lines of the first-level cache."""
-E, D, C, G, T, DI, N1, N2, R = 0, 3, 6, 9, 12, 13, 14, 15, 16
-# vectors that belong to the strand, before all segments: where H lost definiteness, by how much the root moved, κ where
-# joints have a rigidity of 1, 1 over the length of a segment; what u* takes: the velocity that loads add, and how far a
-# velocity and an acceleration lead, in segments; for the sweep in the end, how far a particle is put off, where edges
-# are lost and where hit, all forces of contact, and two places for a solid, 8 each
-HARD, SHIFT, STIFF, OVER, FALL, REST, PRESS, OFF, LOST, HIT, GRIP, FOUND = 0, 1, 4, 5, 6, 9, 10, 11, 14, 15, 16, 17
-FIRST = 33 + 2 * SEGMENT
-
-
-def rows_for(n: int) -> int:
-    """Vectors of scratch that this room takes for ``n`` segments; all of it starts as zeros."""
-    return FIRST + (n + 2) * SEGMENT
+GREATEST_ERROR = 1e18
+"""Errors of |e|² are no more than this, and never NaN."""
 
 
 @device
-def ahead(s, o, x, y, z, u, v, w):
-    """The change of an edge, from that of the one before it and of the particle in between."""
-    f = load(s, o + N1)
-    g = load(s, o + N2)
-    a, b, c = load3(s, o + G, 1)
+def edge_change(s, o, x, y, z, u, v, w):
+    """z_j, the change of the edge at place o, from (x, y, z) = z_{j−1} and (u, v, w) = y_{j−1}: back substitution."""
+    f = load(s, o + EDGE_FACTOR)
+    g = load(s, o + PARTICLE_FACTOR)
+    a, b, c = load3(s, o + LOAD, 1)
     return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
 
 
 @device
-def move(s, n, share):
-    """u += y, e += z, or a ``share`` of each where that is not None; the greatest | |e|² − 1 | of each lane, and their
-    sum."""
+def apply_change(s, n, step):
+    """Add y to the displacements and z to the edges, times ``step`` where that is not None. Returns the greatest
+    | |e|² − 1 | of each lane and their sum."""
     worst = broadcast(s, 0.0)
     total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
     for j in range(n):
-        o = FIRST + j * SEGMENT
-        x, y, z = ahead(s, o, x, y, z, u, v, w)
+        o = FIRST_SEGMENT + j * SEGMENT
+        x, y, z = edge_change(s, o, x, y, z, u, v, w)
         u += x
         v += y
         w += z
-        dx, dy, dz = load3(s, o + D, 1)
-        ex, ey, ez = load3(s, o + E, 1)
-        if share is None:
-            store3(s, o + D, 1, dx - u, dy - v, dz - w)
+        dx, dy, dz = load3(s, o + INERTIAL, 1)
+        ex, ey, ez = load3(s, o + EDGE, 1)
+        if step is None:
+            store3(s, o + INERTIAL, 1, dx - u, dy - v, dz - w)
             ex += x
             ey += y
             ez += z
         else:
-            store3(s, o + D, 1, dx - share * u, dy - share * v, dz - share * w)
-            ex += share * x
-            ey += share * y
-            ez += share * z
-        store3(s, o + E, 1, ex, ey, ez)
-        off = abs(ex * ex + ey * ey + ez * ez - 1.0)
-        off = where(off < MOST, off, MOST)  # never NaN
-        worst = max(worst, off)
-        total += off
+            store3(s, o + INERTIAL, 1, dx - step * u, dy - step * v, dz - step * w)
+            ex += step * x
+            ey += step * y
+            ez += step * z
+        store3(s, o + EDGE, 1, ex, ey, ez)
+        error = abs(ex * ex + ey * ey + ez * ez - 1.0)
+        error = where(error < GREATEST_ERROR, error, GREATEST_ERROR)
+        worst = max(worst, error)
+        total += error
     return worst, total
 
 
 @device
-def retract(s, n, mass, joint, mine):
-    """Edges of some lanes go back to unit length, root to tip; one that is lost takes the direction of the one before
-    it. Returns the energy of each lane, twice."""
-    stiff = load(s, STIFF)
-    x0 = broadcast(s, 0.0)
-    y0, z0 = x0, x0
-    energy = x0
+def retract(s, n, mass, joint, chosen):
+    """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
+    direction of the edge before it. Returns twice the energy of each lane, the sum that a step minimises."""
+    stiffness = load(s, STIFFNESS)
+    # by how much the particle has moved: all that edges up to it have changed
+    sx = broadcast(s, 0.0)
+    sy, sz = sx, sx
+    energy = sx
     for j in range(n):
-        o = FIRST + j * SEGMENT
-        x, y, z = load3(s, o + E, 1)
-        px, py, pz = load3(s, o - SEGMENT + E, 1)
-        q = x * x + y * y + z * z
-        f = 1.0 / sqrt(max(q, TINY)) - 1.0
-        lost = q < TINY
-        dx = where(mine, where(lost, px, x * f), 0.0)
-        dy = where(mine, where(lost, py, y * f), 0.0)
-        dz = where(mine, where(lost, pz, z * f), 0.0)
+        o = FIRST_SEGMENT + j * SEGMENT
+        x, y, z = load3(s, o + EDGE, 1)
+        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
+        square = x * x + y * y + z * z
+        f = 1.0 / sqrt(max(square, TINY)) - 1.0
+        lost = square < TINY
+        dx = where(chosen, where(lost, px, x * f), 0.0)
+        dy = where(chosen, where(lost, py, y * f), 0.0)
+        dz = where(chosen, where(lost, pz, z * f), 0.0)
         x += dx
         y += dy
         z += dz
-        store3(s, o + E, 1, x, y, z)
-        x0 += dx
-        y0 += dy
-        z0 += dz
-        cx, cy, cz = load3(s, o + C, 1)
+        store3(s, o + EDGE, 1, x, y, z)
+        sx += dx
+        sy += dy
+        sz += dz
+        cx, cy, cz = load3(s, o + REST_BEND, 1)
         x -= px + cx
         y -= py + cy
         z -= pz + cz
-        energy += stiff * joint[j] * (x * x + y * y + z * z)
-        x, y, z = load3(s, o + D, 1)
-        x -= x0
-        y -= y0
-        z -= z0
-        store3(s, o + D, 1, x, y, z)
+        energy += stiffness * joint[j] * (x * x + y * y + z * z)
+        x, y, z = load3(s, o + INERTIAL, 1)
+        x -= sx
+        y -= sy
+        z -= sz
+        store3(s, o + INERTIAL, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
     return energy
 
 
 @device
-def longest(s, n):
-    """The greatest change of an edge that loads ask for, squared."""
+def greatest_change_squared(s, n):
+    """The greatest |z_j|² of each lane."""
     worst = broadcast(s, TINY)
     x = broadcast(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
     for j in range(n):
-        x, y, z = ahead(s, FIRST + j * SEGMENT, x, y, z, u, v, w)
+        x, y, z = edge_change(s, FIRST_SEGMENT + j * SEGMENT, x, y, z, u, v, w)
         u += x
         v += y
         w += z
@@ -167,36 +158,36 @@ def longest(s, n):
 
 
 @device
-def shorten(s, n, share):
-    """Take only a share of the change that loads ask for."""
+def scale_loads(s, n, factor):
+    """Multiply all loads g_j, and with them the change that they lead to."""
     for j in range(n):
         for c in range(3):
-            o = FIRST + j * SEGMENT + G + c
-            store(s, o, load(s, o) * share)
+            o = FIRST_SEGMENT + j * SEGMENT + LOAD + c
+            store(s, o, load(s, o) * factor)
 
 
 @device
-def yield_to(s, n, edge, mass, push):
-    """Begin H⁻¹ M χ with the factors that there are, from the tip to the root: how far forces of contact move
-    particles, as a share of how far they would move each alone, with χ = 1 where there are some. R takes what
-    `yielding` ends it with."""
+def begin_mobility(s, n, edge, mass, push):
+    """Begin H⁻¹ M χ by a sweep from the tip to the root, which `finish_mobility` ends; χ is 1 for particles with a
+    force of contact. H⁻¹ M χ is how far such forces move a particle, as a share of how far they would move each
+    alone."""
     p = broadcast(s, 0.0)
     q = p
     for j in range(n - 1, -1, -1):
-        o = FIRST + j * SEGMENT
+        o = FIRST_SEGMENT + j * SEGMENT
         x, y, z = load3(push, edge + j * AXES, PACK)
         p -= where(abs(x) + abs(y) + abs(z) > 0.0, broadcast(s, mass[j]), 0.0)
         sum = p + q
-        store(s, o + R, load(s, o + DI) * sum)
-        p -= load(s, o + N2) * sum
-        q = load(s, o + N1) * sum
+        store(s, o + MOBILITY, load(s, o + INVERSE_PIVOT) * sum)
+        p -= load(s, o + PARTICLE_FACTOR) * sum
+        q = load(s, o + EDGE_FACTOR) * sum
 
 
 @inlined
-def yielding(s, o, y, z):
-    """From the root to the tip, the same of a segment's particle and edge, given those of the one before: R ends as
-    that of the particle."""
-    z = load(s, o + N1) * z - load(s, o + N2) * y - load(s, o + R)
+def finish_mobility(s, o, y, z):
+    """Set `MOBILITY` of the segment at place o to H⁻¹ M χ of its particle, and return that and the same of its edge,
+    given both of the segment before, y and z."""
+    z = load(s, o + EDGE_FACTOR) * z - load(s, o + PARTICLE_FACTOR) * y - load(s, o + MOBILITY)
     y += z
-    store(s, o + R, y)
+    store(s, o + MOBILITY, y)
     return y, z

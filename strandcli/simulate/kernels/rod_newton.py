@@ -1,107 +1,132 @@
-"""Newton's iteration for the force densities."""
+"""Newton's iterations for the force densities τ of a rod's step."""
 
 from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_descent, rod_start, rod_tension
-from .rod import AXES, FIRST, SEGMENT, T
+from . import rod, rod_elimination, rod_start, rod_tension
+from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
 PATIENCE = 6
-"""Iterations after which no edge changes by more than `STRIDES` over the number of iterations since."""
+"""Iterations after which changes of edges are limited: to `STRIDES` over the number of iterations since."""
 STRIDES = 2.0
 WILD = 64.0
-"""Error of |e|² above which τ does not start from the step before."""
+"""Error of |e|² above which τ does not start from that of the step before."""
 PULLED = 4.0
+"""Units of mass by which `raise_tension` stays below the load that an edge may carry."""
 RISE = 1.00001
-"""Energy that is no more than so many times what it was has not risen but for rounding."""
-MEND = 1.5
+"""Factor of energy up to which a rise is rounding."""
+STEP_GROWTH = 1.5
+"""Factor by which a step grows after one that has not raised the energy."""
 FINE = 32
-"""Segments beyond which an edge that is wrong, as where contact kinks a strand, counts by its share of the strand."""
-WHOLE = 3.0
-"""How many times the mean error of edges is no less than the worst one's where all are wrong, as where strands whip."""
+"""Segments beyond which a single wrong edge, as where contact kinks a strand, counts by its share of the strand."""
+EVEN = 3.0
+"""Ratio of the worst edge's error to the mean, which it hardly exceeds where all edges are wrong, as when a strand
+whips."""
 STUCK = 20
-FAST = 1.9
-"""Steps with bounded τ are too short where they go on for long, as near a saddle; twice as long is safe."""
+"""Iterations after which steps with bounded τ may be longer than 1."""
+LONGEST_STEP = 1.9
+"""Their greatest length then. Steps with bounded τ are too short, as near a saddle; twice as long is safe."""
 
 
 @device
-def iterate(s, at, state, material, scheme, iterations, enough):
-    """Newton's iterations: one, and on until all | |e|² − 1 | are below ``enough``, but no more than ``iterations``;
-    returns what they are in the end, the greatest of each lane. In strands of more than `FINE` segments some may be
-    greater, if the mean of all is as small as if none were. Begins with x(τ) for the τ of the step before, or, where
-    loads turn out to be far greater than that knows of, for more.
+def iterate(s, at, state, material, scheme, iterations, tolerance):
+    """Solve for τ and the edges by Newton's method; returns the greatest | |e|² − 1 | of each lane.
 
-    From where H is indefinite in some lane on, iterations are steps of quadratic programming: with H as it is, for τ
-    changes it. There energy tells whether a step led anywhere: where it rose, the next one is half as long."""
+    Begins with x(τ) for the τ of the step before, or for a greater one where loads turn out to be far greater than it
+    knows of. Then come one iteration and as many more, up to ``iterations``, as it takes for all | |e|² − 1 | to be
+    below ``tolerance``. In strands of more than `FINE` segments some may be greater, where the mean of all is small
+    enough.
+
+    From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
+    the present τ, not of the changed one. There energy is the merit function: a step after one that raised it has half
+    the length.
+    """
     n, mass, joint = at.segments, material.mass, material.joint
     worst = broadcast(s, 0.0)
     total = worst
-    alone = min(1.0, FINE / n)
-    together = WHOLE / n
-    share = broadcast(s, 1.0)
-    before = broadcast(s, rod.MOST * rod.MOST)
-    ever = broadcast(s, 0.0)
-    hard = False
-    programmed = False
+    single_share = min(1.0, FINE / n)
+    mean_share = EVEN / n
+    step = broadcast(s, 1.0)
+    past_energy = broadcast(s, rod.GREATEST_ERROR * rod.GREATEST_ERROR)
+    ever_indefinite = broadcast(s, 0.0)
+    indefinite = False
+    quadratic = False  # whether iterations are steps of quadratic programming
     for count in range(-1, iterations + 1):
-        if count > 1 and not any_lane(min(worst, max(alone * worst, together * total)) > enough):
+        if count > 1 and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
             break
         if count == 0:
             if not any_lane(worst > WILD):
                 continue
-            pull(s, at, state, mass, scheme)
-        stale = programmed
-        programmed = count > 0 and (hard or programmed)
+            raise_tension(s, at, state, mass, scheme)
+        refactorise = quadratic
+        quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
-            far = programmed or any_lane(worst > rod.FAR)
+            far = quadratic or any_lane(worst > rod.FAR)
             if far:
-                ever = max(ever, load(s, rod.HARD))
-                mine = max(ever, worst) > rod.FAR
-                energy = rod.retract(s, n, mass, joint, mine)
-                if stale:
-                    rod_descent.bound(s, n, mass, joint)
+                ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
+                chosen = max(ever_indefinite, worst) > rod.FAR
+                energy = rod.retract(s, n, mass, joint, chosen)
+                if refactorise:
+                    rod_elimination.factorise_bounded(s, n, mass, joint)
                 else:
-                    rod_descent.descend(s, n, mass, joint, None, None, None)
-                if programmed:
-                    rose = energy > before * RISE
-                    most = where(load(s, rod.HARD) > 0.0, broadcast(s, FAST if count > STUCK else 1.0), 1.0)
-                    share = where(mine, where(rose, 0.5 * share, min(MEND * share, most)), 1.0)
-                    before = where(mine, energy, before)
-            rod_tension.observe(s, n, mass, far)
-            if programmed:
-                hard = rod_descent.foretell(s, n, mass, joint)
-                worst, total = rod.move(s, n, share)
-                worst = worst / (share * share)
-                total = total / (share * share)
+                    rod_elimination.set_loads(s, n, mass, joint)
+                if quadratic:
+                    step = next_step(s, step, chosen, energy > past_energy * RISE, count)
+                    past_energy = where(chosen, energy, past_energy)
+            rod_tension.filter_forward(s, n, mass, far)
+            if quadratic:
+                indefinite = rod_elimination.change_tension(s, n, mass, joint)
+                worst, total = apply_step(s, n, step)
             else:
-                hard = rod_descent.settle(s, n, mass, joint, True)
+                indefinite = rod_elimination.factorise(s, n, mass, joint, True)
                 if count > PATIENCE:
-                    rod.shorten(s, n, min(1.0, STRIDES / (count - PATIENCE) / sqrt(rod.longest(s, n))))
-                worst, total = rod.move(s, n, None)
+                    limit_change(s, n, STRIDES / (count - PATIENCE))
+                worst, total = rod.apply_change(s, n, None)
         else:
-            hard = rod_descent.settle(s, n, mass, joint, None)
-            worst, total = rod.move(s, n, None)
-    if programmed:
-        rod_descent.bound(s, n, mass, joint)
+            indefinite = rod_elimination.factorise(s, n, mass, joint, None)
+            worst, total = rod.apply_change(s, n, None)
+    if quadratic:
+        rod_elimination.factorise_bounded(s, n, mass, joint)
     return worst
 
 
 @device
-def pull(s, at, state, mass, scheme):
-    """τ at least what would carry the load if all of it pulled one way, less a few units of mass; both are summed up
-    from the tip."""
+def limit_change(s, n, most):
+    """Scale the loads so that no edge changes by more than ``most``."""
+    rod.scale_loads(s, n, min(1.0, most / sqrt(rod.greatest_change_squared(s, n))))
+
+
+@device
+def apply_step(s, n, step):
+    """`rod.apply_change`; the errors that it returns are over step², what they would be of a whole step."""
+    worst, total = rod.apply_change(s, n, step)
+    return worst / (step * step), total / (step * step)
+
+
+@device
+def next_step(s, step, chosen, rose, count):
+    """Length of the next step of quadratic programming in the ``chosen`` lanes, 1 in the others: half as long where the
+    energy ``rose``, else longer, at most 1, or `LONGEST_STEP` where that has gone on for long."""
+    most = where(load(s, INDEFINITE) > 0.0, broadcast(s, LONGEST_STEP if count > STUCK else 1.0), 1.0)
+    return where(chosen, where(rose, 0.5 * step, min(STEP_GROWTH * step, most)), 1.0)
+
+
+@device
+def raise_tension(s, at, state, mass, scheme):
+    """Raise τ to the size of the summed load beyond each edge, less `PULLED` times the mass beyond it: what the edge
+    would carry if the strand lay along the load."""
     x = broadcast(s, 0.0)
     y = x
     z = x
-    sum = x
+    mass_beyond = x
     for j in range(at.segments - 1, -1, -1):
-        o = FIRST + j * SEGMENT
+        o = FIRST_SEGMENT + j * SEGMENT
         ax, ay, az = rod_start.predict(s, at.edge + j * AXES, state, scheme)
         x += mass[j] * ax
         y += mass[j] * ay
         z += mass[j] * az
-        sum += mass[j]
-        carried = sqrt(x * x + y * y + z * z) - PULLED * sum
-        t = load(s, o + T)
-        store(s, o + T, where(carried > 0.0, max(t, carried), t))
+        mass_beyond += mass[j]
+        carried = sqrt(x * x + y * y + z * z) - PULLED * mass_beyond
+        t = load(s, o + TENSION)
+        store(s, o + TENSION, where(carried > 0.0, max(t, carried), t))

@@ -1,8 +1,8 @@
-"""The step of the rod solver over blocks of strands: predict, iterate, make lengths exact, take the new velocity.
+"""The step of the rod solver over packs of strands: predict, iterate, make lengths exact, set the new velocity.
 
-Each thread takes packs from the work queue (`work_queue.share_out`) and has scratch of its own; strands are
-independent, so that the number of threads changes no bit. A vector of strands moves at once, from the first to the last
-of a step.
+Each thread takes packs from the work queue (`work_queue.share_out`) and has scratch of its own. Strands are
+independent, so the number of threads changes no bit. A vector of strands goes through all phases of the step before the
+next one begins.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ from .records import (
     Scheme,
     State,
 )
-from .rod import AXES, FIRST, PACK, SEGMENT, SHIFT, E
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
 from .work_queue import TASKS, take
 
-# columns of a descriptor after those of the work queue: numbers, then an address for each array, then solids
+# columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
+# the four kinds, their sizes, and where there are any, address, size and columns of solids of other packages
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, SCRATCH, SCRATCH_BYTES, STATE = 2, 3, 4, 5, 6, 7, 8, 9, 10
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -51,7 +52,7 @@ def descriptor_of(
     strands: int, segments: int, iterations: int, flags: Flags, scratch: NDArray[Any],
     arrays: tuple[State, Material, Forcing], solids: tuple[NDArray[Any], ...],
 ) -> NDArray[np.int64]:  # fmt: skip
-    """What the kernel is given: numbers and addresses. The caller keeps all arrays alive.
+    """(columns,) int64, what the kernel is given: numbers and addresses. The caller keeps all arrays alive.
 
     ``scratch`` is (workers, size), of the same floating type as all arrays; ``solids`` are rows of spheres, capsules,
     planes and boxes, and perhaps a fifth array of solids of other packages.
@@ -123,13 +124,13 @@ def others_of(kind, descriptor):
 
 @function
 def single(descriptor, worker):
-    """Run the step in single precision as one of the threads."""
+    """Run the step in single precision, as one of the threads."""
     work(np.float32, descriptor, worker, solids_of)
 
 
 @function
 def double(descriptor, worker):
-    """Run the step in double precision."""
+    """Run the step in double precision, as one of the threads."""
     work(np.float64, descriptor, worker, solids_of)
 
 
@@ -152,8 +153,8 @@ def work(kind, descriptor, worker, solids_of):
 
 @device
 def run(scratch, state, material, forcing, flags, solids, iterations, pack, next_pack, n):
-    """Step the strands of a ``pack`` with ``n`` segments, a vector of them at a time. ``next_pack`` is fetched ahead;
-    the size of ``scratch`` is `rod_tension.size_for`."""
+    """Step the strands of a ``pack`` with ``n`` segments, a vector of them at a time. The state of ``next_pack`` is
+    prefetched; ``scratch`` has `rod_tension.scratch_size` vectors."""
     numbers = forcing.numbers
     contact = Contact(
         solids, flags.solids, flags.segments, rod_start.free_displacement(numbers),
@@ -166,21 +167,21 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(numbers[THIRD], flags.second, touched)
-        rod_start.start(scratch, at, state, material, forcing, scheme)
+        rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         if flags.curled:
             rod_curl.add_rest(scratch, at, state, material, forcing)
         worst = rod_newton.iterate(scratch, at, state, material, scheme, iterations, numbers[TOLERANCE])
-        # | |e| − 1 | from | |e|² − 1 |; where that is small it does not matter on which side
+        # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
         residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
         store(state.residuals, strand, residual)
         if touched:
-            rod.yield_to(scratch, n, at.edge, material.mass, state.push)
+            rod.begin_mobility(scratch, n, at.edge, material.mass, state.push)
         rod_sweep.sweep(scratch, at, next_pack, state, material.lengths, numbers, scheme, contact)
 
 
 @device
 def rotated(turn, k, x, y, z):
-    """A vector turned by a matrix, given by rows from place k on, to the bits that NumPy finds."""
+    """A vector turned by the matrix whose rows begin at place k, rounded as NumPy rounds it."""
     return (
         no_fma(turn[k] * x) + no_fma(turn[k + 1] * y) + no_fma(turn[k + 2] * z),
         no_fma(turn[k + 3] * x) + no_fma(turn[k + 4] * y) + no_fma(turn[k + 5] * z),
@@ -190,14 +191,14 @@ def rotated(turn, k, x, y, z):
 
 @device
 def place_root(s, local, place, positions, forcing):
-    """Write the root's position in the world, its displacement, and the clamped direction as the edge before the
-    first."""
+    """Set the root's position, its displacement `ROOT_SHIFT`, and the clamped direction as the edge before the first.
+    ``local``: place of the strand in (P, 3 S); ``place``: of its root in the positions."""
     pose = forcing.pose
     x, y, z = load3(forcing.roots, local, PACK)
     px, py, pz = rotated(pose, ROTATION, x, y, z)
     store3(positions, place, W, px + pose[TRANSLATION], py + pose[TRANSLATION + 1], pz + pose[TRANSLATION + 2])
     px, py, pz = rotated(pose, TURNED, x, y, z)
-    store3(s, SHIFT, 1, px + pose[SHIFTED], py + pose[SHIFTED + 1], pz + pose[SHIFTED + 2])
+    store3(s, ROOT_SHIFT, 1, px + pose[SHIFTED], py + pose[SHIFTED + 1], pz + pose[SHIFTED + 2])
     x, y, z = load3(forcing.directions, local, PACK)
     x, y, z = rotated(pose, ROTATION, x, y, z)
-    store3(s, FIRST - SEGMENT + E, 1, x, y, z)
+    store3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1, x, y, z)

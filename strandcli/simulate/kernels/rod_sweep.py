@@ -1,4 +1,4 @@
-"""The end of a rod's step, from root to tip: lengths exact, edges off solids, and the velocity that led there."""
+"""The end of a rod's step, a sweep from root to tip: exact lengths, contact, positions and velocities."""
 
 from __future__ import annotations
 
@@ -6,91 +6,108 @@ from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
 from . import rod, rod_start
-from .contact import touch
+from .contact import resolve_contact
 from .records import ROUNDING, STEP, THIRD, Segment
-from .rod import AXES, FIRST, GRIP, HARD, HIT, LOST, OFF, OVER, PACK, SEGMENT, SHIFT, TINY, D, E, T
+from .rod_scratch import (
+    AXES,
+    CONTACT_FORCE,
+    CORRECTION,
+    DEGENERATE,
+    DISPLACEMENT,
+    EDGE,
+    FIRST_SEGMENT,
+    IMPACT,
+    INDEFINITE,
+    INERTIAL,
+    INVERSE_LENGTH,
+    PACK,
+    ROOT_SHIFT,
+    SEGMENT,
+    TENSION,
+)
 
 ROW = 3 * W
 """Numbers of a row of positions, which are drawn and lie in blocks."""
 HUGE = 1e18
-NONE = 1e-12
+"""Length of an edge, or τ, from which on it counts as infinite."""
+LEAST_SQUARE = 1e-12
+"""|e|² up to which an edge has no direction."""
 LONG = 300
 """Segments beyond which a vector of strands and its scratch do not fit the second-level cache together: what the start
 of the step has read is gone by its end."""
 AHEAD = 24
 """Segments that are fetched ahead then."""
-U = D
-"""The displacement takes the place of what was left of u*."""
 
 
 @device
 def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
-    """Give every edge exactly its length in the direction that the iterations found, turn it off the solids, and set
-    the velocity (u − û) / h. An edge that has no finite direction stays as it was."""
-    # u is that of the iterations and what contact adds, not a difference of positions: what rounding does to edges must
-    # not become an error of velocities, which would last
+    """Bring every edge to its exact length in the direction that the iterations found, turn it out of solids, and write
+    positions, velocities and tensions of the step. An edge without a finite direction stays as it was before the step.
+    The state of ``next_pack`` is prefetched."""
+    # u is what the iterations found and contact has added, not a difference of positions: rounding of edges must not
+    # become an error of velocities, which would last
     n, strand, positions = at.segments, at.strand, state.positions
     length = load(lengths, strand)
-    over = load(s, OVER)
+    inverse_length = load(s, INVERSE_LENGTH)
     px, py, pz = load3(positions, at.position + ROW, W)
-    ex, ey, ez = load3(s, FIRST - SEGMENT + E, 1)
-    # as `rod.place_roots` rounds it
+    ex, ey, ez = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
+    # rounded as `RodSolver.place_roots` does
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
-    store3(s, OFF, 1, 0.0, 0.0, 0.0)
-    store(s, LOST, 0.0)
-    store(s, HIT, 0.0)
-    store(s, GRIP, 0.0)
-    least = where(load(s, HARD) > 0.0, broadcast(s, 0.0), -HUGE)
+    store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
+    store(s, DEGENERATE, 0.0)
+    store(s, IMPACT, 0.0)
+    store(s, CONTACT_FORCE, 0.0)
+    least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1 / (numbers[STEP] * numbers[STEP])
     y0 = broadcast(s, 0.0)
     z0 = y0
-    lost = False
+    degenerate = False
     fetched, ahead = next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
     for j in range(n):
         near = min(j + ahead, n - 1)
-        fetch(n, near, fetched, state, scheme.second, contact.any_solids)
+        prefetch_segment(n, near, fetched, state, scheme.second, contact.any_solids)
         row = at.edge + j * AXES
         here = at.position + (j + 2) * ROW
-        o = FIRST + j * SEGMENT
-        lost = straighten(s, o, row, state.edges, numbers[ROUNDING]) or lost
+        o = FIRST_SEGMENT + j * SEGMENT
+        degenerate = normalise(s, o, row, state.edges, numbers[ROUNDING]) or degenerate
         x, y, z = rod_start.predict(s, row, state, scheme)
-        dx, dy, dz = load3(s, o + D, 1)
-        store3(s, o + U, 1, x - dx, y - dy, z - dz)
-        # τ / h² for the next step, which does not begin with compression that made H indefinite
-        t = max(load(s, o + T), least)
+        dx, dy, dz = load3(s, o + INERTIAL, 1)
+        store3(s, o + DISPLACEMENT, 1, x - dx, y - dy, z - dz)
+        # the next step does not begin with compression that made H indefinite
+        t = max(load(s, o + TENSION), least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
         if scheme.pressed:
-            y0, z0 = rod.yielding(s, o, y0, z0)
+            y0, z0 = rod.finish_mobility(s, o, y0, z0)
         if contact.any_solids:
-            touch(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
-        x, y, z = load3(s, OFF, 1)
-        ax, ay, az = load3(s, o + U, 1)
-        store3(s, o + U, 1, ax + x, ay + y, az + z)
-        if lost:
-            turn_alone(s, o, j, row, state.edges, over)
-        x, y, z = load3(s, o + E, 1)
+            resolve_contact(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
+        x, y, z = load3(s, CORRECTION, 1)
+        ax, ay, az = load3(s, o + DISPLACEMENT, 1)
+        store3(s, o + DISPLACEMENT, 1, ax + x, ay + y, az + z)
+        if degenerate:
+            displace_degenerate(s, o, j, row, state.edges, inverse_length)
+        x, y, z = load3(s, o + EDGE, 1)
         store3(state.edges, row, PACK, x, y, z)
         px += length * x
         py += length * y
         pz += length * z
         store3(positions, here, W, px, py, pz)
-        settle(s, o, row, length, state, numbers, scheme.second)
+        update_velocity(s, o, row, length, state, numbers, scheme.second)
     if contact.any_solids:
-        store(state.touching, strand, where(load(s, GRIP) > 0.0, broadcast(s, 1.0), 0.0))
+        store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
 
 
 @inlined
 def position_of(strand, n):
-    """Where positions of a strand begin."""
+    """Place of a strand in the positions."""
     return strand // W * (n + 2) * ROW + strand % W
 
 
 @device
-def fetch(n, j, strand, state, second, solids):
+def prefetch_segment(n, j, strand, state, second, solids):
     """Prefetch the state of segment j of a strand."""
-    # of the next pack, one segment at a time: all at once the processor would have to wait; of a long strand its own
+    # one segment of the next pack with each of this one: all at once the processor would have to wait
     segment = strand // PACK * n + j
     row = segment * AXES + strand % PACK
     prefetch3(state.edges, row, PACK)
@@ -105,17 +122,17 @@ def fetch(n, j, strand, state, second, solids):
 
 
 @device
-def straighten(s, o, row, edges, rounding):
-    """Edge o, where it begins put off by OFF, gets unit length, which puts its end off. LOST where it has no direction
-    to keep, from there on; returns whether there are such lanes."""
-    x, y, z = load3(s, o + E, 1)
-    dx, dy, dz = load3(s, OFF, 1)
+def normalise(s, o, row, edges, rounding):
+    """Bring the edge at place o to unit length, after its beginning has moved by `CORRECTION`; that becomes by how much
+    its end moves. Lanes whose edge has no direction become `DEGENERATE`; returns whether there are any."""
+    x, y, z = load3(s, o + EDGE, 1)
+    dx, dy, dz = load3(s, CORRECTION, 1)
     x -= dx
     y -= dy
     z -= dz
     q = x * x + y * y + z * z
-    size = sqrt(max(q, TINY))
-    exact = abs(1.0 - q) < rounding  # or every step would round it anew, and never to rest
+    size = sqrt(max(q, rod.TINY))
+    exact = abs(1.0 - q) < rounding  # else every step would round it anew, and strands never come to rest
     f = where(exact, 1.0, 1.0 / size)
     g = where(exact, 0.0, (1.0 - q) / (q + size))  # f - 1
     dx = g * x
@@ -124,10 +141,10 @@ def straighten(s, o, row, edges, rounding):
     x *= f
     y *= f
     z *= f
-    good = (q > NONE) & (q < HUGE * HUGE)
-    lost = any_lane(~good)
-    if lost:
-        store(s, LOST, where(good, load(s, LOST), 1.0))
+    good = (q > LEAST_SQUARE) & (q < HUGE * HUGE)
+    degenerate = any_lane(~good)
+    if degenerate:
+        store(s, DEGENERATE, where(good, load(s, DEGENERATE), 1.0))
         old = load3(edges, row, PACK)
         x = where(good, x, old[0])
         y = where(good, y, old[1])
@@ -135,38 +152,39 @@ def straighten(s, o, row, edges, rounding):
         dx = where(good, dx, 0.0)
         dy = where(good, dy, 0.0)
         dz = where(good, dz, 0.0)
-    store3(s, o + E, 1, x, y, z)
-    store3(s, OFF, 1, dx, dy, dz)
-    return lost
+    store3(s, o + EDGE, 1, x, y, z)
+    store3(s, CORRECTION, 1, dx, dy, dz)
+    return degenerate
 
 
 @device
-def turn_alone(s, o, j, row, edges, over):
-    """The displacement of a particle in lanes that are LOST: that of the one before it, and how its edge has turned."""
-    lost = load(s, LOST) > 0.0
+def displace_degenerate(s, o, j, row, edges, inverse_length):
+    """Set the displacement of a particle in `DEGENERATE` lanes: that of the one before it, and the change of its edge.
+    """
+    degenerate = load(s, DEGENERATE) > 0.0
     for c in range(3):
-        past = load(s, SHIFT + c) * over if j == 0 else load(s, o - SEGMENT + U + c)
-        u = past + load(s, o + E + c) - load(edges, row + c * PACK)
-        store(s, o + U + c, where(lost, u, load(s, o + U + c)))
+        past = load(s, ROOT_SHIFT + c) * inverse_length if j == 0 else load(s, o - SEGMENT + DISPLACEMENT + c)
+        u = past + load(s, o + EDGE + c) - load(edges, row + c * PACK)
+        store(s, o + DISPLACEMENT + c, where(degenerate, u, load(s, o + DISPLACEMENT + c)))
 
 
 @device
-def settle(s, o, row, length, state, numbers, second):
-    """The velocity that led to the displacement. From where a strand has been HIT on, it goes on from that alone: BDF2
-    would take a jump of velocity further, and strands bounce."""
-    over = 1 / numbers[STEP]
+def update_velocity(s, o, row, length, state, numbers, second):
+    """Set the velocity that led to the displacement: u / h, or for BDF2 (u − (x_n − x_{n−1}) / 3) / h. After an
+    `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of velocity, and strands bounce."""
+    inverse_step = 1 / numbers[STEP]
     if second:
         third = numbers[THIRD]
-        rate = over / (1 + 1.5 * third)
-        hit = load(s, HIT) > 0.0
+        rate = inverse_step / (1 + 1.5 * third)
+        impact = load(s, IMPACT) > 0.0
         for c in range(3):
-            sum = length * load(s, o + U + c)
+            u = length * load(s, o + DISPLACEMENT + c)
             p = row + c * PACK
             past = load(state.velocity, p)
-            v = where(hit, rate * sum, (sum - load(state.moved, p) * third) * over)
-            store(state.before, p, where(hit, v, past))
+            v = where(impact, rate * u, (u - load(state.moved, p) * third) * inverse_step)
+            store(state.before, p, where(impact, v, past))
             store(state.velocity, p, v)
-            store(state.moved, p, sum)
+            store(state.moved, p, u)
     else:
         for c in range(3):
-            store(state.velocity, row + c * PACK, length * load(s, o + U + c) * over)
+            store(state.velocity, row + c * PACK, length * load(s, o + DISPLACEMENT + c) * inverse_step)

@@ -1,153 +1,236 @@
-"""The change of the force densities, O(N).
+"""The Newton step of the force densities, δ = S⁻¹ r, in O(N) by a Kalman filter and smoother.
 
 S is never formed. It is the covariance of numbers e_j·z_j where that of a random vector y is H⁻¹. Elimination leaves
-such a vector as a process from the root to the tip that remembers a particle and an edge,
+such a vector as a process from the root to the tip, whose state is a particle and an edge,
 
     z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i,    y_j = y_{j−1} + z_j.
 
-So S is factored as Kalman's filter does it (1960): the mean and the covariance of (y_j, z_j) follow from those of
-(y_{j−1}, z_{j−1}), and then r_j is what e_j·z_j has been observed to be. What is observed beyond what was expected,
-divided by its variance, and the adjoint of the filter, from the tip to the root, give δ = S⁻¹ r (Bryson & Frazier
-1963). The variance of what is observed is no less than that of the noise in it.
+So Kalman's filter (1960) factorises S: the mean and the covariance of (y_j, z_j) follow from those of (y_{j−1},
+z_{j−1}), and then r_j is an observation of e_j·z_j. The innovations over their variances, and the adjoint of the filter
+from the tip to the root, give δ (Bryson & Frazier 1963). The variance of an observation is no less than that of the
+noise in it.
 
-An observation takes from the covariance a product of two vectors, over the variance. The recurrence is linear, and goes
-on to the next segment with the covariance and those vectors apart: then no more than a product and a difference wait
-for the division, and half as many operations stand between one division and the next. What the scratch has of a
-segment's gain is that on the next.
+An observation takes from the covariance an outer product over the variance. The recurrence is linear, and goes on to
+the next segment with the covariance and the vectors of that product apart: then no more than a product and a difference
+wait for the division, and half as many operations stand between one division and the next. So the gain that the scratch
+holds of a segment is the one transported to the next.
 """
 
 from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from .rod import DI, FIRST, N1, N2, SEGMENT, TINY, E, G, R, rows_for
+from .rod_scratch import (
+    EDGE,
+    EDGE_FACTOR,
+    EDGE_GAIN,
+    FIRST_SEGMENT,
+    INNOVATION,
+    INVERSE_PIVOT,
+    LOAD,
+    PARTICLE_FACTOR,
+    SEGMENT,
+    vectors_for,
+)
 
+TINY = 1e-30
 SHORT = 1 / 16
-"""|e|² below which an edge has hardly a direction left: S then takes this."""
+"""|e|² below which an edge has hardly a direction left: its observation then has at least this variance."""
 GAIN = 3
-"""Vectors of scratch a segment: the gain of the next particle. That of the edge takes the place of the loads G, and
-what was observed beyond, over its variance, that of r."""
+"""Vectors of scratch that this module adds a segment: the Kalman gain of the next particle."""
 
 
-def size_for(n: int) -> int:
+def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return rows_for(n) + n * GAIN
+    return vectors_for(n) + n * GAIN
 
 
 @inlined
-def gain(n, j):
-    """Where a segment's is: apart, for nothing else needs it."""
-    return FIRST + (n + 2) * SEGMENT + j * GAIN
+def particle_gain(n, j):
+    """Place of the gain of the particle after segment j. They lie apart, since nothing else reads them."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + j * GAIN
 
 
 @device
-def observe(s, n, mass, foreseen):
-    """From the root to the tip. Covariances: a of the particle, b of the same with the edge, c of the edge; m, w: their
-    means; h, k: what an edge's observation has to do with either. ``foreseen``: r is what is left of it after the
-    change that loads ask for, which is taken from the means: it follows the same recurrence."""
+def filter_forward(s, n, mass, foreseen):
+    """Kalman filter from the root to the tip: set `INNOVATION` and the gains, `EDGE_GAIN` taking the place of the
+    loads.
+
+    ``foreseen``: loads are subtracted from the means, which follow the same recurrence, so that r is what is left after
+    the change that they lead to.
+    """
     zero = broadcast(s, 0.0)
-    noise = load(s, FIRST + DI)
-    axx, axy, axz, ayy, ayz, azz = noise, zero, zero, noise, zero, noise
-    bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = noise, zero, zero, zero, noise, zero, zero, zero, noise
-    cxx, cxy, cxz, cyy, cyz, czz = noise, zero, zero, noise, zero, noise
-    wx, wy, wz = zero, zero, zero
+    noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
+    # covariances of the state before the observation: symmetric ones by xx, xy, xz, yy, yz, zz, others by rows
+    particle = noise, zero, zero, noise, zero, noise
+    mixed = noise, zero, zero, zero, noise, zero, zero, zero, noise
+    edge = noise, zero, zero, noise, zero, noise
+    mean_edge = zero, zero, zero
     if foreseen:
-        wx, wy, wz = load3(s, FIRST + G, 1)
-    mx, my, mz = wx, wy, wz
+        mean_edge = load3(s, FIRST_SEGMENT + LOAD, 1)
+    mean_particle = mean_edge
     for j in range(n):
-        o = FIRST + j * SEGMENT
-        # what is observed: its covariance with both, and its variance
-        x, y, z = load3(s, o + E, 1)
-        hx, hy, hz = bxx * x + bxy * y + bxz * z, byx * x + byy * y + byz * z, bzx * x + bzy * y + bzz * z
-        kx, ky, kz = cxx * x + cxy * y + cxz * z, cxy * x + cyy * y + cyz * z, cxz * x + cyz * y + czz * z
-        square = x * x + y * y + z * z
-        short = max(SHORT - square, 0.0) * (1 / mass[j])
-        least = max(noise * square + short, TINY)
-        over = 1.0 / max(short + x * kx + y * ky + z * kz, least)
-        seen = (demand(square) - (x * wx + y * wy + z * wz)) * over
-        store(s, o + R, seen)
-        # on to the next segment, all as if nothing had been observed
-        f = load(s, o + SEGMENT + N1)
-        g = load(s, o + SEGMENT + N2)
-        noise = load(s, o + SEGMENT + DI)
-        kx, ky, kz = f * kx - g * hx, f * ky - g * hy, f * kz - g * hz
-        hx += kx
-        hy += ky
-        hz += kz
-        pxx, pxy, pxz = f * bxx - g * axx, f * byx - g * axy, f * bzx - g * axz
-        pyx, pyy, pyz = f * bxy - g * axy, f * byy - g * ayy, f * bzy - g * ayz
-        pzx, pzy, pzz = f * bxz - g * axz, f * byz - g * ayz, f * bzz - g * azz
-        cxx = f * (f * cxx - g * bxx) - g * pxx + noise
-        cxy = f * (f * cxy - g * bxy) - g * pxy
-        cxz = f * (f * cxz - g * bxz) - g * pxz
-        cyy = f * (f * cyy - g * byy) - g * pyy + noise
-        cyz = f * (f * cyz - g * byz) - g * pyz
-        czz = f * (f * czz - g * bzz) - g * pzz + noise
-        bxx, bxy, bxz = pxx + cxx, pyx + cxy, pzx + cxz
-        byx, byy, byz = pxy + cxy, pyy + cyy, pzy + cyz
-        bzx, bzy, bzz = pxz + cxz, pyz + cyz, pzz + czz
-        axx += pxx + bxx
-        axy += pxy + bxy
-        axz += pxz + bxz
-        ayy += pyy + byy
-        ayz += pyz + byz
-        azz += pzz + bzz
-        wx, wy, wz = f * wx - g * mx, f * wy - g * my, f * wz - g * mz
+        o = FIRST_SEGMENT + j * SEGMENT
+        direction = load3(s, o + EDGE, 1)
+        # covariances of the observation with both parts of the state
+        h = matrix_product(mixed, direction)
+        k = symmetric_product(edge, direction)
+        precision, seen = observe(direction, k, mean_edge, noise, mass[j])
+        store(s, o + INNOVATION, seen)
+        # transport to the next segment as if nothing had been observed
+        f = load(s, o + SEGMENT + EDGE_FACTOR)
+        g = load(s, o + SEGMENT + PARTICLE_FACTOR)
+        noise = load(s, o + SEGMENT + INVERSE_PIVOT)
+        h, k = transport(h, k, f, g)
+        particle, mixed, edge = transport_covariance(particle, mixed, edge, f, g, noise)
+        mean_edge = combined(f, mean_edge, g, mean_particle)
         if foreseen:
-            x, y, z = load3(s, o + SEGMENT + G, 1)
-            wx += x
-            wy += y
-            wz += z
-        mx += wx
-        my += wy
-        mz += wz
-        # and now what the observation has changed of it: all that waits for the division
-        mx += hx * seen
-        my += hy * seen
-        mz += hz * seen
-        wx += kx * seen
-        wy += ky * seen
-        wz += kz * seen
-        dx, dy, dz = hx * over, hy * over, hz * over
-        ex, ey, ez = kx * over, ky * over, kz * over
-        store3(s, gain(n, j), 1, dx, dy, dz)
-        store3(s, o + G, 1, ex, ey, ez)
-        axx -= dx * hx
-        axy -= dx * hy
-        axz -= dx * hz
-        ayy -= dy * hy
-        ayz -= dy * hz
-        azz -= dz * hz
-        bxx, bxy, bxz = bxx - dx * kx, bxy - dx * ky, bxz - dx * kz
-        byx, byy, byz = byx - dy * kx, byy - dy * ky, byz - dy * kz
-        bzx, bzy, bzz = bzx - dz * kx, bzy - dz * ky, bzz - dz * kz
-        cxx -= ex * kx
-        cxy -= ex * ky
-        cxz -= ex * kz
-        cyy -= ey * ky
-        cyz -= ey * kz
-        czz -= ez * kz
+            mean_edge = sum_of(mean_edge, load3(s, o + SEGMENT + LOAD, 1))
+        mean_particle = sum_of(mean_particle, mean_edge)
+        # what the observation changes, all that waits for the division
+        mean_particle = add_scaled(mean_particle, h, seen)
+        mean_edge = add_scaled(mean_edge, k, seen)
+        gain, edge_gain = scaled(h, precision), scaled(k, precision)
+        store3(s, particle_gain(n, j), 1, gain[0], gain[1], gain[2])
+        store3(s, o + EDGE_GAIN, 1, edge_gain[0], edge_gain[1], edge_gain[2])
+        particle = less_symmetric(particle, gain, h)
+        mixed = less_outer(mixed, gain, k)
+        edge = less_symmetric(edge, edge_gain, k)
 
 
 @inlined
-def recall(s, n, j, ahead):
-    """From the tip on, the change of a segment's τ, given of the one ``ahead`` the adjoints of the means and its
-    i κ and i B; and the same of this one, as they are before τ changes."""
+def observe(direction, covariance, mean_edge, noise, mass):
+    """1 over the variance of the observation of e·z, and the innovation over that variance. ``covariance`` is that of
+    the observation with the edge's change z, whose mean is ``mean_edge``; ``noise`` is the variance of the edge's
+    noise."""
+    x, y, z = direction
+    kx, ky, kz = covariance
+    square = x * x + y * y + z * z
+    short = max(SHORT - square, 0.0) * (1 / mass)
+    least = max(noise * square + short, TINY)
+    precision = 1.0 / max(short + x * kx + y * ky + z * kz, least)
+    wx, wy, wz = mean_edge
+    return precision, (length_residual(square) - (x * wx + y * wy + z * wz)) * precision
+
+
+@inlined
+def length_residual(square):
+    """r of an edge with the square |e|²: |e|² (|e| − 1), and where |e| < 1/2, (|e|² − 1) / 2."""
+    return where(square > 0.25, square * (sqrt(square) - 1.0), 0.5 * (square - 1.0))
+
+
+@inlined
+def transport(particle, edge, f, g):
+    """A state (y, z), three coordinates each, one segment on without noise: z' = f z − g y, y' = y + z'."""
+    z = combined(f, edge, g, particle)
+    return sum_of(particle, z), z
+
+
+@inlined
+def transport_covariance(particle, mixed, edge, f, g, noise):
+    """Covariances of the state (y, z) one segment on, z' = f z − g y + noise, y' = y + z': of y, of y with z, of z."""
+    axx, axy, axz, ayy, ayz, azz = particle
+    bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+    cxx, cxy, cxz, cyy, cyz, czz = edge
+    # of z' with y
+    pxx, pxy, pxz = f * bxx - g * axx, f * byx - g * axy, f * bzx - g * axz
+    pyx, pyy, pyz = f * bxy - g * axy, f * byy - g * ayy, f * bzy - g * ayz
+    pzx, pzy, pzz = f * bxz - g * axz, f * byz - g * ayz, f * bzz - g * azz
+    cxx = f * (f * cxx - g * bxx) - g * pxx + noise
+    cxy = f * (f * cxy - g * bxy) - g * pxy
+    cxz = f * (f * cxz - g * bxz) - g * pxz
+    cyy = f * (f * cyy - g * byy) - g * pyy + noise
+    cyz = f * (f * cyz - g * byz) - g * pyz
+    czz = f * (f * czz - g * bzz) - g * pzz + noise
+    bxx, bxy, bxz = pxx + cxx, pyx + cxy, pzx + cxz
+    byx, byy, byz = pxy + cxy, pyy + cyy, pzy + cyz
+    bzx, bzy, bzz = pxz + cxz, pyz + cyz, pzz + czz
+    axx += pxx + bxx
+    axy += pxy + bxy
+    axz += pxz + bxz
+    ayy += pyy + byy
+    ayz += pyz + byz
+    azz += pzz + bzz
+    return (
+        (axx, axy, axz, ayy, ayz, azz),
+        (bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz),
+        (cxx, cxy, cxz, cyy, cyz, czz),
+    )
+
+
+@inlined
+def smooth_backward(s, n, j, ahead):
+    """The change δ of segment j's τ, and what the segment before it is handed as ``ahead``: the adjoints of the means
+    of its particle and its edge, i κ and i B. Called from the tip to the root, before τ changes; the first gets
+    zeros."""
     (mx, my, mz), (wx, wy, wz), (f, g) = ahead
-    o = FIRST + j * SEGMENT
-    dx, dy, dz = load3(s, gain(n, j), 1)
-    ex, ey, ez = load3(s, o + G, 1)
-    change = load(s, o + R) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    o = FIRST_SEGMENT + j * SEGMENT
+    dx, dy, dz = load3(s, particle_gain(n, j), 1)
+    ex, ey, ez = load3(s, o + EDGE_GAIN, 1)
+    change = load(s, o + INNOVATION) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
     wx += mx
     wy += my
     wz += mz
-    x, y, z = load3(s, o + E, 1)
-    mean = mx - g * wx, my - g * wy, mz - g * wz
-    bent = f * wx + x * change, f * wy + y * change, f * wz + z * change
-    return change, (mean, bent, (load(s, o + N1), load(s, o + N2)))
+    x, y, z = load3(s, o + EDGE, 1)
+    particle = mx - g * wx, my - g * wy, mz - g * wz
+    edge = f * wx + x * change, f * wy + y * change, f * wz + z * change
+    return change, (particle, edge, (load(s, o + EDGE_FACTOR), load(s, o + PARTICLE_FACTOR)))
 
 
 @inlined
-def demand(q):
-    """r of an edge whose length is √q."""
-    return where(q > 0.25, q * (sqrt(q) - 1.0), 0.5 * (q - 1.0))
+def matrix_product(m, v):
+    """A matrix by rows times a vector."""
+    x, y, z = v
+    return m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z
+
+
+@inlined
+def symmetric_product(m, v):
+    """A symmetric matrix (xx, xy, xz, yy, yz, zz) times a vector."""
+    x, y, z = v
+    return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
+
+
+@inlined
+def less_outer(m, a, b):
+    """A matrix by rows less a bᵀ."""
+    x, y, z = b
+    return (
+        m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
+        m[3] - a[1] * x, m[4] - a[1] * y, m[5] - a[1] * z,
+        m[6] - a[2] * x, m[7] - a[2] * y, m[8] - a[2] * z,
+    )  # fmt: skip
+
+
+@inlined
+def less_symmetric(m, a, b):
+    """A symmetric matrix less a bᵀ, where that is symmetric."""
+    x, y, z = b
+    return (
+        m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
+        m[3] - a[1] * y, m[4] - a[1] * z, m[5] - a[2] * z,
+    )  # fmt: skip
+
+
+@inlined
+def sum_of(a, b):
+    """a + b, three coordinates."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inlined
+def scaled(a, f):
+    """f a."""
+    return a[0] * f, a[1] * f, a[2] * f
+
+
+@inlined
+def add_scaled(a, b, f):
+    """a + f b."""
+    return a[0] + b[0] * f, a[1] + b[1] * f, a[2] + b[2] * f
+
+
+@inlined
+def combined(f, a, g, b):
+    """f a − g b."""
+    return f * a[0] - g * b[0], f * a[1] - g * b[1], f * a[2] - g * b[2]

@@ -1,0 +1,77 @@
+"""Scratch of a rod's step: which vectors it holds of a strand and of each of its segments.
+
+Scratch is a heap of vectors, one lane a strand. Those of the strand come first, then `SEGMENT` of each segment, from
+the first one at place `FIRST_SEGMENT`, and then those that `rod_tension` adds. The vectors of a segment lie together
+and, for short strands, fit the nearest cache. Two segments of zeros before the first and two after the last spare the
+recurrences their special cases.
+
+Lengths are in segments (rest length ℓ), so that a displacement is in units of ℓ. Two names with the same number share a
+vector: the docstring says when it changes hands.
+"""
+
+from __future__ import annotations
+
+PACK = 16
+"""Strands whose state lies together, number by number in the order in which a step reads them: in single precision a
+cache line each, which processors fetch ahead."""
+AXES = 3 * PACK
+"""Numbers in a row of three coordinates of all strands of a pack."""
+
+INDEFINITE = 0
+"""Of a strand: above 0 where τ makes H indefinite; 2 where τ is bounded by masses alone (`rod_elimination`)."""
+ROOT_SHIFT = 1
+"""(3) Displacement of the root in this step, metres."""
+STIFFNESS = 4
+"""κ h² of a joint whose relative rigidity is 1, damping included."""
+INVERSE_LENGTH = 5
+"""1 / ℓ, 1/m."""
+ADDED_VELOCITY = 6
+"""(3) Velocity that gravity and moving air add in a step, m/s."""
+VELOCITY_SCALE = 9
+"""Displacement, in segments, by a velocity of 1 m/s."""
+ACCELERATION_SCALE = 10
+"""Displacement, in segments, by an acceleration of 1 m/s²."""
+CORRECTION = 11
+"""(3) In the last sweep: by how much normalisation and contact have moved the particle, in segments."""
+DEGENERATE = 14
+"""In the last sweep: 1 where an edge has no finite direction, from there to the tip."""
+IMPACT = 15
+"""In the last sweep: above 0 where a particle has met a solid anew, from there to the tip."""
+CONTACT_FORCE = 16
+"""In the last sweep: the sum of all contact accelerations' absolute coordinates, m/s²."""
+SOLID_SLOTS = 17
+"""Two slots for the nearest solid, 8 vectors each (`contact_place`)."""
+
+SEGMENT = 17
+"""Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
+FIRST_SEGMENT = 33 + 2 * SEGMENT
+"""Place of the first segment."""
+EDGE = 0
+"""(3) Of a segment: e_j, of unit length at the start and the end of a step."""
+INERTIAL = 3
+"""(3) u*_j − u_j, what is left of the free displacement: the inertial residual over the mass."""
+DISPLACEMENT = INERTIAL
+"""(3) In the last sweep: u_j."""
+REST_BEND = 6
+"""(3) c̄_j."""
+LOAD = 9
+"""(3) g_j, what loads alone change of the edge."""
+EDGE_GAIN = LOAD
+"""(3) From `rod_tension.filter_forward` to the sweep after it: the Kalman gain of the next edge."""
+TENSION = 12
+"""Force density τ_j h², relative to a segment's mass."""
+INVERSE_PIVOT = 13
+"""i_j of the elimination."""
+EDGE_FACTOR = 14
+"""i_j κ_j, by which z_j follows z_{j−1}."""
+PARTICLE_FACTOR = 15
+"""i_j B_j, by which z_j opposes y_{j−1}."""
+INNOVATION = 16
+"""The filter's innovation over its variance."""
+MOBILITY = INNOVATION
+"""After the iterations, where there are forces of contact: H⁻¹ M χ (`rod.begin_mobility`)."""
+
+
+def vectors_for(n: int) -> int:
+    """Vectors of a strand and its ``n`` segments; all begin as zeros."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT
