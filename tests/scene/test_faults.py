@@ -146,3 +146,23 @@ def test_a_camera_looks_somewhere(camera: str, place: str, says: str) -> None:
 def test_a_camera_may_jump_past_its_target() -> None:
     keys = "[{time: 0, position: [0, 0, 5], ease: step}, {time: 1, position: [0, 0, -5]}]"
     assert len(scene(f"camera: {{keys: {keys}}}").camera.keys) == 2
+
+
+def test_locks_are_listed_from_wide_to_narrow() -> None:
+    line = complaint("children:\n  clumps:\n    - {size: 0.01}\n    - {size: 0.02}\n")
+    assert line.startswith("p.yaml:4:")
+    assert "children.clumps.1.size" in line
+    assert "from wide to narrow" in line
+    assert [clump.size for clump in scene("children: {clumps: [{size: 0.02}, {size: 0.01}]}").children.clumps] == [
+        0.02, 0.01
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("quality", ["", "quality: default\n"])
+def test_too_many_lights_or_panels_are_refused_at_once(quality: str) -> None:
+    assert complaint(f"{quality}lights:\n" + "- {kind: nope}\n" * 30_000).endswith(
+        "lights: may have 256 entries at the most, not 30,000"
+    )
+    assert complaint(f"{quality}panels:\n" + "- {label: a}\n" * 20_000).endswith(
+        "panels: may have 100 entries at the most, not 20,000"
+    )

@@ -1,0 +1,160 @@
+"""`--set`: paths that reach everything, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scene_files import changed, make_library, refused
+from strandcli.scene.model import Detail, DirectionalLight, DiscShape, PointLight
+
+
+@pytest.fixture(autouse=True)
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """`make_library`."""
+    return make_library(tmp_path, monkeypatch)
+
+
+BASE = """
+seed: 1
+rules: [gravity, wind: {strength: 2}, wind, elasticity]
+solids: [{kind: sphere, name: head}, {kind: box, name: "1x"}]
+lights: [{kind: point}, {kind: directional}]
+"""
+
+
+def test_overrides_reach_everything() -> None:
+    got = changed(
+        BASE,
+        "seed=5",
+        "camera.position=[1, 2, 3]",
+        "camera.position.1=4",
+        "emitter.shape.kind=disc",
+        "emitter.shape.radius=2",
+        "lights.0.intensity=1e1",
+        "lights.0.shadow.model=off",
+        "solids.head.radius=3",
+        "solids.1.size=[1, 2, 3]",
+        "wind.strength=3",
+        "wind[2].strength=4",
+        "rules.gravity.acceleration.1=-1",
+        "detail.near=5",
+        "image.size=640x480",
+        "title=Wind: strong",
+        "material.colour=#ffffff",
+    )
+    assert (got.seed, got.camera.position, got.image.size) == (5, (1.0, 4.0, 3.0), (640, 480))
+    assert got.detail == Detail(near=5.0)
+    assert got.emitter.shape == DiscShape(radius=2.0)
+    assert got.lights[0] == PointLight(intensity=10.0, shadow=got.lights[0].shadow)
+    assert (got.lights[0].shadow.model, got.lights[1].shadow.model) == ("off", "minmax")
+    assert (got.solids[0].radius, got.solids[1].size) == (3.0, (1.0, 2.0, 3.0))  # type: ignore[union-attr]
+    gravity, wind, wind2, _ = (use.parameters for use in got.rules)
+    assert (gravity.acceleration, wind.strength, wind2.strength) == ((0.0, -1.0, 0.0), 3.0, 4.0)
+    assert (got.title, got.material.colour) == ("Wind: strong", (1.0, 1.0, 1.0))
+
+
+def test_overrides_of_mappings_merge_and_null_deletes() -> None:
+    got = changed(BASE + "camera: {fov: 20, height: 4}", "camera={fov: 30}", "rules.wind[2]=null", "gravity=null")
+    assert (got.camera.fov, got.camera.height) == (30.0, 4.0)
+    assert [(use.name, use.parameters.strength) for use in got.rules[:1]] == [("wind", 2.0)]
+    assert len(got.rules) == 2
+    assert changed(BASE, "rules=[elasticity]").rules[0].name == "elasticity"
+    assert changed(BASE, "solids=[]").solids == ()
+    assert changed("rules: {wind: {}, gravity: {}}", "wind=null").rules[0].name == "gravity"
+
+
+def test_an_override_reaches_into_defaults() -> None:
+    got = changed("seed: 1", "lights.0.intensity=5", "camera.position.2=9")
+    assert got.lights == (DirectionalLight(intensity=5.0),)
+    assert got.camera.position == (0.0, 0.0, 9.0)
+
+
+def test_later_overrides_win() -> None:
+    assert changed(BASE, "seed=2", "seed=3").seed == 3
+
+
+def test_an_equals_sign_may_stand_in_a_value() -> None:
+    assert changed(BASE, "title=a=b").title == "a=b"
+
+
+def test_an_override_mends_a_value_of_the_file() -> None:
+    assert changed("camera: {fov: 500}", "camera.fov=50").camera.fov == 50.0
+
+
+def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
+    got = changed("emitter: {shape: {kind: sphere, cap: 90, radius: 3}}", "emitter.shape.kind=disc")
+    assert got.emitter.shape == DiscShape(radius=3.0)
+
+
+@pytest.mark.parametrize(
+    ("override", "says"),
+    [
+        ("wind.strenght=3", "unknown key; did you mean 'strength'?"),
+        ("sed=3", "unknown key; did you mean 'seed'?"),
+        ("strands=5", "unknown key; did you mean 'emitter.strands'?"),
+        ("strnds=5", "unknown key; did you mean 'emitter.strands'?"),
+        ("fov=5", "unknown key; did you mean 'camera.fov'?"),
+        ("wnd.strength=3", "unknown key; did you mean 'wind'?"),
+        ("rules.wnd.strength=3", "unknown rule 'wnd'; did you mean 'wind'?"),
+        ("collision.segments=true", "the preset does not list the rule 'collision'; its rules are gravity, wind, wind"),
+        ("wind[3].strength=3", "the preset does not list the rule 'wind' 3 times; its rules are gravity, wind, wind"),
+        ("time.fps=0", "must be a number above 0 and of at most 100000 (1/s), not '0'"),
+        ("time.fps=12:30", "base 60"),
+        ("time.fps=1_000", "write 1000"),
+        ("time.fps=no", "not 'no'"),
+        ("time.fps=.nan", "must be finite"),
+        ("time.fps=010", "leading zero"),
+        ("time.fps=", "not nothing"),
+        ("time.fps='24'", "take the quotes away"),
+        ("time.fps.x=3", "there is nothing inside this setting"),
+        ("camera.position.x=3", "no entry of this list has the name 'x'"),
+        ("camera.position.3=3", "there is no entry 3 in this list; it has 3, counted from 0"),
+        ("camera.position.0.0=3", "there is nothing inside a number"),
+        ("camera.keys.0.fov=3", "there is no entry 0 in this list; it is empty"),
+        ("emitter.direction.0=3", "cannot be reached inside nothing"),
+        ("lights.2.intensity=3", "there is no entry 2 in this list; it has 2, counted from 0"),
+        ("lights.key.intensity=3", "no entry of this list has the name 'key'"),
+        ("solids.hed.radius=3", "no entry of this list has the name 'hed'; did you mean 'head'?"),
+        ("solids.head.size=[1, 1, 1]", "unknown key; the keys are kind, name, position"),
+        ("rod.twist=1", "twist is not represented"),
+        ("rod.young=1e308", "above 0 and of at most 1e+13 (Pa), not '1e308'"),
+        ("panels.0.label=a", "single panels are changed in the preset itself"),
+        ("extends=hair", "unknown key"),
+        ("seed=*a", "aliases are refused"),
+        ("seed=&a 3", "anchors are refused"),
+        ("seed=!!int 3", "tags are refused"),
+        ("camera={fov: 3, fov: 4}", "duplicate key 'fov'"),
+        ("camera=[", "not valid YAML"),
+        ("camera={positon: [1, 2, 3]}", "camera.positon: unknown key; did you mean 'position'?"),
+        ("title=\x00", "holds a character that YAML does not allow"),
+        ("seed", "must be PATH=VALUE, such as wind.strength=3"),
+        ("=3", "must be PATH=VALUE"),
+        ("", "must be PATH=VALUE"),
+    ],
+)
+def test_overrides_that_are_refused(override: str, says: str) -> None:
+    message = refused(BASE, override)
+    assert len(message.splitlines()) == 1
+    assert says in message
+    if override.isprintable():
+        assert message.startswith(f"--set {override}: ")
+
+
+def test_faults_of_overrides_come_with_those_of_the_file_and_after() -> None:
+    lines = refused("sed: 3\ntime: {fps: 0}\n", "wnd.strength=3", "time.frames=0").splitlines()
+    assert [line.split(": ")[0] for line in lines] == [
+        "p.yaml:1:1",
+        "p.yaml:2:13",
+        "--set wnd.strength=3",
+        "--set time.frames=0",
+    ]
+
+
+def test_an_override_cannot_reach_into_what_is_malformed() -> None:
+    lines = refused("camera: 3\n", "camera.fov=30").splitlines()
+    assert lines == [
+        "p.yaml:1:9: camera: must be a mapping of settings, not '3'",
+        "--set camera.fov=30: 'fov' cannot be reached inside a single value",
+    ]

@@ -1,0 +1,94 @@
+"""Names and paths of presets: what is found, what is hidden, and what is no preset."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from scene_files import fails, make_library, write
+from scene_kit import RULES
+from strandcli.scene import load
+from strandcli.scene.chain import hidden_by_shipped
+
+
+@pytest.fixture(autouse=True)
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """`make_library`."""
+    return make_library(tmp_path, monkeypatch)
+
+
+def test_shipped_names_and_paths(shipped: Path) -> None:
+    assert load("hair", rules=RULES).title == "shipped hair"
+    assert load("figures/fig02", rules=RULES).source == str(shipped / "figures" / "fig02.yaml")
+    write("hair.yaml", "title: mine\n")
+    assert load("hair.yaml", rules=RULES).title == "mine"
+    assert load(Path("hair.yaml").absolute(), rules=RULES).title == "mine"
+    assert load("hair", rules=RULES).title == "shipped hair"
+
+
+def test_a_bare_name_is_a_file_here_too() -> None:
+    write("bob.yaml", "title: bob\n")
+    write("deep/jim.yml", "title: jim\nextends: base\n")
+    write("deep/base.yaml", "seed: 5\n")
+    assert load("bob", rules=RULES).title == "bob"
+    got = load("deep/jim", rules=RULES)
+    assert (got.title, got.seed) == ("jim", 5)
+    Path("bob").mkdir()
+    assert load("bob", rules=RULES).title == "bob"
+    write("base.yaml", "extends: hair\n")
+    write("hair.yaml", "title: mine\n")
+    assert load("base", rules=RULES).title == "shipped hair"
+
+
+def test_a_file_that_a_shipped_name_hides_is_found() -> None:
+    assert hidden_by_shipped("hair") is None
+    write("hair.yaml", "title: mine\n")
+    write("bob.yaml", "title: bob\n")
+    assert hidden_by_shipped("hair") == Path("hair.yaml")
+    assert hidden_by_shipped("hair.yaml") is None
+    assert hidden_by_shipped("bob") is None
+
+
+def test_a_preset_that_is_not_there() -> None:
+    listing = "`strandcli presets list` shows what is shipped"
+    assert fails("hiar") == f"no preset 'hiar'; did you mean 'hair'? {listing}"
+    assert fails("fig02") == f"no preset 'fig02'; did you mean 'figures/fig02'? {listing}"
+    assert fails("zzzzzz") == f"no preset 'zzzzzz'; {listing}"
+    write("my/scene.yaml", "seed: 1")
+    assert "did you mean 'my/scene.yaml'?" in fails("my/scen.yaml")
+
+
+@pytest.mark.parametrize("name", ["", "\0", "a\0b.yaml", "x" * 5000, "x" * 5000 + ".yaml", "../hair", "/", "a\nb", "~"])
+def test_strange_names_are_no_presets(name: str) -> None:
+    message = fails(name)
+    assert len(message.splitlines()) == 1
+    assert len(message) < 300
+
+
+def test_a_folder_is_no_preset() -> None:
+    Path("d.yaml").mkdir()
+    assert "'d.yaml' is a folder" in fails("d.yaml")
+
+
+def test_what_is_neither_file_nor_folder_is_no_preset() -> None:
+    os.mkfifo("pipe.yaml")
+    Path("lost.yaml").symlink_to("nowhere.yaml")
+    for name in ("pipe.yaml", "lost.yaml", os.devnull):
+        assert f"'{name}' is a device, a pipe or a link to nowhere" in fails(name)
+
+
+def test_a_preset_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    write("p.yaml", "seed: 1")
+    monkeypatch.setattr(Path, "open", refuse)
+    assert fails("p.yaml") == "'p.yaml' cannot be read: Permission denied"
+
+
+def test_the_size_is_capped_before_all_is_read() -> None:
+    with Path("big.yaml").open("wb") as file:
+        file.truncate(1 << 40)  # a sparse terabyte
+    assert fails("big.yaml") == "big.yaml:1:1: is larger than 1048576 bytes; is it a preset?"
