@@ -18,7 +18,11 @@ ARGUMENTS = 10
 """Of a function; commands of `strandcli.cli` have one an option."""
 ROOMS = ("common", "view", "geometry", "zbuffer", "solids", "coverage", "fibre", "shadows", "lighting", "film")
 """Of `strandcli.draw`: each imports those before it alone."""
-APART = (("draw", "simulate"), ("simulate", "draw"), ("draw", "output"), ("simulate", "output"), ("groom", "output"))
+APART = (
+    ("draw", "simulate"), ("simulate", "draw"), ("draw", "output"), ("simulate", "output"), ("groom", "output"),
+    ("draw", "exchange"), ("simulate", "exchange"), ("groom", "exchange"), ("solids", "exchange"),
+    ("exchange", "draw"), ("exchange", "simulate"), ("exchange", "groom"), ("exchange", "scene"),
+)  # fmt: skip
 """Packages of which the first may import nothing of the second."""
 FOR_KERNELS = (
     "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows", "strandcli.solids",

@@ -1,0 +1,165 @@
+"""Files whose size is known before anything is read: no count is believed before the bytes for it are there."""
+
+from __future__ import annotations
+
+import math
+import os
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import RefusedError, UsageError
+from .strands import CHUNK, Offsets
+
+SLICE = 1 << 22
+"""Bytes that are converted at once."""
+
+
+class Bounded:
+    """A file that is read from its begin to its end, field by field.
+
+    Every method that reads raises `UsageError`, which names the field and its byte, where the bytes are not there.
+    """
+
+    def __init__(self, path: Path, file: BinaryIO, size: int, what: str, lenient: bool = False) -> None:
+        """``what``: what the file should be, for messages; ``lenient``: NaN and infinity are let in."""
+        self.path, self.file, self.size, self.what, self.lenient = path, file, size, what, lenient
+        self.position = 0
+
+    @property
+    def left(self) -> int:
+        """Bytes that were not read yet."""
+        return self.size - self.position
+
+    def fault(self, message: str, at: int | None = None) -> UsageError:
+        """An error that says at which byte."""
+        return UsageError(f"{self.path}: byte {self.position if at is None else at:,}: {message}")
+
+    def damaged(self, message: str, at: int | None = None) -> UsageError:
+        """An error of a file that does not agree with itself."""
+        return self.fault(f"{message}; it is damaged or no {self.what}", at)
+
+    def need(self, field: str, count: int, each: int, at: int | None = None) -> None:
+        """Raise where ``count`` items of ``each`` bytes do not fit what is left; ``at``: the byte of the count."""
+        if count < 0:
+            raise self.damaged(f"{field}: {count:,} cannot be", at)
+        if count * each > self.left:
+            needs, left = amount(count * each), amount(self.left)
+            raise self.damaged(f"{field}: {count:,} need {needs}, the file holds {left} there", at)
+
+    def seek(self, field: str, position: int, at: int | None = None) -> None:
+        """Go on reading at a byte that the file itself names."""
+        if not 0 <= position <= self.size:
+            raise self.damaged(f"{field}: begins at byte {position:,}, the file holds {amount(self.size)}", at)
+        self.file.seek(position)
+        self.position = position
+
+    def take(self, field: str, count: int) -> bytes:
+        """The next ``count`` bytes."""
+        if count > self.left:
+            raise self.damaged(f"{field}: needs {amount(count)}, the file holds {amount(self.left)} there")
+        data = self.file.read(count)
+        if len(data) != count:
+            self._shrunk()
+        self.position += count
+        return data
+
+    def line(self, field: str, longest: int = 4096) -> bytes:
+        """The next bytes up to the end of a line, without it."""
+        data = self.file.readline(min(longest, self.left))
+        if not data.endswith(b"\n"):
+            raise self.damaged(f"{field}: no end of line within {min(longest, self.left):,} bytes")
+        self.position += len(data)
+        return data.rstrip(b"\r\n")
+
+    def array(self, field: str, dtype: npt.DTypeLike, shape: tuple[int, ...], at: int | None = None) -> Any:
+        """The next numbers, as an array of a shape; ``at``: the byte of the count that it comes from."""
+        kind = np.dtype(dtype)
+        self.need(field, shape[0], kind.itemsize * math.prod(shape[1:]), at)
+        values = np.empty(shape, kind)
+        self.fill(values.reshape(-1).view(np.uint8).data)
+        return values
+
+    def columns(self, field: str, record: np.dtype[Any], count: int, wanted: dict[str, Any]) -> None:
+        """Read ``count`` records, of which only some columns are kept: of each name in ``wanted`` the array (count,)
+        that takes it."""
+        self.need(field, count, record.itemsize)
+        step = max(1, SLICE // record.itemsize)
+        rows = np.empty(min(step, count), record)
+        for begin in range(0, count, step):
+            part = rows[: min(step, count - begin)]
+            self.fill(part.view(np.uint8).reshape(-1).data)
+            for name, values in wanted.items():
+                values[begin : begin + part.shape[0]] = part[name]
+
+    def fill(self, view: memoryview) -> None:
+        """The next bytes into memory, of which there are enough."""
+        done = 0
+        while done < len(view):
+            got = self.file.readinto(view[done:])  # type: ignore[attr-defined]
+            if not got:
+                self._shrunk()
+            done += got
+        self.position += done
+
+    def finite(self, field: str, values: npt.NDArray[Any], byte: Callable[[int], int]) -> None:
+        """Raise where a number is not finite, unless that is allowed; ``byte``: of a row its place in the file."""
+        if self.lenient or values.dtype.kind != "f":
+            return
+        rows = rows_not_finite(values)
+        if rows.size:
+            more = f", and {rows.size - 1:,} more" if rows.size > 1 else ""
+            row = int(rows[0])
+            raise self.fault(f"{field}: number {row:,} is not finite{more}; 'convert --fix' mends it", byte(row))
+
+    def end(self) -> None:
+        """Raise where something follows."""
+        if self.left:
+            raise self.damaged(f"{amount(self.left)} follow what the header tells")
+
+    def _shrunk(self) -> NoReturn:
+        raise UsageError(f"{self.path}: became shorter while it was read; read it again when it is written")
+
+
+@contextmanager
+def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
+    """A file to be read; arguments as for `Bounded`. Raises `UsageError` for what is no file,
+    and `RefusedError` for one that may not be read."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    except FileNotFoundError:
+        raise UsageError(f"{path}: no such file") from None
+    except PermissionError:
+        raise RefusedError(f"{path}: no permission to read it") from None
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
+    with open(descriptor, "rb") as file:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode):
+            kind = "a folder" if stat.S_ISDIR(found.st_mode) else "no file but a pipe or a device"
+            raise UsageError(f"{path}: is {kind}")
+        yield Bounded(path, file, found.st_size, what, lenient)
+
+
+def rows_not_finite(values: npt.NDArray[Any]) -> Offsets:
+    """The rows of an array in which some number is NaN or infinite."""
+    found = [np.zeros(0, np.int64)]
+    for begin in range(0, values.shape[0], CHUNK):
+        part = values[begin : begin + CHUNK]
+        fine = np.isfinite(part)
+        if not fine.all():
+            found.append(begin + np.flatnonzero(~fine.reshape(part.shape[0], -1).all(axis=1)))
+    return np.concatenate(found)
+
+
+def amount(count: int) -> str:
+    """Bytes for people."""
+    for unit, size in (("EB", 1e18), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if count >= size:
+            return f"{count / size:,.3g} {unit}" if count < 1000 * size else f"{count / size:,.0f} {unit}"
+    return f"{count} bytes"

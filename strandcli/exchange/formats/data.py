@@ -1,0 +1,159 @@
+"""`.data` of USC-HairSalon, Hair20k and others, and `.bin` of CT2Hair.
+
+Little-endian: i32 number of strands; of each strand i32 number of points, then for each point xyz as f32, in `.bin`
+with four more. Nothing but the size of the file tells the two apart.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...output.files import write_pieces
+from ..bounded import Bounded, opened
+from ..files import ReadOptions
+from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, offsets
+from ..written import left_out, raw
+
+name = ".data"
+suffixes = (".data", ".bin")
+
+PLAIN, MORE = 3, 7
+"""Numbers a point."""
+NAMES = {PLAIN: ".data", MORE: ".bin"}
+EXTRA = "extra"
+"""The attribute of a point's four numbers more, of which the format says nothing."""
+
+AT_ONCE = 1 << 16
+"""Points that are gathered at once."""
+
+
+def sniff(head: bytes, size: int) -> bool:
+    """Never: it begins with a count."""
+    return False
+
+
+def read(path: Path, options: ReadOptions) -> Strands:
+    """The strands of a file; those of one point are bald roots, and are skipped."""
+    with opened(path, "file of counted points", options.lenient) as file:
+        if file.size < 4 or file.size % 4:
+            raise file.damaged(f"the file has {file.size:,} bytes, no whole number of 4-byte numbers")
+        words = file.array("file", "<i4", (file.size // 4,))
+        found = _layout(file, words)
+        begins, counts = np.frombuffer(found.begins, np.int64), np.frombuffer(found.counts, np.int64)
+        first = offsets(counts)
+        points = np.empty((int(first[-1]), PLAIN), "<f4")
+        more = np.empty((int(first[-1]) if found.width == MORE else 0, MORE - PLAIN), "<f4")
+        _gather(words.view("<f4"), found, (begins, first), (points, more))
+
+        def byte(row: int) -> int:
+            strand = int(np.searchsorted(first, row, side="right")) - 1
+            return int(4 * (begins[strand] + found.width * (row - first[strand])))
+
+        file.finite("points", points, byte)
+        file.finite(EXTRA, more, byte)
+    attributes = {EXTRA: Attribute("point", more)} if found.width == MORE else {}
+    skipped = {SHORT: found.skipped} if found.skipped else {}
+    return Strands(first, points, attributes, Source(NAMES[found.width], skipped=skipped))
+
+
+class _Layout(NamedTuple):
+    """Numbers a point; of strands of at least two points the first word and the number of points; and how many others
+    there are."""
+
+    width: int
+    begins: array[int]
+    counts: array[int]
+    skipped: int
+
+
+def _layout(file: Bounded, words: npt.NDArray[np.int32]) -> _Layout:
+    """Where the strands are. Raises `UsageError` where the size of the file agrees with neither of the two layouts."""
+    order = (MORE, PLAIN) if file.path.suffix.lower() == ".bin" else (PLAIN, MORE)
+    faults = []
+    for width in order:
+        found = _walk(words, width)
+        if isinstance(found, _Layout):
+            return found
+        faults.append(found)
+    at, message = faults[0]
+    raise file.damaged(message, 4 * at)
+
+
+def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]:
+    """Where the strands are, from count to count; or at which word that fails, and why."""
+    view = words.data
+    size, strands, at = len(view), view[0], 1
+    begins, counts = array("q"), array("q")
+    if not 0 <= strands < size:
+        return 0, f"strands: {strands:,} need a count each, the file holds {size - 1:,} numbers"
+    for strand in range(strands):
+        if at >= size:
+            return at, f"points of strand {strand:,} of {strands:,}: the file ends before"
+        points = view[at]
+        step = 1 + width * points
+        if points < 0 or step > size - at:
+            left = (size - at - 1) // width
+            return at, f"points of strand {strand:,}: {points:,}, the file holds {left:,} more"
+        if points >= SHORTEST:
+            begins.append(at + 1)
+            counts.append(points)
+        at += step
+    if at != size:
+        return at, f"{4 * (size - at):,} bytes follow the {strands:,} strands that the file tells of"
+    return _Layout(width, begins, counts, strands - len(begins))
+
+
+def _gather(
+    numbers: npt.NDArray[np.float32],
+    found: _Layout,
+    places: tuple[Offsets, Offsets],
+    out: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
+) -> None:
+    """Copy what lies between the counts. ``places``: of each strand its first word, and its first point (S + 1,);
+    ``out``: the points, and the numbers more."""
+    begins, first = places
+    at, width = 0, found.width
+    while at < begins.size:  # some strands at once: an index for each number would take more than the file
+        stop = max(at + 1, int(np.searchsorted(first, first[at] + AT_ONCE, side="right")) - 1)
+        low, high = int(first[at]), int(first[stop])
+        if stop == at + 1:
+            rows = numbers[begins[at] : begins[at] + width * (high - low)]
+        else:
+            shift = begins[at:stop] - width * first[at:stop]
+            places_in = np.arange(width * low, width * high)
+            rows = numbers[places_in + np.repeat(shift, width * np.diff(first[at : stop + 1]))]
+        rows = rows.reshape(high - low, width)
+        out[0][low:high] = rows[:, :PLAIN]
+        if width == MORE:
+            out[1][low:high] = rows[:, PLAIN:]
+        at = stop
+
+
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+    """Write a file: `.data` the points alone, `.bin` with the four numbers that were read, or 0."""
+    width = MORE if path.suffix.lower() == ".bin" else PLAIN
+    counts, first = strands.counts(), strands.first
+    heads = 1 + width * first[:-1] + np.arange(counts.size)
+    words = np.zeros(1 + counts.size + width * strands.points.shape[0], "<i4")
+    mask = np.ones(words.shape[0], np.bool_)
+    words[0] = counts.size
+    words[heads] = counts
+    mask[0] = False
+    mask[heads] = False
+    extra = strands.attributes.get(EXTRA)
+    if width == PLAIN:
+        words[mask] = strands.points.astype("<f4", copy=False).reshape(-1).view("<i4")
+    else:
+        rows = np.zeros((strands.points.shape[0], MORE), "<f4")
+        rows[:, :3] = strands.points
+        if extra is not None and extra.values.shape == (rows.shape[0], MORE - 3):
+            rows[:, 3:] = extra.values
+        words[mask] = rows.reshape(-1).view("<i4")
+    write_pieces(path, [raw(words, "<i4")])
+    return left_out(strands, NAMES[width], [EXTRA] if width == MORE else [])

@@ -1,0 +1,251 @@
+"""`.ply`: text, or binary of either byte order.
+
+Strands are told by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
+element ``edge`` that joins successive vertices, or not at all: then all strands have as many points, which
+`ReadOptions.stride` tells, or the jumps between strands where they leave no doubt.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import UsageError
+from ...output.files import write_pieces
+from ..bounded import SLICE, Bounded, opened
+from ..files import ReadOptions
+from ..ply_header import Element, read_header
+from ..strands import Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short
+from ..stride import divisors, guess
+from ..written import left_out, raw
+
+name = ".ply"
+suffixes = (".ply",)
+
+NUMBERS = {"thickness": "width", "width": "width", "alpha": "transparency"}
+"""Properties of a vertex that become attributes of one number."""
+XYZ, RGB = ("x", "y", "z"), ("red", "green", "blue")
+Columns = dict[str, npt.NDArray[Any]]
+
+
+def sniff(head: bytes, size: int) -> bool:
+    """Whether it begins with a line 'ply'."""
+    return head.startswith((b"ply\n", b"ply\r"))
+
+
+def read(path: Path, options: ReadOptions) -> Strands:
+    """The strands of a file."""
+    with opened(path, ".ply file", options.lenient) as file:
+        order, elements, comments = read_header(file)
+        vertex = elements.get("vertex")
+        if vertex is None or not set(XYZ) <= vertex.properties.keys():
+            raise file.damaged("header: tells of no element vertex with x, y and z", 0)
+        if elements.get("face", Element("face", 0, 0)).count:
+            raise file.fault("element face: this is a mesh, not strands", elements["face"].at)
+        begin = file.position
+        found = _elements(file, order, elements)
+        points = found["vertex"].pop("xyz")
+        size = vertex.record(order).itemsize
+        file.finite("vertex", points, (lambda row: begin + size * row) if order else (lambda row: begin))
+        facts: dict[str, Any] = {"encoding": {"": "text", "<": "binary", ">": "binary, big-endian"}[order]}
+        if comments:
+            facts["comments"] = comments[:8]
+        first = _first(file, vertex, found, points, options, facts)
+        attributes = _attributes(file, found["vertex"], begin)
+    unread = [one for one in vertex.properties if one not in {*XYZ, *RGB, *NUMBERS}]
+    if unread:
+        facts["properties_not_read"] = unread
+    return without_short(Strands(first, points, attributes, Source(name, "1.0", facts)))
+
+
+def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[str, Columns]:
+    """Columns of vertices, strands and edges; other elements are passed over."""
+    found: dict[str, Columns] = {}
+    for one in elements.values():
+        if one.lists and one.count:
+            if {"vertex", "strand", "edge"} - found.keys() & elements.keys():
+                raise file.fault(f"element {one.name}: lists are not read; leave it out of the file", one.at)
+            return found
+        columns: Columns = {}
+        wanted: dict[str, Any] = {}
+        if not one.properties:
+            continue
+        # numbers of which there is no byte yet are not made room for
+        least = one.record("<").itemsize if order else 2 * len(one.properties)
+        file.need(f"element {one.name}", one.count, least, one.at)
+        if one.name == "vertex":
+            columns["xyz"] = np.empty((one.count, 3), np.float32)
+            wanted |= {name: columns["xyz"][:, axis] for axis, name in enumerate(XYZ)}
+            if set(RGB) <= one.properties.keys():
+                columns["rgb"] = np.empty((one.count, 3), "u1" if one.properties["red"] == "u1" else np.float32)
+                wanted |= {name: columns["rgb"][:, axis] for axis, name in enumerate(RGB)}
+        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2"}:
+            if name in one.properties:
+                kind = one.properties[name]
+                columns[name] = np.empty(one.count, np.float32 if kind == "f8" else kind)
+                wanted[name] = columns[name]
+        if order:
+            plain = list(one.properties.items()) == [(axis, "f4") for axis in XYZ] and order == "<"
+            if plain and one.name == "vertex":
+                file.fill(columns["xyz"].reshape(-1).view(np.uint8).data)
+            else:
+                with np.errstate(over="ignore"):
+                    file.columns(f"element {one.name}", one.record(order), one.count, wanted)
+        else:
+            _text(file, one, wanted)
+        found[one.name] = columns
+    file.end()
+    return found
+
+
+def _text(file: Bounded, element: Element, wanted: dict[str, Any]) -> None:
+    """Read an element of a file of text, a line each."""
+    width, row = len(element.properties), 0
+    while row < element.count:
+        at = file.position
+        ended = file.damaged(f"element {element.name}: {element.count:,} told, the file holds {row:,}", element.at)
+        data = file.take(f"element {element.name}", min(SLICE, file.left))
+        if not data:
+            raise ended
+        lines = data.count(b"\n")
+        if lines > element.count - row:  # what follows is of the next element
+            ends = np.flatnonzero(np.frombuffer(data, np.uint8) == 10)
+            data = data[: int(ends[element.count - row - 1]) + 1]
+        elif file.left:
+            data = data[: data.rfind(b"\n") + 1]
+        if not data:
+            raise file.damaged(f"element {element.name}: no end of line within {SLICE:,} bytes", at)
+        file.seek(element.name, at + len(data))
+        values = _numbers(data)
+        if values is None or values.size % width or values.size > width * (element.count - row):
+            raise file.damaged(f"element {element.name}: lines from {row:,} on are not {width} numbers each", at)
+        values = values.reshape(-1, width)
+        for place, name in enumerate(element.properties):
+            if name in wanted:
+                with np.errstate(over="ignore", invalid="ignore"):
+                    wanted[name][row : row + values.shape[0]] = values[:, place]
+        if values.shape[0] == 0 and not file.left:
+            raise ended
+        row += values.shape[0]
+
+
+def _numbers(text: bytes) -> npt.NDArray[np.float64] | None:
+    """Numbers of a text; None where there is anything else."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return np.fromstring(text.decode("ascii"), np.float64, sep=" ") if text.strip() else np.zeros(0)
+        except (ValueError, DeprecationWarning):
+            return None
+
+
+def _first(
+    file: Bounded, vertex: Element, found: dict[str, Columns], points: Any, options: ReadOptions, facts: dict[str, Any]
+) -> Offsets:
+    """Where each strand begins."""
+    count = vertex.count
+    if "nsegs" in found.get("strand", {}):
+        segments = found["strand"]["nsegs"].astype(np.int64)
+        if segments.size and (segments.min() < 0 or segments.max() > count):
+            raise file.damaged(f"strand: one has {segments.min():,} to {segments.max():,} segments", vertex.at)
+        first = offsets(segments + 1)
+        if first[-1] != count:
+            raise file.damaged(f"vertex: {count:,} are told, the strands have {first[-1]:,} points", vertex.at)
+        return first
+    edges = found.get("edge", {})
+    if {"vertex1", "vertex2"} <= edges.keys() and edges["vertex1"].size:
+        return _joined(file, count, edges["vertex1"], edges["vertex2"])
+    if options.stride is None:
+        stride = guess(points)
+        if stride:
+            facts["stride_guessed"] = stride
+    else:
+        stride = options.stride
+    if stride < 1 or count % stride:
+        known = ", ".join(str(one) for one in divisors(count)[:40])
+        why = f"{stride} does not divide them" if stride else "the file does not say how many make a strand"
+        raise UsageError(
+            f"{file.path}: vertices alone, {count:,} of them, and {why}; tell it with --stride N"
+            + (f" (they divide into strands of {known})" if known else "")
+        )
+    return even_offsets(count // stride, stride)
+
+
+def _joined(file: Bounded, count: int, one: npt.NDArray[Any], other: npt.NDArray[Any]) -> Offsets:
+    """Strands of vertices that edges join, each with the one after it."""
+    low, high = np.minimum(one, other).astype(np.int64), np.maximum(one, other).astype(np.int64)
+    if low.min() < 0 or high.max() >= count or (high - low != 1).any():
+        raise file.damaged("edge: joins vertices that do not follow each other; such strands are not read")
+    begins = np.ones(count, np.bool_)
+    begins[high] = False
+    return np.append(np.flatnonzero(begins), count)
+
+
+def _attributes(file: Bounded, columns: Columns, begin: int) -> dict[str, Attribute]:
+    found = {}
+    for column, values in columns.items():
+        attribute = "colour" if column == "rgb" else NUMBERS[column]
+        if column == "rgb" and not file.lenient:
+            file.finite("colour", values, lambda row: begin)
+        elif column != "rgb":
+            file.finite(column, values, lambda row: begin)
+        found[attribute] = Attribute("point", values)
+    return found
+
+
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+    """Write a binary file with vertices, strands and edges; with the edges, viewers of meshes show it."""
+    counts = strands.counts()
+    kinds: list[tuple[str, str, Any]] = [(axis, "<f4", strands.points[:, i]) for i, axis in enumerate(XYZ)]
+    kept = []
+    for attribute, names in (("width", ("thickness",)), ("transparency", ("alpha",)), ("colour", RGB)):
+        one = strands.attributes.get(attribute)
+        if one is None or one.domain != "point" or one.values.size != len(names) * strands.points.shape[0]:
+            continue
+        kind = "|u1" if one.values.dtype == np.uint8 else "<f4"
+        rows = one.values.reshape(-1, len(names))
+        kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
+        kept.append(attribute)
+    segments = "<u2" if not counts.size or counts.max() <= 65_536 else "<i4"
+    words = {"<f4": "float", "|u1": "uchar", "<u2": "ushort", "<i4": "int"}
+    edges = strands.points.shape[0] - strands.count
+    header = [
+        "ply", "format binary_little_endian 1.0", f"element vertex {strands.points.shape[0]}",
+        *(f"property {words[kind]} {label}" for label, kind, _ in kinds),
+        f"element strand {strands.count}", f"property {words[segments]} nsegs",
+        f"element edge {edges}", "property int vertex1", "property int vertex2", "end_header", "",
+    ]  # fmt: skip
+    write_pieces(path, [
+        "\n".join(header).encode(), *_rows(kinds, strands.points.shape[0]), raw(counts - 1, segments), *_edges(strands),
+    ])  # fmt: skip
+    return left_out(strands, name, kept)
+
+
+def _rows(kinds: list[tuple[str, str, Any]], count: int) -> Iterable[Any]:
+    """Vertices, some at once."""
+    record = np.dtype([(label, kind) for label, kind, _ in kinds])
+    step = max(1, SLICE // record.itemsize)
+    for begin in range(0, count, step):
+        part = np.empty(min(step, count - begin), record)
+        for label, _, values in kinds:
+            part[label] = values[begin : begin + part.shape[0]]
+        yield part.view(np.uint8).reshape(-1).data
+
+
+def _edges(strands: Strands) -> Iterable[Any]:
+    """Pairs of vertices, some at once."""
+    tips = strands.first[1:] - 1
+    total = strands.points.shape[0]
+    step = math.ceil(SLICE / 8)
+    for begin in range(0, total, step):
+        low = np.arange(begin, min(begin + step, total))
+        inside = np.ones(low.size, np.bool_)
+        inside[tips[(tips >= begin) & (tips < begin + step)] - begin] = False
+        low = low[inside]
+        yield raw(np.stack([low, low + 1], axis=1), "<i4")

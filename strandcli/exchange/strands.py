@@ -1,0 +1,139 @@
+"""What a file of strands holds, whatever its format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Points = npt.NDArray[np.float32]
+Offsets = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+Domain = Literal["point", "strand", "groom"]
+"""What an attribute has a value for: each point, each strand, or all of it."""
+SHORTEST = 2
+"""Points of a strand, at least; readers skip and count those that have fewer."""
+SHORT = "fewer than two points"
+"""Why they are skipped."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attribute:
+    """Numbers beside the points: of a domain, with a row each.
+
+    Usual names: ``width`` (diameter, units of the points), ``colour`` (linear, 3), ``transparency``, ``uv`` (2),
+    ``root_uv`` (2), ``root_normal`` (3), ``movable`` (0 where a point is held).
+    """
+
+    domain: Domain
+    values: npt.NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where strands come from: the format's name and version, what its header says worth telling, metres a unit and the
+    up axis where the format says them, and how many strands were skipped, by reason."""
+
+    format: str = ""
+    version: str = ""
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    unit: float | None = None
+    up: str | None = None
+    skipped: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strands:
+    """Strands of at least two points each.
+
+    first: (S + 1,), of each strand its first point, and last the number of points; points: (P, 3), root to tip, units
+    of the file; attributes: by name.
+    """
+
+    first: Offsets
+    points: Points
+    attributes: Mapping[str, Attribute] = field(default_factory=dict)
+    source: Source = field(default_factory=Source)
+
+    @property
+    def count(self) -> int:
+        """Number of strands."""
+        return self.first.shape[0] - 1
+
+    def counts(self) -> Offsets:
+        """Points of each strand."""
+        return np.diff(self.first)
+
+    def equal(self) -> int:
+        """Points of every strand where all have as many, else 0; 0 of no strands."""
+        counts = self.counts()
+        return int(counts[0]) if counts.size and (counts == counts[0]).all() else 0
+
+    def lengths(self) -> npt.NDArray[np.float64]:
+        """Length of each strand, units of the file."""
+        return np.add.reduceat(self.segments(), self.first[:-1]) if self.count else np.zeros(0)
+
+    def segments(self) -> npt.NDArray[np.float32]:
+        """From each point the distance to the next one of its strand, units of the file; 0 at tips."""
+        found = np.zeros(self.points.shape[0], np.float32)
+        if self.count:
+            for begin in range(0, found.shape[0] - 1, CHUNK):
+                step = np.diff(self.points[begin : begin + CHUNK + 1], axis=0)
+                found[begin : begin + step.shape[0]] = np.sqrt(np.einsum("ij,ij->i", step, step))
+            found[self.first[1:] - 1] = 0
+        return found
+
+    def roots(self) -> Points:
+        """First point of each strand."""
+        return self.points[self.first[:-1]]
+
+    def tips(self) -> Points:
+        """Last point of each strand."""
+        return self.points[self.first[1:] - 1]
+
+    def select(self, keep: Mask) -> Strands:
+        """The strands for which ``keep`` (S,) holds, in their order."""
+        if keep.all():
+            return self
+        counts = self.counts()
+        of_points = np.repeat(keep, counts)
+        rows: dict[str, Any] = {"point": of_points, "strand": keep, "groom": slice(None)}
+        kept = {name: Attribute(one.domain, one.values[rows[one.domain]]) for name, one in self.attributes.items()}
+        return replace(self, first=offsets(counts[keep]), points=self.points[of_points], attributes=kept)
+
+
+CHUNK = 1 << 20
+"""Points that are looked at at once, so that what is between takes little memory."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TimeSample:
+    """The points (P, 3) of strands at a moment, seconds."""
+
+    seconds: float
+    points: Points
+
+
+def offsets(counts: npt.NDArray[Any]) -> Offsets:
+    """Offsets (S + 1,) of strands with so many points each (S,)."""
+    first = np.zeros(counts.shape[0] + 1, np.int64)
+    np.cumsum(counts, out=first[1:])
+    return first
+
+
+def even_offsets(strands: int, points: int) -> Offsets:
+    """Offsets of so many strands of as many points each."""
+    return np.arange(strands + 1, dtype=np.int64) * points
+
+
+def without_short(strands: Strands) -> Strands:
+    """Strands without those of fewer than two points, which are counted as skipped."""
+    keep = strands.counts() >= SHORTEST
+    few = int(keep.size - np.count_nonzero(keep))
+    if not few:
+        return strands
+    skipped = {**strands.source.skipped, SHORT: few}
+    return replace(strands.select(keep), source=replace(strands.source, skipped=skipped))

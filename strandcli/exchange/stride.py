@@ -1,0 +1,50 @@
+"""How many points a strand has where a file does not say it: what its jumps tell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .strands import CHUNK, Offsets, Points
+
+JUMP = 3.0
+"""A step to another strand is longer than its neighbours, by this factor."""
+FOUND = 0.9
+"""Share of the ends of strands that must show as jumps."""
+ELSEWHERE = 0.02
+"""Share of the jumps that may be elsewhere, at most."""
+LEAST_STRANDS = 8
+"""With fewer, nothing is certain."""
+MOST_POINTS = 4096
+
+
+def divisors(count: int) -> list[int]:
+    """The numbers of points a strand that divide ``count``, 2 to `MOST_POINTS`."""
+    return [one for one in range(2, min(count, MOST_POINTS) + 1) if count % one == 0]
+
+
+def guess(points: Points) -> int:
+    """The number of points of every strand, 0 where the jumps leave a doubt.
+
+    A jump is a step longer than `JUMP` times both of its neighbours; a number is right where strands end in jumps, and
+    jumps are nowhere else. Numbers that divide the right one find too few, its multiples too many elsewhere.
+    """
+    after = jumps(points)
+    for one in divisors(points.shape[0]):
+        ends = points.shape[0] // one - 1
+        if ends + 1 < LEAST_STRANDS:
+            break
+        there = np.count_nonzero(after % one == 0)
+        if there >= FOUND * ends and there >= (1 - ELSEWHERE) * after.size:
+            return one
+    return 0
+
+
+def jumps(points: Points) -> Offsets:
+    """The points after which... before which the step is a jump."""
+    found = []
+    for begin in range(0, points.shape[0], CHUNK):
+        low, high = max(0, begin - 1), min(points.shape[0], begin + CHUNK + 2)
+        step = np.linalg.norm(np.diff(points[low:high].astype(np.float64), axis=0), axis=1)
+        jump = np.flatnonzero((step[1:-1] > JUMP * step[:-2]) & (step[1:-1] > JUMP * step[2:])) + low + 2
+        found.append(jump[(jump >= begin) & (jump < begin + CHUNK)])
+    return np.concatenate(found) if found else np.zeros(0, np.int64)

@@ -1,0 +1,38 @@
+"""What writers share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .strands import Strands
+
+
+def raw(values: npt.NDArray[Any], dtype: str) -> Any:
+    """The bytes of an array in a type, without a copy where it has that type already."""
+    return np.ascontiguousarray(values, dtype).reshape(-1).view(np.uint8).data
+
+
+def values_of(strands: Strands, attribute: str, width: int) -> npt.NDArray[np.float32] | None:
+    """An attribute of so many numbers: a row for each point, or one for the groom; None where there is none such.
+
+    Values of strands become values of their points, and bytes 0 to 255 numbers from 0 to 1.
+    """
+    found = strands.attributes.get(attribute)
+    if found is None or found.values[:1].size != width * min(found.values.shape[0], 1):
+        return None
+    values = found.values
+    if values.dtype == np.uint8:
+        values = values.astype(np.float32) / np.float32(255)
+    if found.domain == "strand":
+        values = np.repeat(values, strands.counts(), axis=0)
+    return values.astype(np.float32, copy=False)
+
+
+def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:
+    """A line for the attributes that a format does not hold, or none."""
+    lost = [attribute for attribute in strands.attributes if attribute not in set(kept)]
+    return [f"{format} does not hold {', '.join(lost)}: left out"] if lost else []

@@ -1,0 +1,265 @@
+"""Formats of strands: what other programs write is read, and what is written is read again, bit for bit."""
+
+from __future__ import annotations
+
+import io
+import struct
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import exchange_kit as kit
+from strandcli.errors import UsageError
+from strandcli.exchange.files import FORMATS, ReadOptions, read, write
+from strandcli.exchange.strands import Attribute, Strands
+
+EQUAL = [np.arange(12, dtype=np.float32).reshape(4, 3) + 100 * i for i in range(3)]
+
+
+def check(found: Strands, strands: Sequence[kit.Strand]) -> None:
+    """Points and where they begin are those of ``strands``, in every bit."""
+    expected = kit.of(strands)
+    assert found.first.tolist() == expected.first.tolist()
+    assert found.points.dtype == np.float32
+    assert found.points.tobytes() == expected.points.tobytes()
+
+
+def read_bytes(content: bytes, suffix: str, options: ReadOptions | None = None) -> Strands:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"a{suffix}")
+        path.write_bytes(content)
+        return read(path, options)
+
+
+def npz(**arrays: object) -> bytes:
+    file = io.BytesIO()
+    np.savez(file, **arrays)  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
+    "hair": (".hair", kit.hair),
+    "data": (".data", kit.data),
+    "bin": (".bin", lambda strands: kit.data(strands, 4)),
+    "ply": (".ply", kit.ply),
+    "ply of big-endian doubles": (".ply", lambda strands: kit.ply(strands, ">", kind="double")),
+    "ply as text": (".ply", lambda strands: kit.ply(strands, "")),
+    "ply of edges": (".ply", lambda strands: kit.ply(strands, told="edge")),
+    "ply of edges as text": (".ply", lambda strands: kit.ply(strands, "", told="edge")),
+    "npz": (".npz", lambda strands: npz(points=kit.of(strands).points, first=kit.of(strands).first)),
+}
+EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
+    "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),
+    "tfx 3": (".tfx", kit.tfx3),
+    "tfx 4": (".tfx", kit.tfx4),
+    "npz": (".npz", lambda strands: npz(positions=np.stack(strands))),
+    "npz of big-endian doubles": (".npz", lambda strands: npz(anything=np.stack(strands).astype(">f8"))),
+    "npz in Fortran's order": (".npz", lambda strands: npz(positions=np.asfortranarray(np.stack(strands)))),
+}
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@settings(max_examples=40, deadline=None)
+@given(strands=kit.lists_of_strands)
+def test_strands_of_any_lengths_are_read(kind: str, strands: list[kit.Strand]) -> None:
+    suffix, written = WRITERS[kind]
+    check(read_bytes(written(strands), suffix), strands)
+
+
+@pytest.mark.parametrize("kind", EVEN)
+@settings(max_examples=40, deadline=None)
+@given(count=st.integers(1, 9), points=st.integers(2, 9), seed=st.integers(0, 99))
+def test_strands_of_equal_lengths_are_read(kind: str, count: int, points: int, seed: int) -> None:
+    suffix, written = EVEN[kind]
+    strands = list(np.random.default_rng(seed).normal(size=(count, points, 3)).astype(np.float32))
+    check(read_bytes(written(strands), suffix), strands)
+
+
+@pytest.mark.parametrize("suffix", [".hair", ".data", ".bin", ".ply", ".npz"])
+@settings(max_examples=40, deadline=None)
+@given(strands=kit.lists_of_strands)
+def test_what_is_written_is_read_again(suffix: str, strands: list[kit.Strand]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path, again = Path(folder, f"a{suffix}"), Path(folder, f"b{suffix}")
+        assert write(path, kit.of(strands)) == []
+        found = read(path)
+        check(found, strands)
+        write(again, found)
+        assert again.read_bytes() == path.read_bytes()
+
+
+def test_every_format_has_what_is_asked_for() -> None:
+    for name in FORMATS.names():
+        driver = FORMATS[name]
+        assert driver.name
+        assert all(suffix.startswith(".") for suffix in driver.suffixes)
+        assert callable(driver.read)
+        assert not driver.sniff(b"", 0)
+
+
+def test_a_hair_file_is_written_again_byte_for_byte(tmp_path: Path) -> None:
+    strands = [*EQUAL, EQUAL[0][:2]]
+    points = sum(map(len, strands))
+    more = np.linspace(0, 1, 5 * points, dtype="<f4").tobytes()
+    (tmp_path / "a.hair").write_bytes(kit.hair(strands, more=more, flags=4 | 8 | 16))
+    found = read(tmp_path / "a.hair")
+    assert {name: one.domain for name, one in found.attributes.items()} == dict.fromkeys(
+        ("width", "transparency", "colour"), "point"
+    )
+    assert found.source.facts["info"] == "made up"
+    defaults = kit.hair(EQUAL, segments=False)
+    (tmp_path / "b.hair").write_bytes(defaults)
+    write(tmp_path / "c.hair", read(tmp_path / "b.hair"))
+    assert (tmp_path / "c.hair").read_bytes() == defaults
+
+
+def test_bald_roots_are_skipped_and_counted() -> None:
+    found = read_bytes(kit.data([EQUAL[0], EQUAL[1][:1], EQUAL[1][:0], EQUAL[2]]), ".data")
+    check(found, [EQUAL[0], EQUAL[2]])
+    assert found.source.skipped == {"fewer than two points": 2}
+    found = read_bytes(kit.hair([EQUAL[0][:1], EQUAL[1]]), ".hair")
+    check(found, [EQUAL[1]])
+    assert found.source.skipped == {"fewer than two points": 1}
+
+
+@pytest.mark.parametrize("name", ["a.data", "a.bin", "a"])
+def test_data_and_bin_are_told_apart_by_size(name: str) -> None:
+    suffix = name[1:] or ".data"
+    assert read_bytes(kit.data(EQUAL), suffix).source.format == ".data"
+    found = read_bytes(kit.data(EQUAL, 4), suffix)
+    assert found.source.format == ".bin"
+    assert found.attributes["extra"].values[5].tolist() == [0, 1, 2, 3]
+
+
+def test_strands_of_tressfx_keep_what_they_carry() -> None:
+    found = read_bytes(kit.tfx4(EQUAL), ".tfx")
+    assert found.attributes["uv"].values.tolist() == [[0, 0.5], [1, 0.5], [2, 0.5]]
+    assert found.attributes["movable"].values.reshape(3, 4).tolist() == [[0, 0, 1, 1]] * 3
+    assert read_bytes(kit.tfx3(EQUAL), ".tfx").source.facts["followers_a_guide"] == 3
+
+
+def test_arrays_beside_the_positions_are_kept(tmp_path: Path) -> None:
+    arrays = {
+        "positions": np.stack(EQUAL), "root_uv": np.arange(6.0).reshape(3, 2), "weight": np.arange(12).reshape(3, 4),
+        "other": np.zeros((7, 2)), "words": np.array(["a"]),
+    }  # fmt: skip
+    (tmp_path / "a.npz").write_bytes(npz(**arrays))
+    found = read(tmp_path / "a.npz")
+    assert {name: one.domain for name, one in found.attributes.items()} == {"root_uv": "strand", "weight": "point"}
+    assert found.source.facts["arrays_not_read"] == ["other"]
+    write(tmp_path / "b.npz", found)
+    with np.load(tmp_path / "b.npz") as again:
+        assert again["root_uv"].tolist() == arrays["root_uv"].tolist()
+        assert again["weight"].tolist() == arrays["weight"].tolist()
+
+
+def test_of_several_arrays_of_strands_one_is_asked_for() -> None:
+    content = npz(a=np.stack(EQUAL), b=np.stack(EQUAL[:2]))
+    with pytest.raises(UsageError, match=r"a \(3, 4, 3\), b \(2, 4, 3\); tell which with --array"):
+        read_bytes(content, ".npz")
+    check(read_bytes(content, ".npz", ReadOptions(array="b")), EQUAL[:2])
+
+
+def test_a_format_is_told_by_the_first_bytes(tmp_path: Path) -> None:
+    check(read_bytes(kit.hair(EQUAL), ".data"), EQUAL)
+    check(read_bytes(kit.tfx4(EQUAL), ".anything"), EQUAL)
+    with pytest.raises(UsageError, match="no file of strands that is known"):
+        read_bytes(b"\x89PNG\r\n", ".png")
+    with pytest.raises(UsageError, match="let the name end in one of"):
+        write(tmp_path / "a.tfx", kit.of(EQUAL))
+
+
+def test_vertices_alone_ask_for_the_stride() -> None:
+    content = kit.ply(EQUAL, told="nothing")
+    with pytest.raises(UsageError, match=r"12 of them, .*--stride N \(they divide into strands of 2, 3, 4, 6, 12\)"):
+        read_bytes(content, ".ply")
+    check(read_bytes(content, ".ply", ReadOptions(stride=4)), EQUAL)
+    with pytest.raises(UsageError, match="5 does not divide them"):
+        read_bytes(content, ".ply", ReadOptions(stride=5))
+
+
+def test_jumps_that_leave_no_doubt_tell_the_stride() -> None:
+    """Of curls on a scalp, and of no others: points scattered at random have no stride."""
+    generator = np.random.default_rng(3)
+    t = np.linspace(0, 1, 100)
+    roots = generator.normal(size=(50, 1, 3))
+    curls = roots + np.stack([0.1 * np.cos(9 * t), -t, 0.1 * np.sin(9 * t)], axis=1)
+    found = read_bytes(kit.ply(list(curls.astype(np.float32)), told="nothing"), ".ply")
+    assert found.source.facts["stride_guessed"] == 100
+    check(found, list(curls.astype(np.float32)))
+    with pytest.raises(UsageError, match="--stride"):
+        read_bytes(kit.ply(list(generator.normal(size=(50, 100, 3)).astype(np.float32)), told="nothing"), ".ply")
+
+
+def test_what_a_format_does_not_hold_is_told(tmp_path: Path) -> None:
+    strands = kit.of(EQUAL)
+    uv = {"uv": Attribute("strand", np.zeros((3, 2), np.float32))}
+    assert write(tmp_path / "a.hair", Strands(strands.first, strands.points, uv)) == [
+        ".hair does not hold uv: left out"
+    ]
+    assert write(tmp_path / "a.npz", Strands(strands.first, strands.points, uv)) == []
+
+
+def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> None:
+    long = [np.zeros((65_537, 3), np.float32), EQUAL[0]]
+    with pytest.raises(UsageError, match=r"65,536 segments, \.hair at most 65,535"):
+        write(tmp_path / "a.hair", kit.of(long))
+    write(tmp_path / "a.ply", kit.of(long))
+    check(read(tmp_path / "a.ply"), long)
+
+
+def test_several_moments_need_a_format_that_takes_them(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="holds one moment only"):
+        write(tmp_path / "a.hair", kit.of(EQUAL), [])
+
+
+def nan_at(content: bytes, at: int) -> bytes:
+    return content[:at] + struct.pack("<f", float("nan")) + content[at + 4 :]
+
+
+@pytest.mark.parametrize(
+    ("content", "suffix", "message"),
+    [
+        (kit.hair(EQUAL)[:100], ".hair", "byte 0: header: needs 128 bytes, the file holds 100 bytes"),
+        (kit.hair(EQUAL)[:-1], ".hair", "byte 8: points: 12 need 144 bytes, the file holds 143 bytes"),
+        (kit.hair(EQUAL) + b"x", ".hair", "1 bytes follow"),
+        (b"HAIR" + b"\xff" * 124, ".hair", "byte 12: flags: 0xffffffff"),
+        (b"HAIR" + struct.pack("<4I", 4_000_000_000, 9, 3, 0) + bytes(108), ".hair", "byte 4: segments: 4,000,000,000"),
+        (nan_at(kit.hair(EQUAL), 128 + 6 + 12 * 5 + 4), ".hair", "byte 194: points: number 5 is not finite"),
+        (nan_at(kit.data(EQUAL), 4 + 4 + 48 + 4 + 24), ".data", "byte 84: points: number 6 is not finite"),
+        (struct.pack("<i", -5) + bytes(8), ".data", "byte 0: strands: -5"),
+        (struct.pack("<2i", 1, 2**31 - 1) + bytes(24), ".data", "byte 4: points of strand 0: 2,147,483,647"),
+        (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file holds 3 more"),
+        (struct.pack("<f", 2.5) + bytes(200), ".tfx", "byte 0: version: 2.5 is not known"),
+        (kit.tfx4(EQUAL)[:170], ".tfx", "byte 4: strands: 12 need 192 bytes"),
+        (kit.tfx4(EQUAL)[:12] + b"\xff" * 4 + kit.tfx4(EQUAL)[16:], ".tfx", "byte 12: offset of positions"),
+        (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file holds 5 bytes"),
+        (kit.ply(EQUAL, "")[:-4], ".ply", "element strand"),
+        (b"ply\nformat ascii 2.0\n", ".ply", "byte 4: header: 'format ascii 2.0'"),
+        (npz(positions=np.full((2, 3, 3), np.inf)), ".npz", "byte 0: positions: number 0 is not finite, and 5 more"),
+        (npz(positions=np.zeros((2, 3, 2))), ".npz", "no array of numbers of shape"),
+        (b"PK\3\4" + bytes(60), ".npz", "no list of members"),
+    ],
+)  # fmt: skip
+def test_bad_files_are_refused_by_field_and_byte(content: bytes, suffix: str, message: str) -> None:
+    with pytest.raises(UsageError) as error:
+        read_bytes(content, suffix)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_packed_zeros_are_not_unpacked_on_their_word(tmp_path: Path) -> None:
+    header = {"descr": "<f4", "fortran_order": False, "shape": (100_000, 100, 3)}
+    packed = zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED)
+    with packed as archive, archive.open("positions.npy", "w", force_zip64=True) as member:
+        np.lib.format.write_array_header_1_0(member, header)
+        for _ in range(120):
+            member.write(bytes(1_000_000))
+    with pytest.raises(UsageError, match=r"120 MB unpacked, .* more than is believed"):
+        read(tmp_path / "a.npz")

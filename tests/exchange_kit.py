@@ -1,0 +1,88 @@
+"""Files of strands written from the formats' descriptions alone, and made-up strands."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from hypothesis import strategies as st
+
+from strandcli.exchange.strands import Strands, offsets
+
+Strand = npt.NDArray[np.float32]
+
+lists_of_strands = st.builds(
+    lambda counts, seed: [
+        np.random.default_rng(seed).normal(size=(count, 3)).astype(np.float32) * np.float32(10.0 ** (seed % 7 - 3))
+        for count in counts
+    ],
+    st.lists(st.integers(2, 9), min_size=1, max_size=9), st.integers(0, 999),
+)  # fmt: skip
+"""Some strands of 2 to 9 points."""
+
+
+def of(strands: Sequence[Strand]) -> Strands:
+    """Strands as they are held."""
+    counts = np.array([len(one) for one in strands], np.int64)
+    return Strands(offsets(counts), np.concatenate([*strands, np.zeros((0, 3), np.float32)]).astype(np.float32))
+
+
+def hair(strands: Sequence[Strand], *, segments: bool = True, more: bytes = b"", flags: int = 0) -> bytes:
+    """`.hair`; ``more``: the arrays behind the points, of which ``flags`` tells."""
+    points = sum(len(one) for one in strands)
+    default = 0 if segments else len(strands[0]) - 1
+    header = b"HAIR" + struct.pack("<4I", len(strands), points, 2 | segments | flags, default)
+    header += struct.pack("<5f", 0.5, 0.25, 0.75, 0.5, 0.125) + b"made up".ljust(88, b"\0")
+    counts = b"".join(struct.pack("<H", len(one) - 1) for one in strands) if segments else b""
+    return header + counts + b"".join(one.astype("<f4").tobytes() for one in strands) + more
+
+
+def data(strands: Sequence[Strand], more: int = 0) -> bytes:
+    """`.data`, or with four numbers ``more`` a point `.bin`."""
+    found = struct.pack("<i", len(strands))
+    for one in strands:
+        found += struct.pack("<i", len(one))
+        for point in one:
+            found += struct.pack("<3f", *point) + struct.pack(f"<{more}f", *range(more))
+    return found
+
+
+def tfx4(strands: Sequence[Strand], uv: bool = True) -> bytes:
+    """`.tfx` of version 4."""
+    each = len(strands[0])
+    points = b"".join(struct.pack("<4f", *p, float(j > 1)) for one in strands for j, p in enumerate(one))
+    texture = b"".join(struct.pack("<2f", i, 0.5) for i in range(len(strands))) if uv else b""
+    places = (160, 160 + len(points) if uv else 0, 0, 0, 0)
+    return struct.pack("<f2I5I32I", 4.0, len(strands), each, *places, *[0] * 32) + points + texture
+
+
+def tfx3(strands: Sequence[Strand], followers: int = 3) -> bytes:
+    """`.tfx` of version 3."""
+    each = len(strands[0])
+    points = b"".join(one.astype("<f4").tobytes() for one in strands)
+    header = struct.pack("<f4I31I", 3.0, len(strands), each, followers, 1, *[0] * 31)
+    return header + struct.pack("<6I32I", 296, 0, 0, 0, 0, 0, *[0] * 32) + points + b""
+
+
+def ply(strands: Sequence[Strand], order: str = "<", *, told: str = "strand", kind: str = "float") -> bytes:
+    """`.ply`; ``order``: "<", ">" or "" for text; ``told``: strand, edge or nothing; ``kind`` of the coordinates."""
+    encoding = {"<": "binary_little_endian", ">": "binary_big_endian", "": "ascii"}[order]
+    pairs, begin = [], 0
+    for one in strands:
+        pairs += [(begin + j, begin + j + 1) for j in range(len(one) - 1)]
+        begin += len(one)
+    header = f"ply\nformat {encoding} 1.0\ncomment made up\nelement vertex {begin}\n"
+    header += "".join(f"property {kind} {axis}\n" for axis in "xyz") + "property uchar quality\n"
+    rows = [(f"3{'f' if kind == 'float' else 'd'}B", (*map(float, point), 7)) for one in strands for point in one]
+    if told == "strand":
+        header += f"element strand {len(strands)}\nproperty ushort nsegs\n"
+        rows += [("H", (len(one) - 1,)) for one in strands]
+    elif told == "edge":
+        header += f"element edge {len(pairs)}\nproperty int vertex1\nproperty int vertex2\n"
+        rows += [("2i", pair) for pair in pairs]
+    header += "end_header\n"
+    if order:
+        return header.encode() + b"".join(struct.pack(order + form, *row) for form, row in rows)
+    return (header + "".join(" ".join(map(repr, row)) + "\n" for _, row in rows)).encode()
