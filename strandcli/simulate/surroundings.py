@@ -1,6 +1,6 @@
 """What acts on rods from outside in a step: gravity, moving air, and solids with their motion.
 
-All that does not change from step to step is worked out once; of solids, those that stand still are.
+What stays the same from step to step is computed once, such as solids that stand still.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..errors import UsageError
 from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other
+from .kernels.records import MOTION, MOTION_SHIFT
 from .rules import wind
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ def gravity(scene: Scene) -> NDArray[np.float64]:
 
 
 class Surroundings:
-    """Those of one scene, in numbers of a floating type. Raises `UsageError` for winds that rods cannot take together.
-    """
+    """What acts on the rods of one scene, in a floating type. Raises `UsageError` for winds that rods cannot take
+    together."""
 
     def __init__(self, scene: Scene, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
@@ -49,13 +50,15 @@ class Surroundings:
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         met = touched(scene)
         self.any_solids = bool(met)
+        self.segments = bool(met) and any(one.segments for one in contacts)
+        """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
         self.others = solids.others(met)
         """Solids of other packages; their kind here is ""."""
         if self.others:
             kinds[""] = self.others
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
-        self._packed = *packed.values(), bool(met) and any(one.segments for one in contacts)
+        self._packed = tuple(packed.values())
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
         self._moving = [
             (row, one, None if one.keys else own_pose(one, 0.0))
@@ -91,9 +94,8 @@ class Surroundings:
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
     def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
-        """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``, as the
-        kernel's arguments `spheres`, `capsules`, `planes`, `boxes`, where there are any `others`, and `whole`: always
-        the same arrays."""
+        """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``:
+        spheres, capsules, planes, boxes, and where there are any, `others`. Always the same arrays."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
         outer = outer or emitter_pose(emitter, now)
@@ -110,8 +112,8 @@ class Surroundings:
                 pose = compose(outer, own)
                 motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
             (a, b, c), moved = motion
-            row[:-12] = self._numbers(one, pose, len(row) - 12)
-            row[-12:] = (*a, *b, *c, *moved)
+            row[:-MOTION] = self._numbers(one, pose, len(row) - MOTION)
+            row[-MOTION:] = (*a, *b, *c, *moved)
         self._poses = now, outer, after
         return self._packed
 
@@ -126,13 +128,13 @@ class Surroundings:
         return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
 
     def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
-        """(m, columns + 12) all solids of a kind as they begin, those that move last, and no motion."""
+        """(m, columns + `MOTION`) all solids of a kind as they begin, those that move last, and no motion."""
         mine = sorted(mine, key=self._moves)
         columns = solids.COLUMNS[kind] if kind else other.columns_of(mine)
-        rows = np.zeros((len(mine), columns + 12), self.dtype)
+        rows = np.zeros((len(mine), columns + MOTION), self.dtype)
         for row, one in zip(rows, mine, strict=True):
             row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)
-        rows[:, columns : columns + 9] = np.eye(3).ravel()
+        rows[:, columns : columns + MOTION_SHIFT] = np.eye(3).ravel()
         return rows
 
 

@@ -30,13 +30,12 @@ FOR_KERNELS = (
 """What modules in a folder `kernels` import beside kernels."""
 
 KNOWN: dict[str, set[str]] = {
-    "files": {"strandcli.simulate.rod"},
+    "files": set(),
     "functions": {
         "strandcli.cli.render:_run",
         "strandcli.draw.coverage.kernels.ribbon:ribbon",
         "strandcli.draw.geometry.kernels.curves:flatten",
         "strandcli.draw.zbuffer.kernels.raster:ribbon",
-        "strandcli.simulate.rod:__init__",
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": set(),

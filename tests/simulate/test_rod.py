@@ -12,6 +12,7 @@ from strandcli import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import rod as rod_solver
+from strandcli.simulate import rod_kernel
 from strandcli.simulate.material import rigidity
 from strandcli.simulate.rod import RodSolver
 
@@ -130,13 +131,13 @@ def test_rods_of_any_stiffness_stay_straight(changes: dict[str, Any]) -> None:
 
 
 def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rod_solver, "WORTH", 1000)
+    monkeypatch.setattr(rod_kernel, "SEGMENTS_A_THREAD", 1000)
     one = scene(10.0, **{"emitter.strands": 300, "emitter.jitter": 60.0})
     results = []
     for threads in (1, 2):
         runtime.start(threads)
         solver = RodSolver(one, emit(one.emitter, one.seed))
-        assert len(solver.scratch) == threads
+        assert len(solver.kernel.scratch) == threads
         for i in range(10):
             solver.step((i + 1) / 30, 1 / 30)
         results.append(solver.positions.copy())
@@ -145,19 +146,19 @@ def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPat
 
 def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of other frames are at work on these."""
-    monkeypatch.setattr(rod_solver, "WORTH", 10)
+    monkeypatch.setattr(rod_kernel, "SEGMENTS_A_THREAD", 10)
     one = scene(10.0, **{"emitter.strands": 20})
     runtime.start(2)
     solver = RodSolver(one, emit(one.emitter, one.seed))
     runtime.start(1)
     asked: list[int] = []
-    share_out = rod_solver.work_queue.share_out
+    share_out = rod_kernel.work_queue.share_out
 
     def watched(code: int, book: Any, workers: int) -> None:
         asked.append(workers)
         share_out(code, book, workers)
 
-    monkeypatch.setattr(rod_solver.work_queue, "share_out", watched)
+    monkeypatch.setattr(rod_kernel.work_queue, "share_out", watched)
     solver.step(1 / 30, 1 / 30)
     assert asked == [1]
     runtime.start(2)
@@ -173,7 +174,7 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
         asked.append(double)
         raise NotImplementedError
 
-    monkeypatch.setattr(rod_solver, "_code", code)
+    monkeypatch.setattr(rod_kernel, "_code", code)
     one = scene(10.0, **{"time.fps": 1e-6, "time.preroll": 2.5})
     solver = RodSolver(one, emit(one.emitter, one.seed))
     solver.advance(1)
@@ -222,9 +223,9 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
 
     films, left = fallen()
     # | |e| − 1 | is half of | |e|² − 1 |; single edges may be off by more, by their share of 199 and not of 32
-    bound = rod_solver.ENOUGH[False, False] / 2
+    bound = rod_solver.TOLERANCES[False, False] / 2
     assert bound < left <= 1.01 * bound * 199 / 32
-    monkeypatch.setitem(rod_solver.ENOUGH, (False, False), 1e-7)
+    monkeypatch.setitem(rod_solver.TOLERANCES, (False, False), 1e-7)
     exact, left = fallen()
     assert left < 1e-6
     off = np.linalg.norm(films - exact, axis=3).max(2)  # of a metre, which strands are long

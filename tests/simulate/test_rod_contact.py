@@ -146,7 +146,7 @@ def test_a_particle_that_is_newly_touched_is_pushed_by_no_more_than_its_own_dept
     dt, worst, both = 1 / 240, 0.0, 0
     for i in range(960):
         solver.step((i + 1) * dt, dt)
-        push = np.linalg.norm(solver.push[0].reshape(particles - 1, 3, -1)[:, :, 0].astype(float), axis=1)
+        push = np.linalg.norm(solver.state.push[0].reshape(particles - 1, 3, -1)[:, :, 0].astype(float), axis=1)
         worst = max(worst, push.max() * dt**2 * (particles - 1))
         both += bool(push.any() and np.ptp(np.flatnonzero(push)) > 3)
     assert both > 100  # pushed at places that are far from each other

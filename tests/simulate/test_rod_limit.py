@@ -98,7 +98,7 @@ def test_what_begins_inside_of_a_solid_leaves_it_at_rest(rate: int) -> None:
     assert solver._depths(0.0)[0] <= 1e-6  # type: ignore[operator]
     # the strand is bent around the ball, and springs back as any that is let go; a jump of 0.2 m in the step would be
     # 12 m/s at 60 Hz and 200 m/s at 1,000
-    assert np.abs(solver.velocity).max() < 8
+    assert np.abs(solver.state.velocity).max() < 8
 
 
 @pytest.mark.parametrize("rate", [24, 240])
@@ -129,7 +129,7 @@ def test_segments_across_an_edge_come_to_rest(
     box = {**SOLIDS["box"], "position": place, "rotation": rotation}
     solver = over([box], 100.0, True, **{"rod.friction": friction, "emitter.particles": 11})
     after(solver, 12, rate)
-    assert solver.touching[0, 0] > 0
+    assert solver.state.touching[0, 0] > 0
     seen = []
     for i in range(12 * rate, 13 * rate):
         solver.step((i + 1) / rate, 1 / rate)
@@ -142,7 +142,7 @@ def test_a_plane_carries_what_lies_on_it() -> None:
     solver = over([still("plane")], 1e5, direction=(1, 0, 0), **{"rod.friction": 0.0, "emitter.particles": 21})
     x = after(solver, 12, 60)
     mass = solver.mass.astype(float)
-    force = mass[:, None] * solver.push[0].reshape(len(x) - 1, 3, -1)[:, :, 0] / (PULL * mass.sum())
+    force = mass[:, None] * solver.state.push[0].reshape(len(x) - 1, 3, -1)[:, :, 0] / (PULL * mass.sum())
     np.testing.assert_allclose(force[:, [0, 2]], 0, atol=1e-5)
     assert force[:, 1].min() >= 0
     np.testing.assert_array_equal(force[:, 1] > 0, x[1:, 1] < -0.3 + 1e-6)

@@ -26,20 +26,20 @@ def solver_of(one: Any) -> RodSolver:
 
 def first(solver: RodSolver) -> np.ndarray:
     """(particles, 3) of the first strand in the solver's own precision."""
-    rows = solver.rows[0, 1:]
+    rows = solver.state.positions[0, 1:]
     return rows.reshape(len(rows), 3, -1)[:, :, 0].astype(float)
 
 
 def energy(solver: RodSolver) -> float:
     """Kinetic, of weight and of bending, over m g L."""
     x = first(solver)
-    v = solver.velocity[0].reshape(len(x) - 1, 3, -1)[:, :, 0].astype(float)
-    mass, joint = solver.mass.astype(float), solver.joint.astype(float)
-    length = float(solver.own_lengths[0, 0])
+    v = solver.state.velocity[0].reshape(len(x) - 1, 3, -1)[:, :, 0].astype(float)
+    mass, joint = solver.mass.astype(float), solver.material.joint.astype(float)
+    length = float(solver.material.lengths[0, 0])
     edges = np.diff(x, axis=0) / length
-    clamp = solver.directions[0].reshape(3, -1)[:, 0].astype(float)
+    clamp = solver.forcing.directions[0].reshape(3, -1)[:, 0].astype(float)
     bends = np.diff(np.concatenate([clamp[None], edges]), axis=0)
-    bending = float(solver.stiffness[0, 0]) * length**2 / 2 * (joint[:, None] * bends**2).sum()
+    bending = float(solver.material.stiffness[0, 0]) * length**2 / 2 * (joint[:, None] * bends**2).sum()
     total = (mass[:, None] * v**2).sum() / 2 + PULL * (mass * x[1:, 1]).sum() + bending
     return total / (PULL * mass.sum() * length * len(edges))
 

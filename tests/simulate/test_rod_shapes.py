@@ -88,7 +88,7 @@ def test_curls_come_to_rest(angle: float, turns: float, rate: int, integrator: s
     """Nothing but its own stiffness acts on a coil that was struck: whatever moves for long has found energy."""
     curl = {"emitter.curl_angle": angle, "emitter.curl_turns": turns, "rod.integrator": integrator}
     solver = solver_of(scene(10.0, **{"emitter.particles": 41, "rules": [], **curl}))
-    solver.velocity.reshape(1, 40, 3, -1)[:, :, 0] += 0.1
+    solver.state.velocity.reshape(1, 40, 3, -1)[:, :, 0] += 0.1
     steps = 8 * max(rate, 24)
     for i in range(steps):
         before = first(solver)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import inlined
 from ...simd import broadcast, load, load3, store, where
+from .records import MOTION_SHIFT
 
 CENTRE = 0
 """(3) Centre of the ball, or unit normal of the face, which points out of the solid."""
@@ -19,10 +20,6 @@ ROUND = 7
 """1 for a ball, 0 for a face."""
 SLOT = 8
 """Vectors of a slot."""
-MOTION = 12
-"""Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and translation."""
-TRANSLATION = 9
-"""Of these, the first of the translation."""
 
 
 @inlined
@@ -42,7 +39,7 @@ def find(s, found, other, nearer, round, place, size, solids, moved, at):
     store(s, other + SIZE, where(nearer, size, load(s, found + SIZE)))
     for k in range(3):
         row = moved + 3 * k
-        there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + TRANSLATION + k]
+        there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + MOTION_SHIFT + k]
         store(s, other + CARRIED + k, where(nearer, there, load(s, found + CARRIED + k)))
     store(s, other + ROUND, where(nearer, broadcast(x, round), load(s, found + ROUND)))
     return other, found

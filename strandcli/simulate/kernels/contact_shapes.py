@@ -21,7 +21,8 @@ from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
 from .contact_others import by_others
-from .contact_place import MOTION, SLOT, find
+from .contact_place import SLOT, find
+from .records import MOTION
 from .rod_scratch import EDGE, SEGMENT, SOLID_SLOTS
 
 TINY = 1e-20

@@ -18,6 +18,9 @@ POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
 step."""
 
+MOTION, MOTION_SHIFT = 12, 9
+"""Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and then translation."""
+
 
 class State(NamedTuple):
     """What a step changes. Members that a scene does not need have one row, which is not read."""

@@ -1,0 +1,66 @@
+"""The compiled step of the rod solver, on the arrays of one solver."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+
+from ..blocks import aligned
+from ..constants import VECTOR, W
+from .kernels import rod_step, rod_tension, work_queue
+from .kernels.records import Flags, Forcing, Material, State
+from .kernels.rod_scratch import PACK
+from .rod_others import code_among
+from .surroundings import Surroundings
+
+SEGMENTS_A_THREAD = 4_000
+"""Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
+
+
+class StepKernel:
+    """Runs the step on all threads that there is work for. The compiled code is given the addresses of the arrays: they
+    are changed in place and never replaced."""
+
+    def __init__(
+        self, strands: int, iterations: int, flags: Flags, arrays: tuple[State, Material, Forcing],
+        surroundings: Surroundings,
+    ) -> None:  # fmt: skip
+        edges, rows = arrays[0].edges, arrays[0].positions
+        segments = edges.shape[1]
+        workers = min(numba.get_num_threads(), 1 + strands * segments // SEGMENTS_A_THREAD)
+        size = rod_tension.scratch_size(segments) * VECTOR
+        self.scratch = aligned((workers, size // edges.itemsize), edges.dtype)
+        """(workers, size)."""
+        self._kept = arrays, surroundings.solids(0.0, 0.0)
+        self._descriptor = rod_step.descriptor_of(strands, segments, iterations, flags, self.scratch, *self._kept)
+        self._others, self._double = surroundings.others, edges.dtype == np.float64
+        self._code: int | None = None
+        # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
+        last = rows[-1].reshape(-1, W)
+        done = len(edges) * PACK - (len(rows) - 1) * W
+        self._padding, self._last_strand = last[:, done:], last[:, done - 1, None]
+
+    def run(self) -> None:
+        """Move all strands by one step, as `Forcing` says."""
+        self._descriptor[work_queue.NEXT] = 0
+        if self._code is None:  # compiled no sooner than anything moves, which need not be
+            self._code = code_among(self._others, self._double) if self._others else _code(self._double)
+        # the other threads may be drawing frames: a step that took them away would wait for them
+        workers = len(self.scratch)
+        if workers > 1:
+            workers = min(workers, numba.get_num_threads())
+        work_queue.share_out(self._code, self._descriptor, workers)
+        if self._padding.size:
+            np.copyto(self._padding, self._last_strand)
+
+    def __deepcopy__(self, memo: Any) -> StepKernel:
+        raise TypeError("a rod solver cannot be copied, for its kernel holds addresses of arrays: make another one")
+
+
+@cache
+def _code(double: bool) -> int:
+    """Address of the step, compiled for a precision."""
+    return work_queue.address(rod_step.double if double else rod_step.single)

@@ -1,0 +1,180 @@
+"""The arrays of a rod solver at its start: what strands are made of, how they lie, and what they are at rest.
+
+P packs of S = `PACK` strands with N segments each, as `kernels.records` has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import aligned, lanes
+from ..groom.record import Groom
+from ..scene.motion import Pose
+from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
+from .kernels.rod_scratch import PACK
+from .material import TORSION, matter_along, needs_double, stiffness
+from .rest_shape import carried, coiled, straight, unit_edges
+from .sag_free import hold
+from .surroundings import gravity
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+Floats = NDArray[np.float64]
+
+
+class Matter(NamedTuple):
+    """What the strands of a scene are made of."""
+
+    lengths: Floats
+    """(strands,) of a segment, metres."""
+    stiffness: Floats
+    """(strands,) B / (ρ A ℓ⁴), 1/s²."""
+    mass: Floats
+    """(N,) of particles, relative."""
+    joint: Floats
+    """(N,) rigidity of joints, relative."""
+
+
+class Shape(NamedTuple):
+    """How strands lie at the start, in the emitter's frame, and which of their rest shapes."""
+
+    axes: Floats
+    """(strands, 3) unit vectors along which they are clamped."""
+    edges: list[Floats]
+    """N arrays (strands, 3) of unit vectors, root to tip."""
+    mended: bool
+    """Whether some edge differs from the groom's."""
+    curled: bool
+    """Whether rest shapes are curved."""
+    coiled: bool
+    """Whether some strand is a coil."""
+
+
+class Rest(NamedTuple):
+    """Curved rest shapes, and what else a sag-free start needs; arrays are packed."""
+
+    bends: NDArray[Any]
+    """As `Material.bends`."""
+    twist: NDArray[Any]
+    """As `State.twist`."""
+    tension: NDArray[Any]
+    """As `State.tension`."""
+    stiffness: Floats
+    """(strands,) 1/s²: the material's, or greater where a sag-free start asks for more."""
+
+
+def packed(rows: NDArray[np.floating], dtype: Any) -> NDArray[Any]:
+    """(strands, k) values a strand -> (P, k S)."""
+    return lanes(rows, dtype, PACK)
+
+
+def matter_of(scene: Scene, groom: Groom) -> Matter:
+    """The material of a scene's strands, by segments."""
+    n = scene.emitter.particles - 1
+    lengths = groom.lengths.astype(np.float64) / n
+    return Matter(lengths, stiffness(scene.rod, lengths), *matter_along(scene.rod, n))
+
+
+def precision_of(scene: Scene, matter: Matter) -> Any:
+    """The floating type to compute in: double where the scene or its numbers ask for it."""
+    fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
+    double = scene.rod.precision == "double" or needs_double(scene.rod, matter.joint, matter.lengths, fall)
+    return np.float64 if double else np.float32
+
+
+def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
+    """The strands' shape at the start. For a sag-free start edges have unit length to double precision, and in single
+    precision count as mended: not even rounding may move strands."""
+    rest = scene.rod.rest
+    axes = groom.directions.astype(np.float64)
+    edges, mended = unit_edges(groom, scene.emitter.particles - 1)
+    if rest == "sag_free":
+        mended = mended or dtype == np.float32
+        edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
+    curled = rest == "sag_free" or not (rest == "straight" or straight([axes, *edges]))
+    return Shape(axes, edges, mended, curled, curled and coiled(edges))
+
+
+def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:
+    """The edges of a shape in the world, (strands, 3) each: one at a time, since all take much memory."""
+    turn = np.array(pose.rotation)
+    return (edge @ turn.T for edge in shape.edges)
+
+
+def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) -> Rest:
+    """The rest shapes of strands, and what balances their weight where they are to start sag-free."""
+    n, strands = len(shape.edges), len(matter.lengths)
+    packs = -(-strands // PACK)
+    rows = packs if shape.curled else 1
+    bends, twist = aligned((rows, n + 1, 3 * PACK), dtype), aligned((rows, n, PACK), dtype)
+    tension = aligned((packs, n, PACK), dtype)
+    if not shape.curled:
+        return Rest(bends, twist, tension, matter.stiffness)
+    edges = np.stack(shape.edges)
+    targets = np.diff(np.concatenate([shape.axes[None], edges]), axis=0)
+    angles = np.zeros((n, strands))
+    stiffer = matter.stiffness
+    if scene.rod.rest == "sag_free":
+        pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
+        # masses as the kernel reads them: what they are rounded by would be a load
+        mass, joint = (row.astype(dtype).astype(np.float64) for row in (matter.mass, matter.joint))
+        held = hold(shape.axes, edges, mass, joint, matter.stiffness, TORSION[shape.coiled], pull)
+        targets, angles, stiffer = targets - held.bends, held.twist, held.stiffness
+        for j, force in enumerate(held.tension):
+            tension[:, j] = packed(force[:, None], dtype)
+    across, local = carried(shape.axes, edges, targets, angles)
+    bends[:, 0] = packed(across, dtype)
+    for j, target in enumerate(local):
+        bends[:, j + 1] = packed(target, dtype)
+        twist[:, j] = packed(angles[j][:, None], dtype)
+    return Rest(bends, twist, tension, stiffer)
+
+
+def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags: Flags, dtype: Any) -> State:
+    """The state of strands at rest, at ``positions`` with these ``edges`` in the world; arrays that the flags leave out
+    have one pack."""
+    packs, n, _ = rest.tension.shape
+    rows = aligned((packs, n, 3 * PACK), dtype)
+    for j, edge in enumerate(edges):
+        rows[:, j] = packed(edge, dtype)
+
+    def zeros(needed: bool) -> NDArray[Any]:
+        return aligned((packs if needed else 1, n, 3 * PACK), dtype)
+
+    if dtype != np.float32:
+        single = positions
+        positions = aligned(single.shape, dtype)
+        positions[...] = single
+    return State(
+        edges=rows,
+        velocity=zeros(True),
+        before=zeros(flags.second),
+        moved=zeros(flags.second),
+        tension=rest.tension,
+        push=zeros(flags.solids),
+        touching=aligned((packs if flags.solids else 1, PACK), dtype),
+        twist=rest.twist,
+        positions=positions,
+        residuals=np.zeros((packs, PACK), dtype),
+    )
+
+
+def material_of(matter: Matter, rest: Rest, dtype: Any) -> Material:
+    """The material as the kernel reads it."""
+    return Material(
+        packed(matter.lengths[:, None], dtype), packed(rest.stiffness[:, None], dtype), matter.mass.astype(dtype),
+        matter.joint.astype(dtype), rest.bends,
+    )  # fmt: skip
+
+
+def forcing_of(groom: Groom, packs: int, dtype: Any) -> Forcing:
+    """What moves strands, before a first step has set its numbers."""
+    return Forcing(
+        packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
+        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype),
+    )  # fmt: skip
