@@ -1,4 +1,4 @@
-"""How strands move: the source's rules, and rods."""
+"""Simulation of strands: two solvers, the source's rules, contact, and the errors of a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person should know before a run that is possible, but hardly what was meant."""
+"""Warnings about scenes that can be run, but are hardly what was meant."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 DEEP = 1.0
-"""Segments that a root must be below a surface for its strand not to get out: the next particle reaches no further."""
+"""Depth of a root, in segments, from which its strand cannot get out: the next particle reaches no further."""
 COARSE = 0.01
-"""Of a segment: a step from one number of single precision to the next that shows in the shapes of strands."""
+"""Spacing of single-precision numbers, as a share of a segment, that shows in the shapes of strands."""
 LOOKED_AT = 1000
-"""Roots that are looked at in every frame, of which every strand in between is one: a solid swallows many at once."""
+"""Roots that are looked at in every frame, evenly chosen; a solid swallows many at once."""
 GRAZED = 0.02
-"""Share of the roots below which a solid that moves on has only brushed the emitter."""
+"""Share of the roots from which on a moving solid counts as swallowing them; below, it only brushes the emitter."""
 RETURNED = 1e-6
 """Metres, and parts of a rotation matrix, by which a motion that repeats may end off where it began."""
 SMALL = 0.5
@@ -93,7 +93,8 @@ def _broken_loops(scene: Scene) -> list[str]:
 
 
 def softness(scene: Scene, groom: Groom) -> list[str]:
-    """One line where strands are too soft for the sag-free start that the scene asks for: `sag_free` stiffens them."""
+    """One line where strands are too soft for the sag-free start that the scene asks for, so that `sag_free` stiffens
+    them."""
     if scene.solver != "rod" or scene.rod.rest != "sag_free":
         return []
     n = scene.emitter.particles - 1

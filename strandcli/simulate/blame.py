@@ -1,4 +1,4 @@
-"""Which rule threw a strand off: the strand's own history, run again alone, with its last step taken rule by rule.
+"""Finds the rule that threw a strand off: runs the strand's history again alone, and its last step rule by rule.
 
 A strand under the source's rules does not depend on the others, so its history alone is cheap: one block instead of
 thousands. The step that spoils it is then taken as plain Python, and after every rule the particle is looked at.
@@ -28,7 +28,7 @@ REMEDIES = {
 }
 UNKNOWN = "{path} comes from elsewhere: what it adds has to shrink with the step"
 MOST_STEPS = 20_000
-"""Steps of history that are run again; a run that fails later is told without its rule."""
+"""Steps of history that are run again at the most; a failure after more is reported without its rule."""
 
 
 def cause(solver: Any, frame: int, strand: int) -> tuple[str, str]:

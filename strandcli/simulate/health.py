@@ -1,6 +1,6 @@
-"""When a run has gone wrong: the bounds beyond which it stops, and what it says then.
+"""Bounds on the errors of a frame, beyond which a run stops, and the message that it stops with.
 
-Bounds are far beyond the errors that a sound run reports, and well before numbers overflow.
+The bounds are far above the errors that a sound run reports, and far below where numbers overflow.
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ from . import blame
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
 """Greatest error of a segment's length, as a share. The source's strands are judged where a preset lists elasticity,
-and stretch all the same where a rule after it moves them; a rod's lengths are exact but for rounding, which is allowed
-for."""
+but rules after it stretch them all the same; a rod's lengths are exact but for rounding, which is allowed for."""
 RESIDUAL_MOST = 1.0
-"""Greatest error that a solver's iterations may leave: an edge that is off by its own length."""
+"""Greatest error that a solver's iterations may leave, as a share of a segment's length."""
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
 """Error of a distance between two points in single precision, for each metre of their coordinates."""
 
@@ -37,8 +36,8 @@ class Trouble(NamedTuple):
 
 
 def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = True) -> Trouble | None:
-    """What is wrong with a frame whose errors are these; None where all is well. Where its positions were given and not
-    ``simulated``, no rule is to blame."""
+    """The first thing that is wrong with a frame of these errors; None where nothing is. Where its positions were given
+    and not ``simulated``, no rule is named as the cause."""
     scene = solver.scene
     where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
     if error["nonfinite"]:

@@ -1,4 +1,4 @@
-"""What rods are made of, and how stiff that makes them."""
+"""Material of rods: density, radius and Young's modulus, and the masses and rigidities that follow."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ STIFFEST = 1e30
 """Rigidity of a joint in 1/s² beyond which no step of time sees a strand bend; single precision ends soon after."""
 
 TORSION = {False: 4.0, True: 0.25}
-"""Torsional over bending rigidity, of grooms with coils where True; a round rod's is 0.75. As nothing resists twist but
-this, straight strands get more of it; of coils it is what limits the step, and they get less."""
+"""Torsional over bending rigidity, of grooms with coils where True; a round rod's is about 0.75. Nothing else resists
+twist, so straight strands get more; for coils it limits the step, so they get less."""
 CONTRAST = 1e5
-"""Ratio of the stiffest joint to the softest above which single precision is not enough: what rounding leaves at the
-one is a load to the other. A tip twenty times as thick as the root has it, and none that a preset can ask for."""
+"""Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the one are
+a load to the other. Reached by a tip some twenty times as thick as the root."""
 THROW = 1e6
-"""Segments that a strand would fall in a step, were it free, above which single precision is not enough: tension is
-that many times the inertia, and leaves too few digits to it."""
+"""Segments that a free strand would fall in a step above which single precision is not enough: tension is that many
+times the inertia, and leaves it too few digits."""
 STEADIEST = 20
-"""Segments up to which a sag-free start holds still to 1e-6 of its length in single precision: its joints bear as much
-as a natural shape that turns by radians, and beyond, what rounding leaves of that moves it by 1e-5 (of 1,000)."""
+"""Segments up to which single precision holds a sag-free strand still to 1e-6 of its length. Rounding of the moments in
+its joints moves longer ones more: by 1e-5 with 1,000 segments."""
 
 
 def matter(rod: Rod) -> tuple[float, float, float]:
-    """Density, radius at the root and Young's modulus: the material's, or what is written beside it."""
+    """Density, radius at the root and Young's modulus: those of the named material, where none are given."""
     return tuple(  # type: ignore[return-value]
         own if given is None else given
         for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
@@ -48,7 +48,7 @@ def rigidity(rod: Rod) -> float:
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(strands,) rigidities of a joint at the root in 1/s², of segments of these lengths in m."""
+    """(strands,) B / (ρ A ℓ⁴) in 1/s², the rigidity of a joint at the root, for segments of these lengths in m."""
     return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
 
 

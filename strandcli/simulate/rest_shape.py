@@ -1,4 +1,4 @@
-"""Rest bends as `kernels.rod_curl` reads them: in frames that are carried along each strand."""
+"""Rest bends as `kernels.rod_curl` reads them, in frames that are parallel-transported along each strand."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ COILED = 0.9
 
 
 def carried(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple[Floats, Floats]:
-    """A unit vector across each of the ``axes`` (strands, 3) that strands are clamped along, and the ``bends``
-    (N, strands, 3) of joints by the frame of the edge before each: along that edge and two ways across it.
+    """(strands, 3) a unit vector across each of the ``axes`` that strands are clamped along, and (N, strands, 3) the
+    ``bends`` in the frame of the edge before each joint: along that edge and along two directions across it.
 
-    Frames are carried along the ``edges`` (N, strands, 3) without twist and then turned by ``angles`` (N, strands)
-    about them; that of the clamp is not."""
+    axes (strands, 3), edges and bends (N, strands, 3). Frames are parallel-transported along the ``edges`` and then
+    turned about them by ``angles`` (N, strands); that of the clamp is not turned."""
     first = a = frame(axes)[0]
     t, local = axes, np.empty_like(bends)
     for j in range(len(edges)):
@@ -37,9 +37,10 @@ def carried(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple
 
 
 def unit_edges(groom: Groom, n: int) -> tuple[list[Floats], bool]:
-    """(strands, 3) unit vectors, edge by edge from the root, in the emitter's frame. An edge whose ends coincide takes
-    the direction of the one before it, the first that of the strand, for no iteration finds any from nothing; whether
-    there are such edges."""
+    """N arrays (strands, 3) of unit vectors from the root on, in the emitter's frame, and whether some had no length.
+
+    Such an edge takes the direction of the one before it, the first that of the strand, since no iteration finds a
+    direction from nothing. Where all strands are straight, all edges are the same array."""
     before = groom.directions.astype(np.float64)
     edges, mended = [], False
     for j in range(n):

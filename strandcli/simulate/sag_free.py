@@ -1,14 +1,14 @@
-"""Rest bends by which strands hang still in the shape that they are emitted in, and how stiff they have to be for it.
+"""Rest bends with which strands hang still in the shape that they are emitted in, and the stiffness that this takes.
 
-Statics. A strand is statically determinate: from the tip to the root, all that hangs on an edge is its tension and the
-difference of the moments at its ends, so the moments follow from shape and weight alone. A joint that is bent by b
-beyond its rest gives the moment κ b, however large b is: the targets of bends need not lead to unit vectors. What of a
-moment is about an edge turns the frames by which targets are carried (`kernels.rod_curl`).
+Statics. A strand is statically determinate: from the tip to the root, tension and the difference of the moments at an
+edge's ends carry all the weight beyond it, so the moments follow from shape and weight alone. A joint that is bent by b
+beyond its rest has the moment κ b, however large b is: rest bends need not lead to unit vectors. The part of a moment
+about an edge is carried by twist, which turns the frames of the rest bends (`kernels.rod_curl`).
 
-Stability. Any groom can be balanced so, but a soft one as a pencil is on its tip, or a mousetrap: upright strands
-buckle, and level ones, whose natural shape is then a coil of many turns, snap into it when touched. What rest shapes
-cannot do is asked of the material (as by Derouet-Jourdan, Bertails-Descoubes & Thollot 2010, "Stable Inverse Dynamic
-Curves"): a strand is made stiffer until
+Stability. Any groom can be balanced so, but the equilibrium of a soft one is unstable: upright strands buckle, and
+level ones, whose natural shape is then a coil of many turns, snap into it when touched. What rest shapes cannot do is
+asked of the material (Derouet-Jourdan, Bertails-Descoubes & Thollot 2010, "Stable Inverse Dynamic Curves"): a strand is
+made stiffer until
 
 - it would not even buckle if it were tilted by `TILT`, all of its weight times `SAFETY`; and
 - nowhere along it does its natural shape turn away from the emitted one by more than `TURNS`.
@@ -28,16 +28,18 @@ from ..constants import FOLD
 Floats = NDArray[np.float64]
 
 TILT = np.radians(30)
+"""Radians by which strands may be tilted without buckling."""
 SAFETY = 1.5
+"""Factor of the weight that they bear so."""
 TURNS = np.pi / 2
-"""Radians for a torsional rigidity that is that of bending; with its root, as loads go under which beams tip sideways
-(Prandtl 1899)."""
+"""Radians that a natural shape may turn away where torsional and bending rigidity are equal. In proportion to the root
+of their ratio, as is the load under which a beam tips sideways (Prandtl 1899)."""
 HALVINGS = 40
 """Of the range in which the least stiffness lies, on a scale of logarithms."""
 
 
 class Held(NamedTuple):
-    """What holds strands in their shape."""
+    """Rest bends and forces that hold strands in their shape."""
 
     bends: Floats
     """(N, strands, 3) bends beyond rest."""
@@ -52,10 +54,11 @@ class Held(NamedTuple):
 def hold(
     axes: Floats, edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, torsion: float, pull: Floats
 ) -> Held:  # fmt: skip
-    """What holds strands still that are clamped along ``axes`` (strands, 3) and whose unit ``edges`` are (N, strands,
-    3), root to tip, of particles' relative ``mass`` and joints' relative rigidity ``joint``, (N,) both, and of
-    ``stiffness`` (strands,) B / (ρ A ℓ⁴) in 1/s² and ``torsion`` times that against twist, under the ``pull``
-    (strands, 3) of gravity in segments/s²."""
+    """Rest bends, twist, tension and stiffness with which strands hang still.
+
+    axes (strands, 3): unit vectors along which they are clamped; edges (N, strands, 3): unit vectors, root to tip; mass
+    and joint (N,): relative masses of particles and rigidities of joints; stiffness (strands,): B / (ρ A ℓ⁴) in 1/s²;
+    torsion: torsional over bending rigidity; pull (strands, 3): gravity in segments/s²."""
     forces, twist = np.zeros_like(edges), np.zeros(edges.shape[:2])
     tension, load = np.zeros_like(twist), np.zeros_like(twist)
     moment, weight = np.zeros_like(edges[0]), np.zeros_like(edges[0])
@@ -67,7 +70,7 @@ def hold(
         tension[j] = along + (after * e).sum(1)
         off = np.arccos(np.clip(along / np.maximum(size, 1e-300), -1, 1))
         load[j] = tension[j] - along + size * np.cos(np.minimum(off + TILT, np.pi))
-        # of the moment that carries all beyond, what is about the edge is twist, the rest bends
+        # the moment that carries all beyond: its part about the edge twists, the rest bends
         moment = moment - np.cross(e, weight)
         twist[j] = (moment * e).sum(1)
         open = np.maximum(1 + (e * before).sum(1), FOLD)
@@ -81,7 +84,8 @@ def hold(
 
 
 def _stand(load: Floats, joint: Floats, stiffness: Floats) -> Floats:
-    """(strands,) the least stiffness, from that given on, at which strands of these tensions (N, strands) stand."""
+    """(strands,) the least stiffness, at least that given, at which strands of these tensions (N, strands) are
+    stable."""
     weak = np.flatnonzero(~_stable(load, joint, stiffness))
     if not len(weak):
         return stiffness
@@ -99,8 +103,8 @@ def _stand(load: Floats, joint: Floats, stiffness: Floats) -> Floats:
 
 
 def _stable(load: Floats, joint: Floats, stiffness: Floats) -> NDArray[np.bool_]:
-    """(strands,) whether the energy of turning edges aside, κ_j |v_j − v_{j−1}|² and load_j |v_j|², is positive: by the
-    pivots of its matrix."""
+    """(strands,) whether strands are stable: whether the energy of small turns v_j of edges, the sum of
+    κ_j |v_j − v_{j−1}|² + load_j |v_j|², is positive definite, by the pivots of its tridiagonal matrix."""
     good = np.ones(len(stiffness), np.bool_)
     past = np.full(len(stiffness), np.inf)
     for j in range(len(joint)):

@@ -64,12 +64,12 @@ class Solver(ABC):
         return None
 
     def residual(self) -> float | None:
-        """The greatest of them; NaN where one is."""
+        """The greatest of `strand_residuals`; NaN where one is, None where there are none."""
         found = self.strand_residuals()
         return None if found is None else float(found.max())
 
     def advance(self, frame: int) -> None:
-        """Move on to a frame (1 is the start, after the pre-roll)."""
+        """Simulate up to a frame; 1 is the start, after the pre-roll."""
         time = self.scene.time
         dt = 1.0 / (time.fps * time.substeps)
         if self._frame == 0:

@@ -29,6 +29,7 @@ from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from .contact_place import CARRIED, CENTRE, ROUND, SIZE
 from .contact_shapes import LEAST, TINY, edges_of, nearest
 from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH, MOBILITY, PACK
+from .vectors import add_scaled, dot, select
 
 SLACK = 1e-6
 """Depth, as a share of an edge, up to which it counts as rounding; far from the origin that of coordinates is more."""
@@ -40,24 +41,6 @@ UNBOUND = 1e18
 """Limit of d·axis where no solid has turned an edge yet."""
 LEAST_MOBILITY = 1e-6
 """Least share of its own mobility that a particle is taken to have."""
-
-
-@inlined
-def dot(a, b):
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inlined
-def add_scaled(a, f, b):
-    """a + f b."""
-    return a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]
-
-
-@inlined
-def select(mask, a, b):
-    """a where a mask holds, else b; vectors of three."""
-    return where(mask, a[0], b[0]), where(mask, a[1], b[1]), where(mask, a[2], b[2])
 
 
 @inlined

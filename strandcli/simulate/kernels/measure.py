@@ -1,4 +1,4 @@
-"""How far a frame is from what it should be, one number a block and kind of error."""
+"""Errors of a frame: stretch, coordinates that are not finite, and depths in solids; one number a block."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ROW = 3 * W
 
 @parallel
 def strands(positions, lengths, out):
-    """Stretch and non-finite coordinates.
+    """Set the greatest stretch and the number of coordinates that are not finite.
 
     positions (blocks, n + 1, 3 W), lengths (blocks, W); out (blocks, 2) float32: greatest | |e_i| / L − 1 |, and the
     number of coordinates that are not finite.
@@ -47,7 +47,7 @@ def strands(positions, lengths, out):
 
 @parallel
 def depths(positions, solids, out):
-    """Greatest depth of a particle and of any place of a segment inside a solid, metres.
+    """Set the greatest depth of a particle and that of any place of a segment in a solid, metres.
 
     positions as above; solids: a `strandcli.solids.Solids`; out (blocks, 2) float32. Roots are left out, for no solver
     moves them, and of the first segment only what is deeper than its root counts.
@@ -62,7 +62,7 @@ def depths(positions, solids, out):
 
 @function
 def deepest(positions, b, solids):
-    """Both of block b."""
+    """Greatest depth of a particle of block b, and of any place of its segments, in solids of the four shapes."""
     spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
     x = pointer(positions)
     balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
@@ -103,5 +103,5 @@ def deepest(positions, b, solids):
 
 @inlined
 def beyond_root(depth, under, first):
-    """A segment's depth; of the ``first``, whose root is ``under`` the surface, what is deeper than that."""
+    """Depth of a segment; of the ``first``, by how much it is deeper than its root, which is ``under`` the surface."""
     return depth - max(under, 0.0) if first else depth

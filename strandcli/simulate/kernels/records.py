@@ -1,7 +1,8 @@
-"""What the kernels of a rod's step are given: flat tuples of pointers and numbers.
+"""Arguments of the kernels of a rod's step, as flat tuples of pointers and numbers.
 
-P packs of S = `rod.PACK` strands with N segments each; (P, N, 3 S) holds x of all strands of a pack, then y, then z.
-The driver fills `State`, `Material` and `Forcing` with arrays of one floating type; kernels see pointers to them.
+P packs of S = `rod_scratch.PACK` strands with N segments each; (P, N, 3 S) holds x of all strands of a pack, then y,
+then z. The driver fills `State`, `Material` and `Forcing` with arrays of one floating type; kernels see pointers to
+them.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class State(NamedTuple):
     touching: Any
     """(P, S) 1 for strands with forces of contact; needed with solids."""
     twist: Any
-    """(P, N, S) angles by which frames are turned about their edges, radians; needed by curled strands."""
+    """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     positions: Any
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
@@ -48,19 +49,19 @@ class State(NamedTuple):
 
 
 class Material(NamedTuple):
-    """What strands are made of."""
+    """What strands are made of, and their rest shapes."""
 
     lengths: Any
     """(P, S) of a segment, metres."""
     stiffness: Any
     """(P, S) B / (ρ A ℓ⁴), 1/s²."""
     mass: Any
-    """(N,) relative mass of a particle, drag times step included; the tip has 1/2."""
+    """(N,) relative mass of a particle, times 1 + drag h; the tip has 1/2."""
     joint: Any
     """(N,) relative rigidity of the joint before an edge; the root has 2."""
     bends: Any
-    """(P, N + 1, 3 S) row 0 a unit vector across the clamped direction, in the emitter's frame, then the rest value of
-    c_j in the frame carried along the strand; needed by curled strands."""
+    """(P, N + 1, 3 S) row 0 a unit vector across the clamped direction, in the emitter's frame, which the frame of the
+    clamp begins with; then the rest value of each c_j in the frame of the edge before it. Needed by curled strands."""
 
 
 class Forcing(NamedTuple):
@@ -79,37 +80,37 @@ class Forcing(NamedTuple):
 
 
 class Flags(NamedTuple):
-    """What a scene needs; numbers at run time, for each variant of the kernel would take seconds to compile."""
+    """What a scene needs. Tested at run time: each variant of the kernel would take seconds to compile."""
 
     second: Any
-    """Whether there is room for BDF2."""
+    """Whether the state has what BDF2 needs."""
     curled: Any
     """Whether rest shapes are curved."""
     solids: Any
     """Whether there are solids."""
     segments: Any
-    """Whether solids keep whole segments out."""
+    """Whether solids keep whole segments out, and not only particles."""
 
 
 class Place(NamedTuple):
-    """Where the arrays hold a vector of strands."""
+    """Places of a vector of strands in the arrays: of its first lane, as flat indices."""
 
     segments: Any
     """N."""
     strand: Any
-    """Place in (P, S)."""
+    """In (P, S)."""
     edge: Any
-    """Of the first segment in (P, N, 3 S)."""
+    """In (P, N, 3 S), of the first segment."""
     tension: Any
-    """Of the first segment in (P, N, S)."""
+    """In (P, N, S), of the first segment."""
     bend: Any
-    """Of the first row in (P, N + 1, 3 S)."""
+    """In (P, N + 1, 3 S), of the first row."""
     position: Any
-    """Of row 0 in the positions."""
+    """In the positions, of row 0."""
 
 
 class Scheme(NamedTuple):
-    """How a particle's free motion is predicted."""
+    """Time integration: how a particle's free displacement is predicted."""
 
     third: Any
     """1/3 for BDF2, 0 for Euler's method."""
@@ -120,16 +121,16 @@ class Scheme(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What keeps strands out of solids."""
+    """Solids and the numbers of contact."""
 
     solids: Any
-    """As `contact_shapes.nearest` takes them."""
+    """Pairs of rows and their size, as `contact_shapes.nearest` takes them."""
     any_solids: Any
     """Whether there are any."""
     segments: Any
     """Whether whole segments are kept out."""
     reach: Any
-    """How far an acceleration of 1 m/s² takes a free particle in a step, metres."""
+    """Displacement of a free particle by 1 m/s² in a step, metres."""
     duration: Any
     """Of the step, seconds."""
     friction: Any
@@ -142,7 +143,7 @@ class Segment(NamedTuple):
     """A segment of a vector of strands whose end is tested against solids."""
 
     scratch: Any
-    """Its place in the scratch."""
+    """Its place in the scratch (`rod_scratch`)."""
     row: Any
     """Its place in (P, N, 3 S)."""
     position: Any

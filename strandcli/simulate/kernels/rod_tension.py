@@ -32,6 +32,16 @@ from .rod_scratch import (
     SEGMENT,
     vectors_for,
 )
+from .vectors import (
+    add_scaled,
+    combined,
+    less_outer,
+    less_symmetric,
+    matrix_product,
+    scaled,
+    sum_of,
+    symmetric_product,
+)
 
 TINY = 1e-30
 SHORT = 1 / 16
@@ -61,7 +71,7 @@ def filter_forward(s, n, mass, foreseen):
     """
     zero = broadcast(s, 0.0)
     noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
-    # covariances of the state before the observation: symmetric ones by xx, xy, xz, yy, yz, zz, others by rows
+    # covariances of the state before the observation, as `vectors` has matrices
     particle = noise, zero, zero, noise, zero, noise
     mixed = noise, zero, zero, zero, noise, zero, zero, zero, noise
     edge = noise, zero, zero, noise, zero, noise
@@ -88,9 +98,9 @@ def filter_forward(s, n, mass, foreseen):
             mean_edge = sum_of(mean_edge, load3(s, o + SEGMENT + LOAD, 1))
         mean_particle = sum_of(mean_particle, mean_edge)
         # what the observation changes, all that waits for the division
-        mean_particle = add_scaled(mean_particle, h, seen)
-        mean_edge = add_scaled(mean_edge, k, seen)
-        gain, edge_gain = scaled(h, precision), scaled(k, precision)
+        mean_particle = add_scaled(mean_particle, seen, h)
+        mean_edge = add_scaled(mean_edge, seen, k)
+        gain, edge_gain = scaled(precision, h), scaled(precision, k)
         store3(s, particle_gain(n, j), 1, gain[0], gain[1], gain[2])
         store3(s, o + EDGE_GAIN, 1, edge_gain[0], edge_gain[1], edge_gain[2])
         particle = less_symmetric(particle, gain, h)
@@ -175,62 +185,3 @@ def smooth_backward(s, n, j, ahead):
     particle = mx - g * wx, my - g * wy, mz - g * wz
     edge = f * wx + x * change, f * wy + y * change, f * wz + z * change
     return change, (particle, edge, (load(s, o + EDGE_FACTOR), load(s, o + PARTICLE_FACTOR)))
-
-
-@inlined
-def matrix_product(m, v):
-    """A matrix by rows times a vector."""
-    x, y, z = v
-    return m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z
-
-
-@inlined
-def symmetric_product(m, v):
-    """A symmetric matrix (xx, xy, xz, yy, yz, zz) times a vector."""
-    x, y, z = v
-    return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
-
-
-@inlined
-def less_outer(m, a, b):
-    """A matrix by rows less a bᵀ."""
-    x, y, z = b
-    return (
-        m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
-        m[3] - a[1] * x, m[4] - a[1] * y, m[5] - a[1] * z,
-        m[6] - a[2] * x, m[7] - a[2] * y, m[8] - a[2] * z,
-    )  # fmt: skip
-
-
-@inlined
-def less_symmetric(m, a, b):
-    """A symmetric matrix less a bᵀ, where that is symmetric."""
-    x, y, z = b
-    return (
-        m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
-        m[3] - a[1] * y, m[4] - a[1] * z, m[5] - a[2] * z,
-    )  # fmt: skip
-
-
-@inlined
-def sum_of(a, b):
-    """a + b, three coordinates."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@inlined
-def scaled(a, f):
-    """f a."""
-    return a[0] * f, a[1] * f, a[2] * f
-
-
-@inlined
-def add_scaled(a, b, f):
-    """a + f b."""
-    return a[0] + b[0] * f, a[1] + b[1] * f, a[2] + b[2] * f
-
-
-@inlined
-def combined(f, a, g, b):
-    """f a − g b."""
-    return f * a[0] - g * b[0], f * a[1] - g * b[1], f * a[2] - g * b[2]

@@ -1,8 +1,8 @@
-"""A work queue: threads take tasks one after the other, so that none waits for a slow one.
+"""A work queue, from which threads take tasks one after the other, so that none waits for a slow one.
 
 A descriptor, an int64 array, holds what all threads need: the number of the next task, how many tasks there are, and
-then whatever the work itself reads, such as addresses. Numba compiles the body of a parallel loop three times, with all
-that it calls. So that body calls compiled code by its address.
+then what the work itself reads, such as addresses. Numba compiles the body of a parallel loop three times, with all
+that it calls; so here that body calls compiled code by its address.
 """
 
 from __future__ import annotations
