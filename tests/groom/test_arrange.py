@@ -101,7 +101,7 @@ def test_positions_are_taken_in_the_order_of_emission() -> None:
     np.testing.assert_array_equal(taken.positions, run.positions)
     np.testing.assert_allclose(run.particles()[:, 0], groom.roots, atol=1e-6)
     np.testing.assert_allclose(run.rest_lengths(), groom.lengths / 3, rtol=1e-6)
-    run.residuals.reshape(-1)[: run.strands] = run.groom.places
+    run.state.residuals.reshape(-1)[: run.strands] = run.groom.places
     np.testing.assert_array_equal(run.strand_residuals(), np.arange(run.strands))
 
 

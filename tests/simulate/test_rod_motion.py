@@ -147,7 +147,7 @@ def test_a_strand_falls_in_a_moving_frame_as_in_one_at_rest(integrator: str) -> 
     settings = {**FREE, "rod.integrator": integrator, "rod.precision": "double", "emitter.strands": 1}
     still = moving(10.0, [{"time": 0}], **settings)
     carried = moving(10.0, keys, **settings)
-    carried.velocity[...] = np.repeat([0.6, 0.0, 0.4], carried.velocity.shape[-1] // 3)
+    carried.state.velocity[...] = np.repeat([0.6, 0.0, 0.4], carried.state.velocity.shape[-1] // 3)
     for i in range(60):
         for solver in (still, carried):
             solver.step((i + 1) / 60, 1 / 60)
