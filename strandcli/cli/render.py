@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -173,13 +173,8 @@ def _run(
             progress.line(f"warning: {message}")
 
     from .. import compile_ahead, runtime
-    from ..output.report import of_another_film, read_report
 
-    numbers = (*writer.wanted, *writer.written)
-    others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
-    if others:
-        there = f"{count_frames(len(others))} there of another scene or other settings, such as {others[0]}"
-        warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
+    _warn_of_others(writer, warn)
     for words in report.plan_warnings:
         warn(words)
     before = runtime.compile_seconds()  # a study may have compiled already
@@ -195,14 +190,9 @@ def _run(
                 from .. import pipeline
 
                 found = pipeline.render(
-                    scene,
-                    writer.wanted,
-                    threads=threads,
-                    positions=positions,
-                    keep_going=keep_going,
-                    notify=progress.note,
-                    warn=warn,
-                )
+                    scene, writer.wanted, threads=threads, positions=positions, keep_going=keep_going,
+                    notify=progress.note, warn=warn,
+                )  # fmt: skip
                 for frame in found:
                     report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
@@ -223,6 +213,17 @@ def _run(
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
     return data
+
+
+def _warn_of_others(writer: FrameWriter, warn: Callable[[str], None]) -> None:
+    """Warn where the folder holds frames of another scene or other settings, which this run leaves there."""
+    from ..output.report import of_another_film, read_report
+
+    numbers = (*writer.wanted, *writer.written)
+    others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
+    if others:
+        there = f"{count_frames(len(others))} there of another scene or other settings, such as {others[0]}"
+        warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
 
 
 def _report(

@@ -32,10 +32,6 @@ FOR_KERNELS = (
 KNOWN: dict[str, set[str]] = {
     "files": set(),
     "functions": {
-        "strandcli.cli.render:_run",
-        "strandcli.draw.coverage.kernels.ribbon:ribbon",
-        "strandcli.draw.geometry.kernels.curves:flatten",
-        "strandcli.draw.zbuffer.kernels.raster:ribbon",
         "strandcli.simulate.rules.collision_segments:capsule",
     },
     "arguments": set(),

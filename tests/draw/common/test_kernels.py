@@ -12,10 +12,11 @@ from numba import typeof
 from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.draw.common.kernels import surface_batch
-from strandcli.draw.coverage.kernels import column_light, masks
+from strandcli.draw.coverage.kernels import cells, column_light, fragments, masks
+from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
 from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import curves, joints, silhouette, tangents
+from strandcli.draw.geometry.kernels import curves, joints, ribbon, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import (
     filter_window,
@@ -49,20 +50,37 @@ SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
 RAY = penumbra.LightRay(*[ONE] * 7)
 
 SLOPE = DepthSlope(*4 * (ONE,))
+RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
+TILE = cells.Target(0, 8, 0, 8, 4, ROW, np.zeros(64, np.int32), np.zeros(64, np.int32))
+STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
     "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
     "reach": (curves.reach, (*[ONE] * 7, ROW)),
     "into": (into, (ONE, ONE, ONE, ROW)),
+    "bezier": (curves.bezier, (ONE,) * 5),
     "cubic": (curves.cubic, (ONE, ONE, ONE)),
     "slack": (curves.slack, (ONE, ONE, ONE)),
     "forward": (project.forward, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "throw": (project.throw, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
-    "line": (raster.line, (*[ONE] * 6, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
+    "line": (raster.draw_line, (*[ONE] * 6, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
-    "ribbon": (raster.ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
-    "front": (raster.front, (*7 * (ONE,), SLOPE)),
+    "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
+    "measure ribbon": (ribbon.measure_ribbon, (TABLE, 1, 0, 4, ONE, ONE, True)),
+    "cross section": (ribbon.cross_section, (RIBBON, *4 * (ONE,), SLOPE)),
+    "round depth": (ribbon.round_depth, (RIBBON, *4 * (ONE,))),
+    "draw across": (
+        raster.draw_across,
+        (RIBBON, raster.Ends(True, True, ONE, ONE), 1, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS),
+    ),
+    "measure band": (coverage_ribbon.measure_band, (RIBBON,)),
+    "find cells of a band": (coverage_ribbon.find_cells, (RIBBON, ONE, ONE, TILE)),
+    "cover cell": (
+        coverage_ribbon.cover_cell,
+        (RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, 0, 0, TILE, 0),
+    ),
+    "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
     "covered": (masks.covered, (KEYS, TABLE, ROW, 1, ONE, ONE)),
     "column light": (
         column_light.column_light,

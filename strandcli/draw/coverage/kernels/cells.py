@@ -101,6 +101,21 @@ class Work(NamedTuple):
     """(INTEGERS * CELLS,) what of cells is whole."""
 
 
+@inlined
+def add_fragment(target, m, depth, alpha, vertex, place, pixel):
+    """Add a fragment to the m found before, of which as many are kept as find room; returns m + 1.
+
+    target: `Target`; vertex, place: of its segment as in `tiles`; pixel: within the tile.
+    """
+    o = min(m, np.int64(target.found.shape[0] // NUMBERS - 1)) * NUMBERS
+    target.found[o] = np.float32(depth).view(np.int32)
+    target.found[o + 1] = np.float32(alpha).view(np.int32)
+    target.found[o + 2] = vertex
+    target.found[o + 3] = place << PIXEL_BITS | pixel
+    target.counts[pixel] += 1
+    return m + 1
+
+
 @device
 def cover_cells(work, n, target, m):
     """Add what the first n cells cover of a tile, but for what a solid hides, to the m fragments found before; returns

@@ -24,9 +24,10 @@ from .cells import (
     VERTEX,
     ZERO,
     H,
+    add_fragment,
     cover_cells,
 )
-from .ribbon import ribbon
+from .ribbon import cover_ribbon
 from .segments import (
     ACROSS,
     BEGIN,
@@ -52,7 +53,7 @@ from .segments import (
     measure_segments,
 )
 from .tile_binning import BLOCK, LOW, SHIFT
-from .tiles import NUMBERS, ROW_BITS
+from .tiles import ROW_BITS
 
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
@@ -163,19 +164,12 @@ def add_solids(solids, base, width, target):
     """Add what solids cover of the tile's pixels that they cover in part, as vertices from number `base` on; returns
     how many fragments these are."""
     m = np.int64(0)
-    room = np.int64(target.found.shape[0] // NUMBERS - 1)
     pixels = solids.pixels
     for e in range(np.searchsorted(pixels, target.top * width), np.searchsorted(pixels, target.bottom * width)):
         x = pixels[e] % width
         if target.left <= x < target.right and solids.cover[e] > ZERO:
             pixel = (pixels[e] // width - target.top) << ROW_BITS | (x - target.left)
-            o = min(m, room) * NUMBERS
-            target.found[o] = np.int32(np.float32(solids.depth[e]).view(np.int32))
-            target.found[o + 1] = np.int32(np.float32(solids.cover[e]).view(np.int32))
-            target.found[o + 2] = base + e
-            target.found[o + 3] = pixel
-            target.counts[pixel] += 1
-            m += 1
+            m = add_fragment(target, m, solids.depth[e], solids.cover[e], base + e, 0, pixel)
     return m
 
 
@@ -213,7 +207,7 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
             if after > row.high:
                 return n, m
             if way == RIBBON:
-                m = ribbon(strands, widths, after, row.begin, row.end, target, m)
+                m = cover_ribbon(strands, widths, after, row.begin, row.end, target, m)
             if way != run:
                 start = pieces[BEGIN + i] if v >= row.low else start
                 run = way

@@ -1,27 +1,28 @@
-"""Pieces of strands that are wide: bands cut at mitred joints, so that a bend shows no notch.
+"""What wide segments of strands cover of a tile: bands cut at mitred joints, so that a bend shows no notch.
 
 Within a pixel the band is exact; what lies beyond an end is taken off by how far the pixel's middle is past the joint's
-line, and the next piece takes just that. The band's depth is that of a strand's round side toward the eye, or strands
-that touch would be seen in the wrong order.
+line, and the next segment covers just that. The band's depth is that of a strand's round side toward the eye, or
+strands that touch would be seen in the wrong order.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ....jit import device
-from ...geometry.kernels.joints import mitre
-from ...zbuffer.kernels.raster import front
-from .tiles import NUMBERS, PIXEL_BITS, ROW_BITS, fixed
+from ....jit import device, inlined
+from ...geometry.kernels.ribbon import cross_section, measure_ribbon, round_depth
+from .cells import add_fragment
+from .tiles import ROW_BITS, fixed
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 FLAT = np.float32(1 / 16)
-"""A slope of less is drawn as that: single precision needs it, and nobody sees it."""
+"""A lesser slope is drawn as this one: single precision needs it, and the difference cannot be seen."""
 FAINT = np.float32(1e-5)
 """Share of a cell that is not worth a fragment."""
 OPAQUE = np.float32(1 - 1 / 512)
@@ -29,106 +30,131 @@ OPAQUE = np.float32(1 - 1 / 512)
 TINY = np.float32(1e-30)
 
 
+class Band(NamedTuple):
+    """What is the same for all cells of a ribbon."""
+
+    per: np.float32
+    """One over the ribbon's way along."""
+    slope: np.float32
+    """Its rise across over its way along."""
+    tall: np.float32
+    """Half of its height across over its width."""
+    lean: np.float32
+    """How much further along the ribbon the nearest point of its middle lies, for each pixel aside."""
+    spread: np.float32
+    """The rise of its edges within a cell, pixels."""
+    inside0: np.float32
+    inside1: np.float32
+    """For the joint at each end, one over how far its line moves while it crosses a pixel."""
+
+
+class Cells(NamedTuple):
+    """The cells a_low <= a < a_high of a ribbon, of the rows b_low <= b < b_high; columns where a ribbon follows y."""
+
+    a_low: int
+    a_high: int
+    b_low: int
+    b_high: int
+
+
 @device
-def ribbon(strands, widths, v, begin, end, target, m):
+def cover_ribbon(strands, widths, v, begin, end, target, m):
     """Add what the segment from vertex v − 1 to v of the strand begin … end − 1 covers to the m fragments found before;
     returns how many there are then.
 
-    strands: `fragments.Strands`; widths: theirs; target: see `cells.Target`. Where the segment hides all that is
-    behind it, the pixel's occlusion depth comes forward to it: of a thousand wide strands in a pixel, few are in front
-    of all before them.
+    strands: `fragments.Strands`; widths: theirs; target: see `cells.Target`.
     """
     screen = strands.screen
-    lit_past = (v - 1 - begin) & (strands.stride - 1)  # how many vertices v − 1 is past a lit one
-    x0 = screen[v - 1, 0]
-    y0 = screen[v - 1, 1]
-    x1 = screen[v, 0]
-    y1 = screen[v, 1]
     w0 = ONE if widths is None else widths[v - 1]
     w1 = ONE if widths is None else widths[v]
-    dx = x1 - x0
-    dy = y1 - y0
-    flat = abs(dx) >= abs(dy)
-    size = ONE / math.sqrt(dx * dx + dy * dy)
-    dx *= size
-    dy *= size
-    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, size)
-    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, size)
-    reach0 = HALF * w0 / (mx0 * dx + my0 * dy)
-    reach1 = HALF * w1 / (mx1 * dx + my1 * dy)
-    # the box of the four corners, and half a pixel about it
-    west = min(x0 - reach0 * abs(my0), x1 - reach1 * abs(my1)) - HALF
-    east = max(x0 + reach0 * abs(my0), x1 + reach1 * abs(my1)) + HALF
-    above = min(y0 - reach0 * abs(mx0), y1 - reach1 * abs(mx1)) - HALF
-    under = max(y0 + reach0 * abs(mx0), y1 + reach1 * abs(mx1)) + HALF
-    x_low = np.int64(math.floor(max(west, np.float32(target.left))))
-    x_high = np.int64(math.ceil(min(east, np.float32(target.right))))
-    y_low = np.int64(math.floor(max(above, np.float32(target.top))))
-    y_high = np.int64(math.ceil(min(under, np.float32(target.bottom))))
-    u0 = x0 if flat else y0
-    v0 = y0 if flat else x0
-    per = ONE / (x1 - x0 if flat else y1 - y0)
-    slope = (y1 - y0 if flat else x1 - x0) * per
-    spread = max(abs(slope), FLAT)
-    narrow = ONE / spread
-    square = ONE + slope * slope
-    tall = HALF * math.sqrt(square)
-    # how much further along the piece the nearest point of its middle lies, for each pixel aside
-    lean = slope / square * per
-    q0 = screen[v - 1, 2]
-    rise = screen[v, 2] - q0
-    steep = rise * min(size, TWO / max(w0, w1))  # no further than its piece reaches
-    turn = ONE if (dx if flat else -dy) > ZERO else -ONE  # whether rows go the way of (−dy, dx)
-    cell_low = x_low if flat else y_low
-    cell_high = (x_high if flat else y_high) if x_low < x_high and y_low < y_high else cell_low
-    row_low = y_low if flat else x_low
-    row_high = y_high if flat else x_high
-    inside0 = ONE / (abs(mx0) + abs(my0))
-    inside1 = ONE / (abs(mx1) + abs(my1))
-    room = np.int64(target.found.shape[0] // NUMBERS - 1)
-    for c in range(cell_low, cell_high):
-        past = np.float32(c) + HALF - u0
-        t = min(max(past * per, ZERO), ONE)
-        h = tall * (w0 + t * (w1 - w0))
-        over = ONE / max(h, TINY)
-        middle = v0 + slope * past
-        at_x = u0 + past if flat else middle
-        at_y = middle if flat else u0 + past
-        half = HALF * (w0 + t * (w1 - w0))
-        forward, tilt = front(q0 + rise * t, half, steep, at_x, at_y, dx, dy, strands.depth_slope)
-        tilt *= turn
-        first = max(np.int64(math.floor(max(middle - h - spread, np.float32(row_low)))), row_low)
-        stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(row_high)))), row_high)
-        for row in range(first, stop):
-            x = c if flat else row
-            y = row if flat else c
-            pixel = (y - target.top) << ROW_BITS | (x - target.left)
-            rest = middle - np.float32(row)
-            # of what the pixel shows of the width
-            off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
-            t = min(max(past * per + lean * off, ZERO), ONE)
-            off *= over
-            q = q0 + rise * t + tilt * off + forward * math.sqrt(max(ONE - off * off, ZERO))
-            if not q >= target.occlusion_depth[pixel]:
-                continue
-            cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
-            px = np.float32(x) + HALF
-            py = np.float32(y) + HALF
-            entered = min(max(((px - x0) * mx0 + (py - y0) * my0) * inside0 + HALF, ZERO), ONE)
-            left_ = min(max(((px - x1) * mx1 + (py - y1) * my1) * inside1 + HALF, ZERO), ONE)
-            cover *= entered - left_
-            if cover > FAINT:
-                alpha = min(cover, ONE) * strands.opacity
-                if alpha > OPAQUE:
-                    target.occlusion_depth[pixel] = q
-                o = min(m, room) * NUMBERS
-                target.found[o] = np.float32(q).view(np.int32)
-                target.found[o + 1] = np.float32(alpha).view(np.int32)
-                target.found[o + 2] = v - 1
-                target.found[o + 3] = fixed(t, lit_past, target.place_bits) << PIXEL_BITS | pixel
-                target.counts[pixel] += 1
-                m += 1
+    flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
+    ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
+    band = measure_band(ribbon)
+    cells = find_cells(ribbon, w0, w1, target)
+    lit_past = (v - 1 - begin) & (strands.stride - 1)  # how many vertices v − 1 is past a lit one
+    for c in range(cells.a_low, cells.a_high):
+        m = cover_cell(ribbon, band, c, cells, strands, v - 1, lit_past, target, m)
     return m
+
+
+@inlined
+def measure_band(ribbon):
+    """The `Band` of a ribbon."""
+    per = ONE / (ribbon.a1 - ribbon.a0)
+    slope = (ribbon.b1 - ribbon.b0) * per
+    square = ONE + slope * slope
+    return Band(
+        per, slope, HALF * math.sqrt(square), slope / square * per, max(abs(slope), FLAT),
+        ONE / (abs(ribbon.ma0) + abs(ribbon.mb0)), ONE / (abs(ribbon.ma1) + abs(ribbon.mb1)),
+    )  # fmt: skip
+
+
+@inlined
+def find_cells(ribbon, w0, w1, target):
+    """The `Cells` of the tile in the box of a ribbon's four corners, and half a pixel about it."""
+    a0, b0, a1, b1 = ribbon.a0, ribbon.b0, ribbon.a1, ribbon.b1
+    reach0 = HALF * w0 / (ribbon.ma0 * ribbon.da + ribbon.mb0 * ribbon.db)
+    reach1 = HALF * w1 / (ribbon.ma1 * ribbon.da + ribbon.mb1 * ribbon.db)
+    a_reach0, b_reach0 = reach0 * abs(ribbon.mb0), reach0 * abs(ribbon.ma0)
+    a_reach1, b_reach1 = reach1 * abs(ribbon.mb1), reach1 * abs(ribbon.ma1)
+    left, right = np.float32(target.left), np.float32(target.right)
+    top, bottom = np.float32(target.top), np.float32(target.bottom)
+    a_least, a_most, b_least, b_most = (left, right, top, bottom) if ribbon.flat else (top, bottom, left, right)
+    a_low = np.int64(math.floor(max(min(a0 - a_reach0, a1 - a_reach1) - HALF, a_least)))
+    a_high = np.int64(math.ceil(min(max(a0 + a_reach0, a1 + a_reach1) + HALF, a_most)))
+    b_low = np.int64(math.floor(max(min(b0 - b_reach0, b1 - b_reach1) - HALF, b_least)))
+    b_high = np.int64(math.ceil(min(max(b0 + b_reach0, b1 + b_reach1) + HALF, b_most)))
+    return Cells(a_low, a_high if b_low < b_high else a_low, b_low, b_high)
+
+
+@inlined
+def cover_cell(ribbon, band, c, cells, strands, vertex, lit_past, target, m):
+    """Add what a ribbon covers of its cell number c to the m fragments found before; returns how many there are then.
+
+    vertex: the ribbon's first, which is `lit_past` vertices past a lit one. Where the ribbon hides all that is behind
+    it, the pixel's occlusion depth comes forward to it: of a thousand wide strands in a pixel, few are in front of all
+    before them.
+    """
+    spread = band.spread
+    narrow = ONE / spread
+    centre = np.float32(c) + HALF
+    past = centre - ribbon.a0
+    left = centre - ribbon.a1
+    middle, width, forward, tilt = cross_section(
+        ribbon, band.per, band.slope, past, ribbon.a0 + past, strands.depth_slope
+    )
+    h = band.tall * width
+    over = ONE / max(h, TINY)
+    first = max(np.int64(math.floor(max(middle - h - spread, np.float32(cells.b_low)))), cells.b_low)
+    stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(cells.b_high)))), cells.b_high)
+    for row in range(first, stop):
+        x, y = (c, row) if ribbon.flat else (row, c)
+        pixel = (y - target.top) << ROW_BITS | (x - target.left)
+        rest = middle - np.float32(row)
+        # of what the pixel shows of the width
+        off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
+        t = min(max(past * band.per + band.lean * off, ZERO), ONE)
+        depth = round_depth(ribbon, t, off * over, forward, tilt)
+        if not depth >= target.occlusion_depth[pixel]:
+            continue
+        b = np.float32(row) + HALF
+        begun = share_within(past * ribbon.ma0 + (b - ribbon.b0) * ribbon.mb0, band.inside0)
+        ended = share_within(left * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
+        cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
+        cover *= begun - ended
+        if cover > FAINT:
+            alpha = min(cover, ONE) * strands.opacity
+            if alpha > OPAQUE:
+                target.occlusion_depth[pixel] = depth
+            place = fixed(t, lit_past, target.place_bits)
+            m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
+    return m
+
+
+@inlined
+def share_within(past, inside):
+    """Share of a pixel that lies beyond a joint's line, which is crossed where the pixel's middle is `past` 0."""
+    return min(max(past * inside + HALF, ZERO), ONE)
 
 
 @device

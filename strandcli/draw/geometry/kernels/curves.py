@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....constants import W
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -177,62 +177,58 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
     (0, 0) with `fixed` pieces for every segment; as_printed, straight: whether tangents are the source's, and whether
     nothing is smoothed; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
     """
-    n = positions.shape[1] - 1
     for s in prange(strands):
-        v = first[s]
-        if first[s + 1] == v:
-            continue
-        block = positions[s // W]
-        lane = s % W
-        ax = block[1, lane]
-        ay = block[1, W + lane]
-        az = block[1, 2 * W + lane]
-        world[v, 0] = ax
-        world[v, 1] = ay
-        world[v, 2] = az
-        third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
-        tx, ty, tz = difference(block, lane, 0, n)
-        for i in range(1, n):
-            m = np.int64(fixed) if pieces.shape[0] == 0 else np.int64(pieces[s, i - 1])
-            bx = block[i + 1, lane]
-            by = block[i + 1, W + lane]
-            bz = block[i + 1, 2 * W + lane]
-            ex = bx - ax
-            ey = by - ay
-            ez = bz - az
-            per = ONE / np.float32(m)
-            if not straight:
-                sx, sy, sz = tangent(block, lane, i, n, lengths, as_printed)
-                if lengths is None:
-                    third = chord(ex, ey, ez) * THIRD
-                # a + t (c1 + t (c2 + t c3)) from the Bernstein form with a, a + t0 L/3, b − t1 L/3, b
-                gx = tx * third
-                gy = ty * third
-                gz = tz * third
-                hx = sx * third
-                hy = sy * third
-                hz = sz * third
-                for j in range(1, m):
-                    t = np.float32(j) * per
-                    world[v + j, 0] = ax + t * (THREE * gx + t * (cubic(ex, gx, hx) + t * slack(ex, gx, hx)))
-                    world[v + j, 1] = ay + t * (THREE * gy + t * (cubic(ey, gy, hy) + t * slack(ey, gy, hy)))
-                    world[v + j, 2] = az + t * (THREE * gz + t * (cubic(ez, gz, hz) + t * slack(ez, gz, hz)))
-                tx = sx
-                ty = sy
-                tz = sz
-            else:
-                for j in range(1, m):
-                    t = np.float32(j) * per
-                    world[v + j, 0] = ax + t * ex
-                    world[v + j, 1] = ay + t * ey
-                    world[v + j, 2] = az + t * ez
-            v += m
-            world[v, 0] = bx
-            world[v, 1] = by
-            world[v, 2] = bz
-            ax = bx
-            ay = by
-            az = bz
+        if first[s + 1] != first[s]:
+            write_polyline(positions[s // W], lengths, s, pieces, fixed, as_printed, straight, first[s], world)
+
+
+@device
+def write_polyline(block, lengths, s, pieces, fixed, as_printed, straight, v, world):
+    """Write the polyline of strand s, which is of a block (n + 1, 3 W), from vertex v on; all else as in `flatten`."""
+    n = block.shape[0] - 1
+    lane = s % W
+    ax, ay, az = block[1, lane], block[1, W + lane], block[1, 2 * W + lane]
+    write_vertex(world, v, ax, ay, az)
+    third = ZERO if lengths is None else lengths[s // W, lane] * THIRD
+    tx, ty, tz = difference(block, lane, 0, n)
+    for i in range(1, n):
+        m = np.int64(fixed) if pieces.shape[0] == 0 else np.int64(pieces[s, i - 1])
+        bx, by, bz = block[i + 1, lane], block[i + 1, W + lane], block[i + 1, 2 * W + lane]
+        ex, ey, ez = bx - ax, by - ay, bz - az
+        per = ONE / np.float32(m)
+        if not straight:
+            sx, sy, sz = tangent(block, lane, i, n, lengths, as_printed)
+            if lengths is None:
+                third = chord(ex, ey, ez) * THIRD
+            for j in range(1, m):
+                t = np.float32(j) * per
+                x = bezier(t, ax, ex, tx * third, sx * third)
+                y = bezier(t, ay, ey, ty * third, sy * third)
+                z = bezier(t, az, ez, tz * third, sz * third)
+                write_vertex(world, v + j, x, y, z)
+            tx, ty, tz = sx, sy, sz
+        else:
+            for j in range(1, m):
+                t = np.float32(j) * per
+                write_vertex(world, v + j, ax + t * ex, ay + t * ey, az + t * ez)
+        v += m
+        write_vertex(world, v, bx, by, bz)
+        ax, ay, az = bx, by, bz
+
+
+@inlined
+def write_vertex(world, v, x, y, z):
+    """Write the place of one vertex."""
+    world[v, 0] = x
+    world[v, 1] = y
+    world[v, 2] = z
+
+
+@inlined
+def bezier(t, a, e, g, h):
+    """A coordinate of a Bézier segment at t, 0 to 1, from its Bernstein form: control points a, a + g, a + e − h and
+    a + e."""
+    return a + t * (THREE * g + t * (cubic(e, g, h) + t * slack(e, g, h)))
 
 
 @device

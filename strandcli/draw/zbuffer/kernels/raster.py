@@ -17,14 +17,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...common.kernels.keys import LOW, SHIFT
-from ...geometry.kernels.joints import mitre
+from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, round_depth
+from ...view.kernels.depth_slope import FLAT
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 TINY = np.float32(1e-6)
 """Pixels. What is shorter is a point, and draws nothing."""
 POINT = 24
@@ -39,6 +39,15 @@ class Window(NamedTuple):
     width: int
 
 
+class Ends(NamedTuple):
+    """The ends of a ribbon: whether each is round, and its width."""
+
+    round0: bool
+    round1: bool
+    w0: np.float32
+    w1: np.float32
+
+
 @parallel
 def visible(lines, depth_slope, bands_, width, height, base, keys):
     """Draw lines.
@@ -51,11 +60,11 @@ def visible(lines, depth_slope, bands_, width, height, base, keys):
         for b in range(task, bands_.begin.shape[0] - 1, bands_.workers):
             top = b * bands_.rows
             window = Window(top, min(top + bands_.rows, height), width)
-            band(lines, lines.widths, depth_slope, bands_, b, window, base, keys)
+            draw_band(lines, lines.widths, depth_slope, bands_, b, window, base, keys)
 
 
 @device
-def band(lines, widths, depth_slope, bands_, b, window, base, keys):
+def draw_band(lines, widths, depth_slope, bands_, b, window, base, keys):
     """All that `visible` does in band number `b`, which is the rows of the window; widths: those of the lines."""
     first, screen = lines.first, lines.screen
     members, begin = bands_.members, bands_.begin
@@ -79,18 +88,18 @@ def band(lines, widths, depth_slope, bands_, b, window, base, keys):
             if widths is None:
                 if max(y0, y1) < above or min(y0, y1) >= below:
                     continue
-                line(x0, y0, q0, x1, y1, q1, window, np.uint64(base + v - 1), keys)
+                draw_line(x0, y0, q0, x1, y1, q1, window, np.uint64(base + v - 1), keys)
             else:
                 w0 = max(widths[v - 1], ONE)
                 w1 = max(widths[v], ONE)
                 w = max(w0, w1)
                 if max(y0, y1) + w < above or min(y0, y1) - w >= below:
                     continue
-                ribbon(screen, v, a, first[s + 1], w0, w1, depth_slope, window, np.uint64(base + v - 1), keys)
+                draw_ribbon(screen, v, a, first[s + 1], w0, w1, depth_slope, window, np.uint64(base + v - 1), keys)
 
 
 @device
-def line(x0, y0, q0, x1, y1, q1, window, identity, keys):
+def draw_line(x0, y0, q0, x1, y1, q1, window, identity, keys):
     """Draw one segment into the rows of a `Window`.
 
     Which axis is longer, and which end comes first along it, is as good as random: both are chosen by selects, so that
@@ -135,112 +144,80 @@ def line(x0, y0, q0, x1, y1, q1, window, identity, keys):
 
 
 @device
-def ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, keys):
+def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, keys):
     """Draw the segment from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide, into the rows
     of a `Window`: a sample for each centre that its band covers, which ends where the next segment's begins
     (`joints.mitre`), straight across at the strand's ends, and round where the strand turns too sharply for either.
     Depth is that of a strand's round side toward the eye; a strand that is no wider than a pixel is flat."""
     top, bottom, width = window
-    x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
-    x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
-    dx = x1 - x0
-    dy = y1 - y0
-    if max(abs(dx), abs(dy)) < TINY:
+    if max(abs(screen[v, 0] - screen[v - 1, 0]), abs(screen[v, 1] - screen[v - 1, 1])) < TINY:
         return
-    per = ONE / np.sqrt(dx * dx + dy * dy)
-    dx *= per
-    dy *= per
-    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per)
-    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per)
-    # a: along the axis that the piece follows more, b: across it
+    dx, dy, _ = direction(screen, v)
     flat = abs(dx) >= abs(dy)
-    a0, b0, ma0, mb0 = (x0, y0, mx0, my0) if flat else (y0, x0, my0, mx0)
-    a1, b1, ma1, mb1 = (x1, y1, mx1, my1) if flat else (y1, x1, my1, mx1)
-    da, db = (dx, dy) if flat else (dy, dx)
-    round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and mx0 == dx and my0 == dy
-    round1 = v + 1 < end and screen[v + 1, 2] > ZERO and mx1 == dx and my1 == dy
-    # how far it reaches along it beyond its ends
-    reach0 = HALF * w0 * (ONE if round0 else abs(mb0) / (mx0 * dx + my0 * dy))
-    reach1 = HALF * w1 * (ONE if round1 else abs(mb1) / (mx1 * dx + my1 * dy))
-    low = min(a0 - reach0, a1 - reach1) - HALF
-    high = max(a0 + reach0, a1 + reach1) - HALF
-    # whole numbers along and across, and what a step of each is in `keys`
-    a_low = np.int64(max(np.ceil(low), ZERO if flat else np.float32(top)))
-    a_high = np.int64(min(np.floor(high) + ONE, np.float32(width if flat else bottom)))
-    least = np.float32(top if flat else 0)
-    most = np.float32(bottom if flat else width)
-    one = 1 if flat else width
-    aside = width if flat else 1
-    over = ONE / (a1 - a0)
-    slope = db / da
-    rise = q1 - q0
-    tall = HALF / abs(da)
-    # how much further along the piece the nearest point of its middle lies, for each pixel aside
-    lean = db * per
-    w = max(w0, w1)
-    steep = rise * min(per, TWO / w)  # no further than its piece reaches
-    turn = ONE if (dx if flat else -dy) > ZERO else -ONE  # whether rows go the way of (−dy, dx)
-    for c in range(a_low, a_high):
-        past = np.float32(c) + HALF - a0
-        t = min(max(past * over, ZERO), ONE)
-        broad = w0 + t * (w1 - w0)
-        half = tall * broad
-        middle = b0 + slope * past
-        forward = tilt = ZERO
-        if w > ONE:
-            centre = np.float32(c) + HALF
-            x = centre if flat else middle
-            y = middle if flat else centre
-            forward, tilt = front(q0 + rise * t, HALF * broad, steep, x, y, dx, dy, depth_slope)
-            tilt *= turn
-        b_low = np.int64(max(np.ceil(middle - half - HALF), least))
-        b_high = np.int64(min(np.ceil(middle + half - HALF), most))
-        for row in range(b_low, b_high):
-            b = np.float32(row) + HALF
-            off = b - middle
-            if past * ma0 + (b - b0) * mb0 < ZERO and not (round0 and near_by(past, b - b0, w0)):
-                continue
-            left = np.float32(c) + HALF - a1
-            if left * ma1 + (b - b1) * mb1 >= ZERO and not (round1 and near_by(left, b - b1, w1)):
-                continue
-            t = min(max(past * over + lean * off, ZERO), ONE)
-            h = off / half
-            near = q0 + rise * t + tilt * h + forward * np.sqrt(max(ONE - h * h, ZERO))
-            deposit(near, identity, np.uint64(c * one + row * aside), keys)
+    ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
+    round0 = ends_round(screen, v - 2, begin, end, ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db)
+    round1 = ends_round(screen, v + 1, begin, end, ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db)
+    reach0 = reach(w0, ribbon.ma0, ribbon.mb0, ribbon.da, ribbon.db, round0)
+    reach1 = reach(w1, ribbon.ma1, ribbon.mb1, ribbon.da, ribbon.db, round1)
+    low = np.ceil(min(ribbon.a0 - reach0, ribbon.a1 - reach1) - HALF)
+    high = np.floor(max(ribbon.a0 + reach0, ribbon.a1 + reach1) - HALF) + ONE
+    low = max(low, ZERO if flat else np.float32(top))
+    high = min(high, np.float32(width if flat else bottom))
+    ends = Ends(round0, round1, w0, w1)
+    slope = depth_slope if max(w0, w1) > ONE else FLAT
+    for c in range(np.int64(low), np.int64(high)):
+        draw_across(ribbon, ends, c, slope, window, identity, keys)
+
+
+@inlined
+def draw_across(ribbon, ends, c, depth_slope, window, identity, keys):
+    """Draw the samples of a ribbon in one column of pixels, number c, or in one row where the ribbon is not flat."""
+    top, bottom, width = window
+    least = np.float32(top if ribbon.flat else 0)
+    most = np.float32(bottom if ribbon.flat else width)
+    # what a step along and across is in `keys`
+    along = 1 if ribbon.flat else width
+    across = width if ribbon.flat else 1
+    per = ONE / (ribbon.a1 - ribbon.a0)
+    centre = np.float32(c) + HALF
+    past = centre - ribbon.a0
+    left = centre - ribbon.a1
+    middle, broad, forward, tilt = cross_section(ribbon, per, ribbon.db / ribbon.da, past, centre, depth_slope)
+    half = HALF / abs(ribbon.da) * broad
+    lean = ribbon.db * ribbon.per_length  # pixels along to the nearest point of the middle, for each pixel aside
+    low = np.int64(max(np.ceil(middle - half - HALF), least))
+    high = np.int64(min(np.ceil(middle + half - HALF), most))
+    for row in range(low, high):
+        b = np.float32(row) + HALF
+        off = b - middle
+        b0 = b - ribbon.b0
+        b1 = b - ribbon.b1
+        if past * ribbon.ma0 + b0 * ribbon.mb0 < ZERO and not (ends.round0 and near_by(past, b0, ends.w0)):
+            continue
+        if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (ends.round1 and near_by(left, b1, ends.w1)):
+            continue
+        t = min(max(past * per + lean * off, ZERO), ONE)
+        near = round_depth(ribbon, t, off / half, forward, tilt)
+        deposit(near, identity, np.uint64(c * along + row * across), keys)
+
+
+@inlined
+def ends_round(screen, neighbour, begin, end, straight):
+    """Whether a segment has a round end: its neighbour's other vertex is there and seen, and yet the joint goes
+    `straight` across the segment, since the strand turns too sharply."""
+    return begin <= neighbour < end and screen[neighbour, 2] > ZERO and straight
+
+
+@inlined
+def reach(width, ma, mb, da, db, is_round):
+    """How far a segment of the direction d reaches along a beyond an end whose joint has the normal m."""
+    return HALF * width * (ONE if is_round else abs(mb) / (ma * da + mb * db))
 
 
 @device
 def near_by(x, y, wide):
     """Whether a place is within half a width."""
     return x * x + y * y <= HALF * HALF * wide * wide
-
-
-@device
-def front(q, half, steep, x, y, dx, dy, depth_slope):
-    """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
-    its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
-    0 where strands are flat.
-
-    q: in the middle, which the pixel (x, y) shows, where it grows by `steep` a pixel along the strand's direction (dx,
-    dy), of length 1; depth_slope: `DepthSlope`. A ray (u, v, 1) that passes a slanted cylinder aside of the
-    view's axis meets it further in front of its middle, and not at the same depth on both sides. With p and w, what of
-    (u, v) lies along the strand and across it, and the strand's way E − g (u, v, 1), E = (dx, dy, 0), that is
-
-        q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²)   and   q half w (1 − g p) / (1 + w²),
-
-    the first terms in powers of half of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
-    """
-    per = depth_slope.per_depth * q + depth_slope.constant
-    if per <= ZERO:
-        return ZERO, ZERO
-    u = (x - depth_slope.axis_x) * depth_slope.per_depth
-    v = (y - depth_slope.axis_y) * depth_slope.per_depth
-    p = u * dx + v * dy
-    w = v * dx - u * dy
-    g = steep / per
-    slant = ONE - g * p
-    scale = half * per / (ONE + w * w)
-    return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
 
 
 @device

@@ -1,0 +1,127 @@
+"""Wide segments on the screen: their ends, joints and width, and the depth of their round side."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ....jit import device, inlined
+from .joints import mitre
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+
+
+class Ribbon(NamedTuple):
+    """A wide segment on the screen, from vertex v − 1 to v, in pixels; a: along the axis that it follows more, b: along
+    the other one."""
+
+    flat: bool
+    """Whether a is x and b is y."""
+    a0: np.float32
+    b0: np.float32
+    """Where it begins."""
+    a1: np.float32
+    b1: np.float32
+    """Where it ends."""
+    da: np.float32
+    db: np.float32
+    """Its direction, of length 1."""
+    ma0: np.float32
+    mb0: np.float32
+    """Normal of the joint at its beginning (`joints.mitre`)."""
+    ma1: np.float32
+    mb1: np.float32
+    """Normal of the joint at its end."""
+    w0: np.float32
+    widening: np.float32
+    """Width at its beginning, and how much greater it is at its end."""
+    q0: np.float32
+    rise: np.float32
+    """Depth number at its beginning, and how much greater it is at its end."""
+    per_length: np.float32
+    """One over its length."""
+    steep: np.float32
+    """Growth of the depth number a pixel along it, as if no segment were shorter than half its width."""
+
+
+@inlined
+def measure_ribbon(screen, v, begin, end, w0, w1, flat):
+    """The `Ribbon` from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 pixels wide; screen as of
+    `ScreenLines`; flat: whether a is x."""
+    x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
+    x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
+    dx, dy, per_length = direction(screen, v)
+    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per_length)
+    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per_length)
+    a0, b0, ma0, mb0 = (x0, y0, mx0, my0) if flat else (y0, x0, my0, mx0)
+    a1, b1, ma1, mb1 = (x1, y1, mx1, my1) if flat else (y1, x1, my1, mx1)
+    da, db = (dx, dy) if flat else (dy, dx)
+    rise = q1 - q0
+    steep = rise * min(per_length, TWO / max(w0, w1))
+    return Ribbon(flat, a0, b0, a1, b1, da, db, ma0, mb0, ma1, mb1, w0, w1 - w0, q0, rise, per_length, steep)
+
+
+@inlined
+def direction(screen, v):
+    """Unit direction from vertex v − 1 to v on the screen, and one over their distance."""
+    dx = screen[v, 0] - screen[v - 1, 0]
+    dy = screen[v, 1] - screen[v - 1, 1]
+    per_length = ONE / math.sqrt(dx * dx + dy * dy)
+    return dx * per_length, dy * per_length, per_length
+
+
+@inlined
+def cross_section(ribbon, per, slope, past, a, depth_slope):
+    """b of the middle where a line of pixels crosses a ribbon, its width there, and `depth_offsets` toward greater b.
+
+    per: one over the ribbon's way along a; slope: its rise across over its way along; past: how far beyond its
+    beginning the line is; a: where the line is; depth_slope: `DepthSlope`.
+    """
+    t = min(max(past * per, ZERO), ONE)
+    width = ribbon.w0 + t * ribbon.widening
+    middle = ribbon.b0 + slope * past
+    x, y = (a, middle) if ribbon.flat else (middle, a)
+    dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
+    forward, tilt = depth_offsets(ribbon.q0 + ribbon.rise * t, HALF * width, ribbon.steep, x, y, dx, dy, depth_slope)
+    turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
+    return middle, width, forward, tilt * turn
+
+
+@inlined
+def round_depth(ribbon, t, h, forward, tilt):
+    """Depth number of a ribbon's round side at the share t of its length, h across: −1 to 1 from edge to edge; forward,
+    tilt: from `cross_section`."""
+    return ribbon.q0 + ribbon.rise * t + tilt * h + forward * math.sqrt(max(ONE - h * h, ZERO))
+
+
+@device
+def depth_offsets(q, half, steep, x, y, dx, dy, depth_slope):
+    """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
+    its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
+    0 where strands are flat.
+
+    q: in the middle, which the pixel (x, y) shows, where it grows by `steep` a pixel along the strand's direction (dx,
+    dy), of length 1; depth_slope: `DepthSlope`. A ray (u, v, 1) that passes a slanted cylinder aside of the
+    view's axis meets it further in front of its middle, and not at the same depth on both sides. With p and w, what of
+    (u, v) lies along the strand and across it, and the strand's way E − g (u, v, 1), E = (dx, dy, 0), that is
+
+        q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²)   and   q half w (1 − g p) / (1 + w²),
+
+    the first terms in powers of half of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
+    """
+    per = depth_slope.per_depth * q + depth_slope.constant
+    if per <= ZERO:
+        return ZERO, ZERO
+    u = (x - depth_slope.axis_x) * depth_slope.per_depth
+    v = (y - depth_slope.axis_y) * depth_slope.per_depth
+    p = u * dx + v * dy
+    w = v * dx - u * dy
+    g = steep / per
+    slant = ONE - g * p
+    scale = half * per / (ONE + w * w)
+    return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
