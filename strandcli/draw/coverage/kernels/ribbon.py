@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....jit import device, inlined
-from ...geometry.kernels.ribbon import cross_section, measure_ribbon, round_depth
+from ...geometry.kernels.ribbon import cross_section, measure_ribbon, offsets_across, round_depth
 from .cells import add_fragment
 from .tiles import ROW_BITS, fixed
 
@@ -120,9 +120,8 @@ def cover_cell(ribbon, band, c, cells, strands, vertex, lit_past, target, m):
     centre = np.float32(c) + HALF
     past = centre - ribbon.a0
     left = centre - ribbon.a1
-    middle, width, forward, tilt = cross_section(
-        ribbon, band.per, band.slope, past, ribbon.a0 + past, strands.depth_slope
-    )
+    t, width, middle = cross_section(ribbon, band.per, band.slope, past)
+    forward, tilt = offsets_across(ribbon, t, width, ribbon.a0 + past, middle, strands.depth_slope)
     h = band.tall * width
     over = ONE / max(h, TINY)
     first = max(np.int64(math.floor(max(middle - h - spread, np.float32(cells.b_low)))), cells.b_low)

@@ -182,7 +182,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             write_polyline(positions[s // W], lengths, s, pieces, fixed, as_printed, straight, first[s], world)
 
 
-@device
+@inlined
 def write_polyline(block, lengths, s, pieces, fixed, as_printed, straight, v, world):
     """Write the polyline of strand s, which is of a block (n + 1, 3 W), from vertex v on; all else as in `flatten`."""
     n = block.shape[0] - 1

@@ -76,26 +76,32 @@ def direction(screen, v):
 
 
 @inlined
-def cross_section(ribbon, per, slope, past, a, depth_slope):
-    """b of the middle where a line of pixels crosses a ribbon, its width there, and `depth_offsets` toward greater b.
+def cross_section(ribbon, per, slope, past):
+    """Where a line of pixels crosses the middle of a ribbon: the share of its length, its width, and b.
 
     per: one over the ribbon's way along a; slope: its rise across over its way along; past: how far beyond its
-    beginning the line is; a: where the line is; depth_slope: `DepthSlope`.
+    beginning the line is.
     """
     t = min(max(past * per, ZERO), ONE)
-    width = ribbon.w0 + t * ribbon.widening
-    middle = ribbon.b0 + slope * past
-    x, y = (a, middle) if ribbon.flat else (middle, a)
+    return t, ribbon.w0 + t * ribbon.widening, ribbon.b0 + slope * past
+
+
+@inlined
+def offsets_across(ribbon, t, width, a, b, depth_slope):
+    """`depth_offsets` toward greater b, at a place (a, b) of a ribbon's middle; t, width: from `cross_section`."""
+    x, y = (a, b) if ribbon.flat else (b, a)
     dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
-    forward, tilt = depth_offsets(ribbon.q0 + ribbon.rise * t, HALF * width, ribbon.steep, x, y, dx, dy, depth_slope)
+    depth = ribbon.q0 + ribbon.rise * t
+    forward, tilt = depth_offsets(depth, HALF * width, ribbon.steep, x, y, dx, dy, depth_slope)
     turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
-    return middle, width, forward, tilt * turn
+    return forward, tilt * turn
 
 
 @inlined
 def round_depth(ribbon, t, h, forward, tilt):
     """Depth number of a ribbon's round side at the share t of its length, h across: −1 to 1 from edge to edge; forward,
-    tilt: from `cross_section`."""
+    tilt: from
+    `offsets_across`."""
     return ribbon.q0 + ribbon.rise * t + tilt * h + forward * math.sqrt(max(ONE - h * h, ZERO))
 
 

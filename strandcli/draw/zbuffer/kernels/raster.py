@@ -19,8 +19,7 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ...common.kernels.keys import LOW, SHIFT
-from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, round_depth
-from ...view.kernels.depth_slope import FLAT
+from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, offsets_across, round_depth
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
@@ -39,13 +38,21 @@ class Window(NamedTuple):
     width: int
 
 
-class Ends(NamedTuple):
-    """The ends of a ribbon: whether each is round, and its width."""
+class Sides(NamedTuple):
+    """What is the same for all columns of a ribbon, or rows where it is not flat."""
 
     round0: bool
     round1: bool
+    """Whether its beginning and its end are round."""
     w0: np.float32
     w1: np.float32
+    """Width there, pixels."""
+    low: np.float32
+    high: np.float32
+    """Pixels across that are drawn: low … high − 1."""
+    along: int
+    across: int
+    """What a pixel along and one across are in `keys`."""
 
 
 @parallel
@@ -155,57 +162,48 @@ def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, ke
     dx, dy, _ = direction(screen, v)
     flat = abs(dx) >= abs(dy)
     ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
-    round0 = ends_round(screen, v - 2, begin, end, ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db)
-    round1 = ends_round(screen, v + 1, begin, end, ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db)
+    # there is a neighbour, and yet the joint goes straight across
+    round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db
+    round1 = v + 1 < end and screen[v + 1, 2] > ZERO and ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db
     reach0 = reach(w0, ribbon.ma0, ribbon.mb0, ribbon.da, ribbon.db, round0)
     reach1 = reach(w1, ribbon.ma1, ribbon.mb1, ribbon.da, ribbon.db, round1)
     low = np.ceil(min(ribbon.a0 - reach0, ribbon.a1 - reach1) - HALF)
     high = np.floor(max(ribbon.a0 + reach0, ribbon.a1 + reach1) - HALF) + ONE
-    low = max(low, ZERO if flat else np.float32(top))
-    high = min(high, np.float32(width if flat else bottom))
-    ends = Ends(round0, round1, w0, w1)
-    slope = depth_slope if max(w0, w1) > ONE else FLAT
-    for c in range(np.int64(low), np.int64(high)):
-        draw_across(ribbon, ends, c, slope, window, identity, keys)
+    a_low, a_high, b_low, b_high = (0, width, top, bottom) if flat else (top, bottom, 0, width)
+    along, across = (1, width) if flat else (width, 1)
+    sides = Sides(round0, round1, w0, w1, np.float32(b_low), np.float32(b_high), along, across)
+    for c in range(np.int64(max(low, np.float32(a_low))), np.int64(min(high, np.float32(a_high)))):
+        draw_across(ribbon, sides, c, depth_slope, identity, keys)
 
 
 @inlined
-def draw_across(ribbon, ends, c, depth_slope, window, identity, keys):
+def draw_across(ribbon, sides, c, depth_slope, identity, keys):
     """Draw the samples of a ribbon in one column of pixels, number c, or in one row where the ribbon is not flat."""
-    top, bottom, width = window
-    least = np.float32(top if ribbon.flat else 0)
-    most = np.float32(bottom if ribbon.flat else width)
-    # what a step along and across is in `keys`
-    along = 1 if ribbon.flat else width
-    across = width if ribbon.flat else 1
     per = ONE / (ribbon.a1 - ribbon.a0)
+    tall = HALF / abs(ribbon.da)
+    lean = ribbon.db * ribbon.per_length  # pixels along to the nearest point of the middle, for each pixel aside
     centre = np.float32(c) + HALF
     past = centre - ribbon.a0
     left = centre - ribbon.a1
-    middle, broad, forward, tilt = cross_section(ribbon, per, ribbon.db / ribbon.da, past, centre, depth_slope)
-    half = HALF / abs(ribbon.da) * broad
-    lean = ribbon.db * ribbon.per_length  # pixels along to the nearest point of the middle, for each pixel aside
-    low = np.int64(max(np.ceil(middle - half - HALF), least))
-    high = np.int64(min(np.ceil(middle + half - HALF), most))
+    t, broad, middle = cross_section(ribbon, per, ribbon.db / ribbon.da, past)
+    forward = tilt = ZERO
+    if max(sides.w0, sides.w1) > ONE:
+        forward, tilt = offsets_across(ribbon, t, broad, centre, middle, depth_slope)
+    half = tall * broad
+    low = np.int64(max(np.ceil(middle - half - HALF), sides.low))
+    high = np.int64(min(np.ceil(middle + half - HALF), sides.high))
     for row in range(low, high):
         b = np.float32(row) + HALF
         off = b - middle
         b0 = b - ribbon.b0
         b1 = b - ribbon.b1
-        if past * ribbon.ma0 + b0 * ribbon.mb0 < ZERO and not (ends.round0 and near_by(past, b0, ends.w0)):
+        if past * ribbon.ma0 + b0 * ribbon.mb0 < ZERO and not (sides.round0 and near_by(past, b0, sides.w0)):
             continue
-        if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (ends.round1 and near_by(left, b1, ends.w1)):
+        if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (sides.round1 and near_by(left, b1, sides.w1)):
             continue
         t = min(max(past * per + lean * off, ZERO), ONE)
         near = round_depth(ribbon, t, off / half, forward, tilt)
-        deposit(near, identity, np.uint64(c * along + row * across), keys)
-
-
-@inlined
-def ends_round(screen, neighbour, begin, end, straight):
-    """Whether a segment has a round end: its neighbour's other vertex is there and seen, and yet the joint goes
-    `straight` across the segment, since the strand turns too sharply."""
-    return begin <= neighbour < end and screen[neighbour, 2] > ZERO and straight
+        deposit(near, identity, np.uint64(c * sides.along + row * sides.across), keys)
 
 
 @inlined
