@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -170,7 +171,7 @@ def test_energy_of_a_falling_and_a_bent_rod() -> None:
     v = np.zeros((10, 3))
     v[9] = [0, 0, 2]
     rod = type("Rod", (), {})()
-    rod.edges, rod.velocity = e.reshape(1, 10, 3), v.reshape(1, 10, 3)
+    rod.state = SimpleNamespace(edges=e.reshape(1, 10, 3), velocity=v.reshape(1, 10, 3))
     rod.scene = replace(scenes.scene_of(Case.of("rod"), scenes.times_of(Case.of("rod"))))
     height = -sum((j + 1) * 0.1 * (0.5 if j == 4 else 1) * 0.1 for j in range(5))
     kinetic = 0.5 * 0.05 * 4

@@ -72,9 +72,9 @@ def check_energy(solver: str, *, B: str, dt: str, integrator: str) -> Metrics:
 def energy(rod: Any, pull: float) -> float:
     """Kinetic, bending and potential energy over ρ A L of a straight rod of one metre clamped along +x: masses ℓ and
     half of it at the tip, joints of rigidity B / ℓ and twice that at the clamp. What it was at the start is none."""
-    n = rod.edges.shape[1]
-    e = np.asarray(rod.edges[0].reshape(n, 3, -1)[..., 0], np.float64)
-    v = np.asarray(rod.velocity[0].reshape(n, 3, -1)[..., 0], np.float64)
+    n = rod.state.edges.shape[1]
+    e = np.asarray(rod.state.edges[0].reshape(n, 3, -1)[..., 0], np.float64)
+    v = np.asarray(rod.state.velocity[0].reshape(n, 3, -1)[..., 0], np.float64)
     mass = np.append(np.ones(n - 1), 0.5) / n
     joint = np.append(2.0, np.ones(n - 1)) * n * rod.scene.rod.young
     bend = np.diff(np.vstack([[1.0, 0.0, 0.0], e]), axis=0)

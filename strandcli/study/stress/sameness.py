@@ -95,7 +95,7 @@ def check_double(solver: str, *, n: int) -> Metrics:
     scene = scene_of(case, times)
     scene = replace(scene, rod=replace(scene.rod, precision="double"))
     one: Any = stepped(scene, groom_of([case]), 1 / 60, len(times))
-    edges = one.edges[0].reshape(n, 3, -1)[..., 0]
+    edges = one.state.edges[0].reshape(n, 3, -1)[..., 0]
     if edges.dtype != np.float64:
         raise NotRepresented(f"its state is {edges.dtype} at {n} segments")
     return {"stretch_double": float(np.abs(np.linalg.norm(edges, axis=1) - 1).max())}
