@@ -13,6 +13,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import rod as rod_solver
 from strandcli.simulate import rod_kernel
+from strandcli.simulate.kernels import rod_step, work_queue
 from strandcli.simulate.material import rigidity
 from strandcli.simulate.rod import RodSolver
 
@@ -231,3 +232,11 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     off = np.linalg.norm(films - exact, axis=3).max(2)  # of a metre, which strands are long
     assert off.max() < 1.3e-3
     assert off.mean() < 6e-5
+
+
+@pytest.mark.parametrize("step", [rod_step.single, rod_step.double], ids=["single", "double"])
+def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
+    """Machine code that holds addresses of this process is compiled anew by every run."""
+    work_queue.address(step)
+    (made,) = step.overloads.values()
+    assert not made.library.has_dynamic_globals

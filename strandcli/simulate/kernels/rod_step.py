@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...constants import W
-from ...jit import device, function
+from ...jit import device, function, inlined
 from ...simd import any_lane, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
 from .records import (
@@ -134,7 +134,7 @@ def double(descriptor, worker):
     work(np.float64, descriptor, worker, solids_of)
 
 
-@device
+@inlined  # machine code that hands on a function's address could not be kept in the cache
 def work(kind, descriptor, worker, solids_of):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
     all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it."""
