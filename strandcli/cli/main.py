@@ -30,6 +30,8 @@ COMMANDS = {
     "stress": ("stress", "Run the solvers through every extreme and judge them."),
     "golden": ("golden", "Check or update golden images."),
     "compare": ("compare", "Compare two images."),
+    "info": ("info", "Tell what is in a file of strands: counts, sizes, faults, guesses."),
+    "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }

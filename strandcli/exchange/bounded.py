@@ -13,11 +13,14 @@ from typing import Any, BinaryIO, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import RefusedError, UsageError
+from ..errors import RefusedError, UsageError, one_line
 from .strands import CHUNK, Offsets
 
 SLICE = 1 << 22
 """Bytes that are converted at once."""
+
+LONGEST = 400
+"""Letters of a message, which may name what a damaged file names."""
 
 
 class Bounded:
@@ -38,7 +41,9 @@ class Bounded:
 
     def fault(self, message: str, at: int | None = None) -> UsageError:
         """An error that says at which byte."""
-        return UsageError(f"{self.path}: byte {self.position if at is None else at:,}: {message}")
+        words = one_line(message)
+        words = words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
+        return UsageError(f"{self.path}: byte {self.position if at is None else at:,}: {words}")
 
     def damaged(self, message: str, at: int | None = None) -> UsageError:
         """An error of a file that does not agree with itself."""
@@ -138,11 +143,12 @@ def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
         raise RefusedError(f"{path}: no permission to read it") from None
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
+    found = os.fstat(descriptor)
+    if not stat.S_ISREG(found.st_mode):
+        os.close(descriptor)
+        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "no file but a pipe or a device"
+        raise UsageError(f"{path}: is {kind}")
     with open(descriptor, "rb") as file:
-        found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode):
-            kind = "a folder" if stat.S_ISDIR(found.st_mode) else "no file but a pipe or a device"
-            raise UsageError(f"{path}: is {kind}")
         yield Bounded(path, file, found.st_size, what, lenient)
 
 

@@ -1,0 +1,184 @@
+"""`strandcli convert`: one file of strands into another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import UsageError
+from . import options, strand_files
+from .say import say
+
+if TYPE_CHECKING:
+    from ..exchange.change import Change
+    from ..exchange.strands import Strands
+
+AXIS = click.Choice(("x", "y", "z", "-x", "-y", "-z"))
+
+
+class FiniteType(click.FloatRange):
+    """A number within bounds, which NaN and infinity are not."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        found = float(super().convert(value, param, ctx))
+        if not abs(found) < float("inf"):
+            self.fail(f"'{value}' is no finite number", param, ctx)
+        return found
+
+
+class MatrixType(click.ParamType):
+    """A matrix of three rows of four numbers, as a list of twelve."""
+
+    name = "matrix"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        try:
+            found = [float(one) for one in str(value).replace(",", " ").split()]
+        except ValueError:
+            found = []
+        if len(found) != 12 or not all(abs(one) < float("inf") for one in found):
+            self.fail(f"'{value}' is not twelve numbers, three rows of four, the last of each a shift", param, ctx)
+        return found
+
+
+@click.command()
+@click.argument("source", type=options.PathType(), metavar="IN")
+@click.argument("target", type=options.PathType(), metavar="OUT")
+@strand_files.reading
+@click.option("--fix", is_flag=True, help="Leave out strands that are not finite, have no length or repeat another.")
+@click.option("--reverse", is_flag=True, help="Turn all strands around: roots come first.")
+@click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
+@click.option("--to-up", type=AXIS, default="y", show_default=True, help="The up axis of OUT, with --up.")
+@click.option(
+    "--scale", type=FiniteType(min=0, min_open=True), metavar="X", help="Multiply lengths: .01 for cm to m."
+)
+@click.option("--matrix", type=MatrixType(), metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
+@click.option("--min-length", type=FiniteType(min=0), metavar="X", help="Leave out strands shorter than this.")
+@click.option("--max-length", type=FiniteType(min=0), metavar="X", help="Leave out strands longer than this.")
+@click.option("--every", type=options.Whole(1), metavar="N", help="Keep every N-th strand.")
+@click.option(
+    "--share", type=FiniteType(min=0, max=1), metavar="X",
+    help="Keep this part of the strands, drawn by --seed; a smaller part is held in a larger one.",
+)  # fmt: skip
+@click.option("--strands", type=options.COUNT_STRANDS, metavar="N", help="Keep so many strands, drawn by --seed.")
+@click.option("--seed", type=options.Whole(0, 2**63 - 1), default=0, show_default=True, metavar="N", help="Seed.")
+@click.option("--smooth", type=options.Whole(1, 10_000), metavar="N", help="Smooth strands in N passes.")
+@click.option("--resample", type=options.Whole(2, 65_536), metavar="N", help="N points a strand, by arc length.")
+@click.option(
+    "--simplify", type=FiniteType(min=0), metavar="X",
+    help="Leave out points that lie within X of the strand without them.",
+)  # fmt: skip
+@options.overwrite
+@options.as_json
+@options.quiet
+@options.debug
+def command(
+    source: Path,
+    target: Path,
+    stride: int | None,
+    array: str | None,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    **edits: Any,
+) -> None:
+    """Write the strands of the file IN as the file OUT, in the format that its name ends in.
+
+    Edits are made in the order in which they stand below; lengths are those of OUT.
+    """
+    from ..exchange import files
+
+    _check(edits)
+    files.writer_of(target)
+    options.refuse_existing(target, overwrite)
+    strands = files.read(source, files.ReadOptions(stride, array, lenient=edits["fix"]))
+    skipped, before = dict(strands.source.skipped), strands.count
+    changes = []
+    for edit in _edits(edits):
+        strands, change = edit(strands)
+        changes.append(change)
+    lost = files.write(target, strands)
+    _tell(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
+
+
+def _check(edits: dict[str, Any]) -> None:
+    """Raise `UsageError` for options that exclude each other."""
+    names = ("every", "share", "strands")
+    options.exclusive(**{name: edits[name] is not None for name in names})
+    options.exclusive(resample=edits["resample"] is not None, simplify=edits["simplify"] is not None)
+    if edits["to_up"] != "y" and edits["up"] is None:
+        raise UsageError("--to-up: tell the up axis of IN with --up as well")
+
+
+def _edits(chosen: dict[str, Any]) -> list[Any]:
+    """What is to be done, in order: functions of strands that return them changed, and what was changed."""
+    import numpy as np
+
+    from ..exchange.edit import fix, lengths, smooth, subsample, transform
+
+    found: list[Any] = []
+    if chosen["fix"]:
+        found.append(fix.fixed)
+    if chosen["reverse"]:
+        found.append(fix.reversed_all)
+    if chosen["up"] is not None:
+        found.append(lambda strands: transform.turned(strands, chosen["up"], chosen["to_up"]))
+    if chosen["scale"] is not None:
+        found.append(lambda strands: transform.scaled(strands, chosen["scale"]))
+    if chosen["matrix"] is not None:
+        found.append(lambda strands: transform.moved(strands, np.array(chosen["matrix"]).reshape(3, 4)))
+    least, most = chosen["min_length"], chosen["max_length"]
+    if least is not None or most is not None:
+        bounds = (least or 0.0, float("inf") if most is None else most)
+        found.append(lambda strands: lengths.between(strands, *bounds))
+    if chosen["every"] is not None:
+        found.append(lambda strands: subsample.every(strands, chosen["every"]))
+    if chosen["share"] is not None:
+        found.append(lambda strands: subsample.share(strands, chosen["share"], chosen["seed"]))
+    if chosen["strands"] is not None:
+        found.append(lambda strands: subsample.some(strands, chosen["strands"], chosen["seed"]))
+    if chosen["smooth"] is not None:
+        found.append(lambda strands: smooth.smoothed(strands, chosen["smooth"]))
+    if chosen["resample"] is not None or chosen["simplify"] is not None:
+        from ..exchange.edit import resample
+
+        if chosen["resample"] is not None:
+            found.append(lambda strands: resample.resampled(strands, chosen["resample"]))
+        else:
+            found.append(lambda strands: resample.simplified(strands, chosen["simplify"]))
+    return found
+
+
+def _tell(
+    source: Path,
+    target: Path,
+    strands: tuple[int, Strands],
+    skipped: dict[str, int],
+    changes: list[Change],
+    lost: list[str],
+    how: tuple[bool, bool],
+) -> None:
+    """Say what was done; ``strands``: how many were read, and what was written; ``how``: as JSON, quietly."""
+    from ..exchange.change import strands_of
+
+    before, after = strands
+    if how[0]:
+        options.print_json({
+            "in": str(source), "out": str(target), "strands_read": before, "skipped": skipped,
+            "strands": after.count, "points": after.points.shape[0], "lost": lost,
+            "edits": [{"edit": one.edit, "text": one.text, **one.facts} for one in changes],
+        })  # fmt: skip
+        return
+    for why, count in skipped.items():
+        say(f"{source}: {strands_of(count)} of {why} skipped", err=True)
+    if how[1]:
+        return
+    for one in changes:
+        say(one.text, err=True)
+    for line in lost:
+        say(line, err=True)
+    say(f"{target}: {strands_of(after.count)}, {after.points.shape[0]:,} points", err=True)

@@ -1,0 +1,68 @@
+"""Mend what can be mended, and turn strands around."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from .. import faults
+from ..bounded import rows_not_finite
+from ..change import Change, strands_of
+from ..ends import ends
+from ..strands import Attribute, Mask, Strands
+
+
+def fixed(strands: Strands) -> tuple[Strands, Change]:
+    """Strands without those that are not finite, have no length or repeat another; the ones that clearly begin at the
+    tip turned around; attributes that are not finite left out."""
+    counts: dict[str, Any] = {}
+    for name, found in (
+        ("not_finite", faults.not_finite), ("without_length", faults.without_length), ("repeated", faults.repeated)
+    ):  # fmt: skip
+        wrong = found(strands)
+        counts[name] = int(wrong.sum())
+        strands = strands.select(~wrong)
+    bad = [name for name, one in strands.attributes.items() if _odd(one)]
+    if bad:
+        kept = {name: one for name, one in strands.attributes.items() if name not in bad}
+        strands = replace(strands, attributes=kept)
+    counts["attributes_left_out"] = bad
+    known = ends(strands)
+    back = np.zeros(strands.count, np.bool_)
+    if known is not None and known.root != "unknown":
+        back = known.others if known.root == "first" else ~known.others
+    strands = _turned_around(strands, back)
+    counts["turned_around"] = int(back.sum())
+    text = (
+        f"mended: {strands_of(counts['not_finite'])} not finite, {counts['without_length']:,} without length and "
+        f"{counts['repeated']:,} repeated left out; {counts['turned_around']:,} turned around"
+        + (f"; {', '.join(bad)} not finite, left out" if bad else "")
+    )
+    return strands, Change("fix", text, counts)
+
+
+def reversed_all(strands: Strands) -> tuple[Strands, Change]:
+    """Strands from the other end."""
+    changed = _turned_around(strands, np.ones(strands.count, np.bool_))
+    return changed, Change("reverse", f"{strands_of(strands.count)} turned around", {"strands": strands.count})
+
+
+def _odd(one: Attribute) -> bool:
+    return one.values.dtype.kind == "f" and rows_not_finite(one.values).size > 0
+
+
+def _turned_around(strands: Strands, back: Mask) -> Strands:
+    """Strands of which some (S,) run from last point to first, and their points' attributes with them."""
+    if not back.any():
+        return strands
+    counts, first = strands.counts(), strands.first
+    order = np.arange(strands.points.shape[0])
+    of_points = np.repeat(back, counts)
+    order[of_points] = np.repeat(first[:-1] + first[1:] - 1, counts)[of_points] - order[of_points]
+    attributes = {
+        name: Attribute(one.domain, one.values[order]) if one.domain == "point" else one
+        for name, one in strands.attributes.items()
+    }
+    return replace(strands, points=strands.points[order], attributes=attributes)

@@ -1,0 +1,54 @@
+"""Fewer strands: every n-th, a share of them, or so many."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ..change import Change, strands_of
+from ..strands import Mask, Strands
+
+
+def every(strands: Strands, step: int) -> tuple[Strands, Change]:
+    """Every ``step``-th strand, from the first."""
+    keep = np.arange(strands.count) % step == 0
+    return _kept(strands, keep, f"every {step}-th", {"every": step})
+
+
+def share(strands: Strands, part: float, seed: int) -> tuple[Strands, Change]:
+    """About a part of the strands. Whether strand i stays depends on the seed and on i alone, and a smaller part is
+    held in a larger one."""
+    keep = dice(strands.count, seed) < part
+    return _kept(strands, keep, f"a share of {part:g}", {"share": part, "seed": seed})
+
+
+def some(strands: Strands, count: int, seed: int) -> tuple[Strands, Change]:
+    """So many strands, those with the lowest dice; fewer are held in more."""
+    keep = np.zeros(strands.count, np.bool_)
+    keep[np.argsort(dice(strands.count, seed), kind="stable")[:count]] = True
+    return _kept(strands, keep, f"{count:,} of them", {"strands": count, "seed": seed})
+
+
+def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
+    """A number of [0, 1) for each strand, from the seed and its number alone: SplitMix64 (Steele et al., 2014)."""
+    with np.errstate(over="ignore"):
+        z = (np.arange(1, count + 1, dtype=np.uint64) + mixed(np.array([seed], np.uint64))) * np.uint64(GOLDEN)
+        return (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
+
+
+GOLDEN = 0x9E3779B97F4A7C15
+
+
+def mixed(z: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+    """The bits of numbers mixed up, SplitMix64's last step; numbers overflow on purpose."""
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
+def _kept(strands: Strands, keep: Mask, how: str, facts: dict[str, object]) -> tuple[Strands, Change]:
+    changed = strands.select(keep)
+    text = f"{strands_of(changed.count)} of {strands.count:,} kept, {how}"
+    return changed, Change(
+        "subsample", text, {**facts, "kept": changed.count, "left_out": strands.count - changed.count}
+    )

@@ -1,0 +1,94 @@
+"""`strandcli info` and `strandcli convert`."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exchange_kit as kit
+from cli_runs import Runner
+from exchange.test_edits import head
+from strandcli.exchange.files import read
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    Path("a.hair").write_bytes(kit.hair(list(head())))
+    return Runner(tmp_path, capsys)
+
+
+def test_info_tells_facts_and_what_mends(run: Runner) -> None:
+    words = run("info", "a.hair")
+    assert words.code == 0
+    assert "strands    200" in words.out
+    assert "units are centimetres, if it is a human's; here they are metres; convert --scale 0.01" in words.out
+    data = json.loads(run("info", "a.hair", "--json").out)
+    assert (data["strands"], data["points"], data["format"]) == (200, 4000, ".hair")
+    assert data["faults"][0]["mend"] == "--scale 0.01"
+
+
+def test_the_mend_that_is_told_mends(run: Runner) -> None:
+    turned = head()[:, ::-1] @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], np.float32)
+    Path("b.data").write_bytes(kit.data(list(turned)))
+    mends = [one["mend"] for one in json.loads(run("info", "b.data", "--json").out)["faults"]]
+    assert sorted(mends) == ["--reverse", "--scale 0.01", "--up z"]
+    assert run("convert", "b.data", "c.npz", *" ".join(mends).split()).code == 0
+    assert json.loads(run("info", "c.npz", "--json").out)["faults"] == []
+    assert np.allclose(read(Path("c.npz")).points, head().reshape(-1, 3) * 0.01, atol=1e-7)
+
+
+def test_convert_says_what_it_changed(run: Runner) -> None:
+    edits = ["--min-length", "20", "--share", ".5", "--smooth", "1", "--resample", "9"]
+    words = run("convert", "a.hair", "b.ply", *edits)
+    assert words.code == 0
+    assert words.out == ""
+    assert "too short" in words.err
+    assert "4,000 points" not in words.err
+    assert "largest deviation" in words.err
+    data = json.loads(run("convert", "a.hair", "b.ply", "--simplify", "0.1", "--json", "--overwrite").out)
+    assert data["edits"][0]["deviation_max"] <= 0.1
+    assert data["points"] == read(Path("b.ply")).points.shape[0] < 4000
+    assert run("convert", "a.hair", "b.data", "-q").err == ""
+
+
+@pytest.mark.parametrize(("arguments", "code", "message"), [
+    (("a.hair", "b.png"), 2, "let the name end in one of .hair, "),
+    (("a.hair", "a.hair"), 2, "is there already; add --overwrite"),
+    (("none.hair", "b.ply"), 2, "none.hair: no such file"),
+    (("a.hair", "b.ply", "--every", "2", "--share", ".1"), 2, "--every and --share exclude each other"),
+    (("a.hair", "b.ply", "--resample", "2", "--simplify", ".1"), 2, "exclude each other"),
+    (("a.hair", "b.ply", "--scale", "nan"), 2, "no finite number"),
+    (("a.hair", "b.ply", "--scale", "0"), 2, "--scale"),
+    (("a.hair", "b.ply", "--scale", "1e38"), 2, "too far out for single precision"),
+    (("a.hair", "b.ply", "--matrix", "1 2 3"), 2, "twelve numbers"),
+    (("a.hair", "b.ply", "--to-up", "z"), 2, "--up as well"),
+    (("a.hair", "none/b.ply"), 4, "cannot be written"),
+    ((".", "b.ply"), 2, "is a folder"),
+    (("/dev/zero", "b.ply"), 2, "no file but a pipe or a device"),
+])  # fmt: skip
+def test_faults_are_one_line(run: Runner, arguments: tuple[str, ...], code: int, message: str) -> None:
+    found = run("convert", *arguments)
+    assert found.code == code
+    assert message in found.error()
+    assert not Path("b.ply").exists()
+
+
+def test_a_matrix_is_three_rows(run: Runner) -> None:
+    assert run("convert", "a.hair", "b.data", "--matrix", "0 1 0 5, 1 0 0 0, 0 0 1 0").code == 0
+    assert np.allclose(read(Path("b.data")).points[:, 0], head().reshape(-1, 3)[:, 1] + 5)
+
+
+def test_a_file_that_is_its_own_target_is_whole(run: Runner) -> None:
+    assert run("convert", "a.hair", "a.hair", "--every", "2", "--overwrite").code == 0
+    assert read(Path("a.hair")).count == 100
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root reads everything")
+def test_a_file_that_may_not_be_read_is_refused(run: Runner) -> None:
+    Path("a.hair").chmod(0)
+    assert run("info", "a.hair").code == 4

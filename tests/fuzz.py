@@ -1,0 +1,191 @@
+"""Read damaged files of strands: ``python tests/fuzz.py [COUNT [FORMAT]]``, and a slice of it in the tests.
+
+A file is mutated in a few bytes, words or blocks, cut off, or lengthened, and read. It must be read or refused in one
+line (`StrandError`), within seconds and within three times its size and 100 MB: more ends in MemoryError here, and that
+is a fault too. What is found is printed with the number that makes it again.
+"""
+
+from __future__ import annotations
+
+import io
+import resource
+import signal
+import struct
+import sys
+import tempfile
+import time
+import zipfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+import exchange_kit as kit
+from strandcli.errors import StrandError
+from strandcli.exchange.files import ReadOptions, read
+
+MEMORY = Path("/dev/shm")
+"""Where files are written fastest."""
+LONGEST = 10
+"""Seconds for one file."""
+MOST = 100_000_000
+"""Bytes beyond three times the file."""
+WORDS = (0, 1, 2, 0x7F, 0x80, 0xFF, 0xFFFF, 0x10000, 2**31 - 1, 2**31, 2**32 - 1, 0x7FC00000, 0x7F800000)
+
+
+def grooms() -> Iterator[list[kit.Strand]]:
+    """Small ones: equal strands, others, of one point, none."""
+    generator = np.random.default_rng(5)
+    yield list(generator.normal(size=(6, 5, 3)).astype(np.float32))
+    yield [generator.normal(size=(count, 3)).astype(np.float32) for count in (3, 1, 9, 2, 30)]
+    yield []
+
+
+def npz(packed: bool, **arrays: object) -> bytes:
+    file = io.BytesIO()
+    (np.savez_compressed if packed else np.savez)(file, **arrays)
+    return file.getvalue()
+
+
+def seeds() -> dict[str, list[bytes]]:
+    """Whole files of each format."""
+    even, uneven, none = grooms()
+    colours = np.ones((30, 3), "<f4").tobytes()
+    positions = np.stack(even)
+    return {
+        ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
+        ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
+        ".bin": [kit.data(even, 4), kit.data(uneven, 4)],
+        ".tfx": [kit.tfx3(even), kit.tfx4(even), kit.tfx4(even, uv=False)],
+        ".ply": [
+            *(kit.ply(groom, order, told=told) for groom in (even, uneven) for order in ("<", ">", "")
+              for told in ("strand", "edge")),
+            kit.ply(even, kind="double"), kit.ply(even, "", told="nothing"), kit.ply(even, told="nothing"),
+        ],
+        ".npz": [
+            npz(False, positions=positions), npz(True, positions=positions.astype(np.float16)),
+            npz(False, positions=np.asfortranarray(positions), root_uv=np.ones((6, 2))),
+            npz(True, points=kit.of(uneven).points, first=kit.of(uneven).first, words=np.array(["a"])),
+        ],
+    }  # fmt: skip
+
+
+def mutated(content: bytes, generator: np.random.Generator) -> bytes:
+    """A file that is damaged in one to four ways."""
+    data = bytearray(content)
+    for _ in range(generator.integers(1, 5)):
+        size = len(data)
+        begin = int(generator.integers(size + 1 if generator.random() < 0.5 else min(size, 200) + 1))
+        match int(generator.integers(9)):
+            case 0:
+                del data[begin:]
+            case 1:
+                del data[begin : begin + int(generator.integers(1, 30))]
+            case 2:
+                data[begin:begin] = generator.bytes(int(generator.integers(1, 30)))
+            case 3:
+                data[begin : begin + 1] = generator.bytes(1)
+            case 4:
+                if begin < size:
+                    data[begin] ^= 1 << int(generator.integers(8))
+            case 5 | 6:
+                at = begin - begin % 4
+                data[at : at + 4] = struct.pack("<I", WORDS[int(generator.integers(len(WORDS)))])
+            case 7:  # a number of a text
+                digits = [place for place, byte in enumerate(data[:600]) if 48 <= byte <= 57]
+                if digits:
+                    at = digits[int(generator.integers(len(digits)))]
+                    data[at : at + 1] = str(int(10.0 ** generator.uniform(0, 19))).encode()
+            case _:
+                other = int(generator.integers(size + 1))
+                data[begin : begin + 16] = data[other : other + 16]
+    return bytes(data)
+
+
+def checksums_right(content: bytes) -> bytes:
+    """An archive whose members' checksums were made those of what they hold now, where that can be; so that what is
+    damaged inside is read."""
+    data = bytearray(content)
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            directory = archive.start_dir
+            for info in archive.infolist():
+                with archive.open(info) as member:
+                    member._expected_crc = None  # type: ignore[attr-defined]
+                    crc = zipfile.crc32(member.read(1 << 20))  # type: ignore[attr-defined]
+                place = data.index(b"PK\1\2", directory)
+                data[place + 16 : place + 20] = struct.pack("<I", crc)
+                directory = place + 46
+    except Exception:  # whatever a damaged archive raises
+        return content
+    return bytes(data)
+
+
+class TooLongError(Exception):
+    """Reading a file took more than `LONGEST` seconds."""
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    raise TooLongError
+
+
+def attempt(content: bytes, suffix: str, folder: Path) -> str:
+    """What becomes of a file: "read", "refused", or what is wrong."""
+    path = folder / f"a{suffix}"
+    path.write_bytes(content)
+    try:
+        strands = read(path, ReadOptions(lenient=len(content) % 2 == 0))
+        sound = strands.first[0] == 0 and strands.first[-1] == strands.points.shape[0]
+        if not sound or (strands.counts() < 2).any():
+            return "strands that are none"
+        return "read"
+    except StrandError as error:
+        text = str(error)
+        return "refused" if text.isprintable() and len(text) < 600 else f"a message as this: {text!r:.80}"
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
+
+def fuzz(suffix: str, numbers: range, tell: Callable[[str], None]) -> Counter[str]:
+    """Read damaged files of a format; number i is the same in each run."""
+    files = seeds()[suffix]
+    found: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as folder:
+        for number in numbers:
+            generator = np.random.default_rng(number)
+            content = mutated(files[number % len(files)], generator)
+            if suffix == ".npz" and number % 3:
+                content = checksums_right(content)
+            outcome = attempt(content, suffix, Path(folder))
+            found[outcome if outcome in ("read", "refused") else "wrong"] += 1
+            if outcome not in ("read", "refused"):
+                tell(f"{suffix} {number}: {outcome}")
+    return found
+
+
+def main() -> int:
+    """Fuzz all formats, or one. Exit code 1 where something is wrong."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    wrong = 0
+    for suffix in sys.argv[2:] or seeds():
+        with tempfile.TemporaryDirectory() as folder:  # whatever is imported by the first file does not count
+            attempt(seeds()[suffix][0], suffix, Path(folder))
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        before = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (used + MOST, before[1]))
+        signal.signal(signal.SIGALRM, _stop)
+        begin, total = time.monotonic(), Counter[str]()
+        for first in range(0, count, 100):
+            signal.alarm(LONGEST)
+            total += fuzz(suffix, range(first, min(first + 100, count)), print)
+        signal.alarm(0)
+        resource.setrlimit(resource.RLIMIT_AS, before)
+        wrong += total["wrong"]
+        print(f"{suffix}: {dict(total)} in {time.monotonic() - begin:.0f} s", flush=True)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
