@@ -81,7 +81,7 @@ def _fibre(scene: Scene) -> Iterator[Decision]:
     else:
         yield left_out(f"{material.model} tables", "material.specular is zero" if lit else "there is no light")
     if material.scatter != "dual":
-        yield left_out("dual scattering", "material.scatter is the diffuse stand-in")
+        yield left_out("dual scattering", "material.scatter is the diffuse term")
     elif any(counts_strands(light) for light in lit):
         yield Decision("dual scattering", "light goes from strand to strand under lights with opacity maps")
     else:

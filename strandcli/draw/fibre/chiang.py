@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,8 +27,9 @@ from numpy.typing import NDArray
 from . import width_tables
 from .kernels import chiang as kernel
 from .kernels import lobes
-from .marschner import NO_PATHS, PATH_FLOOR, leaving, rays_across, seen
+from .marschner import leaving, rays_across, seen
 from .pigment import absorption_of, varies
+from .tables import FibreTables, add_paths, mean_paths
 
 if TYPE_CHECKING:
     from ...scene.model import Material
@@ -41,28 +41,6 @@ COEFFICIENT_FLOOR = 1e-6
 MOST_COEFFICIENTS = 2048
 RAYS = 12.0
 """Rays over half of the strand, times the logistic's scale."""
-
-
-@dataclass(frozen=True, slots=True)
-class ChiangTables:
-    """The model's tables, and what they were built for. Arrays are float32 in C order, as `ChiangArrays` says."""
-
-    fibre: NDArray[np.float32]
-    nodes: NDArray[np.float32]
-    paths: NDArray[np.float32] | None
-    """None where no colour varies."""
-    absorption: NDArray[np.float64]
-    """(3,) σ_a of the tables, in 1/radius."""
-
-    @property
-    def arrays(self) -> kernel.ChiangArrays:
-        """As kernels read them."""
-        return kernel.ChiangArrays(self.fibre, self.nodes, NO_PATHS if self.paths is None else self.paths)
-
-    @property
-    def nbytes(self) -> int:
-        """Of the arrays."""
-        return sum(array.nbytes for array in self.arrays)
 
 
 def variances(beta_m: float) -> NDArray[np.float64]:
@@ -82,7 +60,7 @@ def tilts(tilt: float) -> NDArray[np.float64]:
     return np.radians(tilt) * np.array([2.0, -1.0, -4.0, 0.0])
 
 
-def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None) -> ChiangTables | None:
+def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None) -> FibreTables | None:
     """Tables for ``material``, or None where ``material.specular`` is 0 and nothing would read them.
 
     By default n_φ gives three nodes to the logistic's scale, between 64 and 512 in all: 3 MB where β_n is under .1, and
@@ -97,15 +75,15 @@ def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None
     # The last node lies on the horizon, where η' is infinite: it is taken a hair's breadth inside.
     theta = np.minimum(np.linspace(0.0, 0.5 * np.pi, n_theta), 0.5 * np.pi - 1e-4)
     nodes, paths = azimuthal(theta, n_phi, material.eta, sigma, s)
-    fibre = np.zeros(kernel.FIBRE_SIZE, np.float32)
+    shape = np.zeros(kernel.LOBES_SIZE, np.float32)
     sharp = 1.0 / variances(material.beta_m)
-    fibre[kernel.SHARP : kernel.SHARP + 4] = sharp
-    fibre[kernel.NORM : kernel.NORM + 4] = material.specular * sharp / -np.expm1(-2.0 * sharp)
-    fibre[kernel.COS : kernel.COS + 4] = np.cos(tilts(material.tilt))
-    fibre[kernel.SIN : kernel.SIN + 4] = np.sin(tilts(material.tilt))
-    fibre[kernel.THETA_SCALE], fibre[kernel.THETA_LAST] = (n_theta - 1) / (0.5 * math.pi), (n_theta - 1) * (1.0 - 1e-6)
-    fibre[kernel.PHI_SCALE], fibre[kernel.PHI_LAST] = (n_phi - 1) / math.pi, (n_phi - 1) * (1.0 - 1e-6)
-    return ChiangTables(fibre, nodes, paths if varies(material) else None, sigma)
+    shape[kernel.SHARP : kernel.SHARP + 4] = sharp
+    shape[kernel.NORM : kernel.NORM + 4] = material.specular * sharp / -np.expm1(-2.0 * sharp)
+    shape[kernel.COS : kernel.COS + 4] = np.cos(tilts(material.tilt))
+    shape[kernel.SIN : kernel.SIN + 4] = np.sin(tilts(material.tilt))
+    shape[kernel.THETA_SCALE], shape[kernel.THETA_LAST] = (n_theta - 1) / (0.5 * math.pi), (n_theta - 1) * (1.0 - 1e-6)
+    shape[kernel.PHI_SCALE], shape[kernel.PHI_LAST] = (n_phi - 1) / math.pi, (n_phi - 1) * (1.0 - 1e-6)
+    return FibreTables(kernel.ChiangArrays, shape, nodes, paths if varies(material) else None, sigma)
 
 
 def columns(material: Material) -> NDArray[np.float32] | None:
@@ -145,11 +123,7 @@ def azimuthal(
     gamma_i, weight = rays_across(max(256, math.ceil(RAYS / s)))
     rays, length, out = passages(theta, gamma_i, eta, sigma)
     rest = rays[:, 7:]
-    # then TT and TRT (the mean of rgb) weighted with their paths' lengths
-    tt, trt, chords = rays[:, 1:4], rays[:, 4:7], length[:, None]
-    rays = np.concatenate(
-        [rays[:, :7], tt.mean(1, keepdims=True) * chords, 2.0 * trt.mean(1, keepdims=True) * chords], 1
-    )
+    rays = add_paths(rays, length)
     response = detector(s)
     bins = 2 ** math.ceil(math.log2(8 * len(response)))
     n = seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, bins, response)
@@ -162,11 +136,8 @@ def azimuthal(
     nodes[..., : lobes.REST] = n[..., :7]
     nodes[..., lobes.REST : lobes.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
 
-    mean = np.stack([n[..., 1:4].mean(-1), n[..., 4:7].mean(-1)], -1)
-    plain = np.array([1.0, 2.0]) * (2.0 * eta / np.sqrt(eta**2 - np.sin(theta) ** 2))[:, None, None]
-    known = mean > PATH_FLOOR * mean.max((0, 1))
     paths = np.zeros((len(theta), n_phi, 4), np.float32)
-    paths[..., :2] = np.clip(np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain), 0.0, plain)
+    paths[..., :2] = mean_paths(n, theta, eta)
     # of p = 3, 4, … passes with weights falling as (F T)^p, 3 + F T / (1 − F T) is the mean number
     inner = (rays[:, :1] * np.exp(-length[:, None] * sigma[:, None])).mean(1)
     passes = rest.mean(1) * (3.0 + inner / (1.0 - inner)) * length

@@ -27,7 +27,6 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,6 +35,7 @@ from numpy.typing import NDArray
 from . import width_tables
 from .kernels import marschner as kernel
 from .pigment import absorption_of, varies
+from .tables import FibreTables, add_paths, mean_paths
 
 if TYPE_CHECKING:
     from ...scene.model import Material
@@ -44,30 +44,6 @@ COS2_FLOOR = 1e-3
 COEFFICIENT_FLOOR = 1e-7
 RAYS = 8.0  # rays over half of the strand, times the roughness: no two leave farther apart than .62 of it
 BINS = 200.0  # bins over the circle, times the roughness: what sharing leaves aliased is under 3e-5
-PATH_FLOOR = 1e-6
-NO_PATHS = np.zeros((0, 0, 2), np.float32)
-
-
-@dataclass(frozen=True, slots=True)
-class MarschnerTables:
-    """The model's tables, and what they were built for. Arrays are float32 in C order, as `MarschnerArrays` says."""
-
-    lobes: NDArray[np.float32]
-    nodes: NDArray[np.float32]
-    paths: NDArray[np.float32] | None
-    """None where no colour varies."""
-    absorption: NDArray[np.float64]
-    """(3,) σ_a of the material's colour, in 1/radius."""
-
-    @property
-    def arrays(self) -> kernel.MarschnerArrays:
-        """As kernels read them."""
-        return kernel.MarschnerArrays(self.lobes, self.nodes, NO_PATHS if self.paths is None else self.paths)
-
-    @property
-    def nbytes(self) -> int:
-        """Of the arrays."""
-        return sum(array.nbytes for array in self.arrays)
 
 
 def azimuthal_beta(degrees: float) -> float:
@@ -86,7 +62,7 @@ def azimuthal_beta(degrees: float) -> float:
     return 0.5 * (low + high)
 
 
-def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None) -> MarschnerTables | None:
+def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None) -> FibreTables | None:
     """Tables for ``material``, or None where ``material.specular`` is 0 and nothing would read them.
 
     By default n_φ gives four nodes to a standard deviation of the azimuthal roughness, between 48 and 192 in all: the
@@ -104,7 +80,7 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
     nodes[..., :7] = n * np.repeat(peaks(material), (1, 3, 3))
-    return MarschnerTables(lobes, nodes, paths if varies(material) else None, sigma)
+    return FibreTables(kernel.MarschnerArrays, lobes, nodes, paths if varies(material) else None, sigma)
 
 
 def columns(material: Material) -> NDArray[np.float32] | None:
@@ -158,19 +134,12 @@ def _azimuthal(
     """
     gamma_i, weight = rays_across(max(128, math.ceil(RAYS / deviation)))
     rays, length, out = passages(theta, gamma_i, eta, sigma)
-    # then TT and TRT (the mean of rgb) weighted with their paths' lengths
-    paths_rgb = np.stack([rays[:, 1:4].mean(axis=1) * length, rays[:, 4:7].mean(axis=1) * length * 2.0], 1)
-    rays = np.concatenate([rays, paths_rgb], 1)
+    rays = add_paths(rays, length)
     bins = 2 ** math.ceil(math.log2(BINS / deviation))
     k = np.arange(math.ceil(math.sqrt(-2.0 * math.log(COEFFICIENT_FLOOR)) / deviation) + 1)
     detector = np.exp(-0.5 * (k * deviation) ** 2)
     n = seen(rays * weight, out[:, [0, 1, 1, 1, 2, 2, 2, 1, 2]], n_phi, bins, detector)
-
-    mean = np.stack([n[..., 1:4].mean(axis=-1), n[..., 4:7].mean(axis=-1)], axis=-1)
-    plain = np.array([1.0, 2.0]) * (2.0 * eta / np.sqrt(eta**2 - np.sin(theta) ** 2))[:, None, None]
-    known = mean > PATH_FLOOR * mean.max(axis=(0, 1))
-    paths = np.where(known, n[..., 7:] / np.where(known, mean, 1.0), plain)
-    return n[..., :7], (np.clip(paths, 0.0, plain) / math.log(2.0)).astype(np.float32)
+    return n[..., :7], (mean_paths(n, theta, eta) / math.log(2.0)).astype(np.float32)
 
 
 def passages(

@@ -49,10 +49,10 @@ class Material:
     scatter: str = choice(
         "diffuse",
         ("diffuse", "dual"),
-        doc="light from strand to strand: a diffuse stand-in; or dual scattering, under lights whose shadow.model is "
+        doc="light from strand to strand: a diffuse term; or dual scattering, under lights whose shadow.model is "
         "opacity, with Chiang's lobes",
     )
-    diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse stand-in; 0 leaves it out")
+    diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse term; 0 leaves it out")
     width: float = number(
         0.0,
         low=0,

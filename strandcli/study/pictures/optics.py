@@ -15,6 +15,7 @@ from ...draw.fibre import chiang, marschner
 from ...draw.fibre.kernels import chiang as chiang_kernel
 from ...draw.fibre.kernels import lobes
 from ...draw.fibre.kernels import marschner as marschner_kernel
+from ...draw.fibre.tables import FibreTables
 from ...registry import FIBRES
 from ...scene.model import Material
 from .. import bsdf_reference, chiang_reference
@@ -108,7 +109,7 @@ class Marschner(Optics):
         """That of R."""
         return math.radians(self.material.beta)
 
-    def tables(self, theta: int, phi: int) -> marschner.MarschnerTables:
+    def tables(self, theta: int, phi: int) -> FibreTables:
         """Of `draw.marschner`."""
         tables = marschner.build_tables(self.material, theta, phi)
         assert tables is not None
@@ -160,7 +161,7 @@ class Chiang(Optics):
         """That of R."""
         return math.sqrt(float(chiang.variances(self.material.beta_m)[0]))
 
-    def tables(self, theta: int, phi: int) -> chiang.ChiangTables:
+    def tables(self, theta: int, phi: int) -> FibreTables:
         """Of `draw.chiang`."""
         tables = chiang.build_tables(self.material, theta, phi)
         assert tables is not None

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...draw.common.scratch import Scratch
-from ...draw.fibre.chiang import ChiangTables
-from ...draw.fibre.marschner import MarschnerTables
+from ...draw.fibre.tables import FibreTables
 from ...draw.geometry.curves import Polylines
 from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
@@ -190,7 +189,7 @@ class Subject:
 
     def draw(
         self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False,
-        tables: MarschnerTables | ChiangTables | None = None, renderer: LinearRenderer | None = None,
+        tables: FibreTables | None = None, renderer: LinearRenderer | None = None,
     ) -> Picture:  # fmt: skip
         """Draw a scene with the subject's strands; ``tables`` stand in for the material's own, ``renderer`` for the
         usual one of the scene.

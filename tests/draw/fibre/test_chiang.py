@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from strandcli.draw.fibre import chiang as tables_of
 from strandcli.draw.fibre.kernels import chiang as kernel
 from strandcli.draw.fibre.pigment import mass_colour
+from strandcli.draw.fibre.tables import FibreTables
 from strandcli.jit import function
 from strandcli.scene.model import Material
 from strandcli.study import chiang_reference as reference
@@ -47,7 +48,7 @@ def way(theta: np.ndarray | float, phi: np.ndarray | float) -> np.ndarray:
     return np.ascontiguousarray(np.stack(columns, -1).reshape(-1, 3), np.float32)
 
 
-def drawn(tables: tables_of.ChiangTables, theta_l: np.ndarray | float, theta_v: float, phi: np.ndarray) -> np.ndarray:
+def drawn(tables: FibreTables, theta_l: np.ndarray | float, theta_v: float, phi: np.ndarray) -> np.ndarray:
     theta, phi = np.broadcast_arrays(theta_l, phi)
     out = np.empty((theta.size, 3), np.float32)
     ways_v = np.repeat(way(theta_v, 0.0), theta.size, 0)
@@ -63,7 +64,7 @@ def material(hair: Hair) -> Material:
     )
 
 
-def tables(hair: Hair) -> tables_of.ChiangTables:
+def tables(hair: Hair) -> FibreTables:
     found = tables_of.build_tables(material(hair))
     assert found is not None
     return found
@@ -234,7 +235,7 @@ def test_whatever_is_asked_light_is_a_number(
     found = tables_of.build_tables(one, 8, 16)
     assert found is not None
     assert found.paths is not None
-    assert all(np.isfinite(array).all() for array in (found.fibre, found.nodes, found.paths))
+    assert all(np.isfinite(array).all() for array in (found.lobes, found.nodes, found.paths))
     arguments = np.array(ways, np.float32)
     light = kernel.chiang(*map(tuple, arguments.reshape(3, 3)), found.arrays, (ZERO, np.float32(-3), np.float32(3)))
     assert all(math.isfinite(x) and x >= 0 for x in light)

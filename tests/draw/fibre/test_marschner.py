@@ -330,7 +330,7 @@ def test_compiled_and_plain_python_agree_to_the_bit():
     assert said[0] == said[1]
 
 
-# --- the diffuse stand-in ---
+# --- the diffuse term ---
 
 
 def test_diffuse_is_the_sine_to_the_light_over_pi():

@@ -18,13 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....constants import W
 from ....jit import device, function, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
 from ...common.kernels.batch import (
-    ARRIVES,
     EX,
-    EXTRA,
     EY,
     EZ,
     LX,
@@ -32,7 +29,6 @@ from ...common.kernels.batch import (
     LZ,
     NODE_X,
     NODE_Y,
-    RADIANCE,
     REST,
     TRT,
     TT,
@@ -41,19 +37,18 @@ from ...common.kernels.batch import (
     TZ,
     R,
 )
-from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from .highlights import shaded_by
-from .lobes import azimuthal
+from .lobes import add_lobes, azimuthal
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 HALF_LOG2_E = np.float32(0.5 / math.log(2.0))
 
-# Places in the array `fibre`, a number for each of the four lobes: 1 / v, normalisation, the tilt's cosine and sine.
+# Places in the array `lobes`, a number for each of the four lobes: 1 / v, normalisation, the tilt's cosine and sine.
 SHARP, NORM, COS, SIN = 0, 4, 8, 12
 THETA_SCALE, THETA_LAST, PHI_SCALE, PHI_LAST = 16, 17, 18, 19
-FIBRE_SIZE = 20
+LOBES_SIZE = 20
 NODE_SIZE = 12
 """Channels of a node of the array `nodes`, of which the last two are padding."""
 
@@ -87,7 +82,7 @@ def longitudinal(
     tx: np.float32, ty: np.float32, tz: np.float32,
     lx: np.float32, ly: np.float32, lz: np.float32,
     vx: np.float32, vy: np.float32, vz: np.float32,
-    fibre: np.ndarray,
+    lobes: np.ndarray,
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]:  # fmt: skip
     """The part that reads no table, without branches: the place (x, y) in the tables, and M_p of the four lobes."""
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
@@ -102,28 +97,28 @@ def longitudinal(
     cos_l = min(np.sqrt(lx * lx + ly * ly + lz * lz), ONE)
     cos_v = min(np.sqrt(vx * vx + vy * vy + vz * vz), ONE)
     phi = acos(clamp((lx * vx + ly * vy + lz * vz) / max(cos_l * cos_v, TINY), -ONE, ONE))
-    x = clamp(abs(asin(sin_v)) * fibre[THETA_SCALE], ZERO, fibre[THETA_LAST])
-    y = clamp(phi * fibre[PHI_SCALE], ZERO, fibre[PHI_LAST])
-    m_r = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(0))
-    m_tt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(1))
-    m_trt = tilted(sin_l, cos_l, sin_v, cos_v, fibre, np.int64(2))
-    m_rest = lobe(sin_l, cos_l, sin_v, cos_v, fibre[SHARP + 3], fibre[NORM + 3])
+    x = clamp(abs(asin(sin_v)) * lobes[THETA_SCALE], ZERO, lobes[THETA_LAST])
+    y = clamp(phi * lobes[PHI_SCALE], ZERO, lobes[PHI_LAST])
+    m_r = tilted(sin_l, cos_l, sin_v, cos_v, lobes, np.int64(0))
+    m_tt = tilted(sin_l, cos_l, sin_v, cos_v, lobes, np.int64(1))
+    m_trt = tilted(sin_l, cos_l, sin_v, cos_v, lobes, np.int64(2))
+    m_rest = lobe(sin_l, cos_l, sin_v, cos_v, lobes[SHARP + 3], lobes[NORM + 3])
     return x, y, m_r, m_tt, m_trt, m_rest
 
 
 @inlined
-def tilted(sin_l, cos_l, sin_v, cos_v, fibre, p):
+def tilted(sin_l, cos_l, sin_v, cos_v, lobes, p):
     """M of a lobe that the scales tilt."""
-    s = sin_v * fibre[COS + p] + cos_v * fibre[SIN + p]
-    c = abs(cos_v * fibre[COS + p] - sin_v * fibre[SIN + p])
-    return lobe(sin_l, cos_l, s, c, fibre[SHARP + p], fibre[NORM + p])
+    s = sin_v * lobes[COS + p] + cos_v * lobes[SIN + p]
+    c = abs(cos_v * lobes[COS + p] - sin_v * lobes[SIN + p])
+    return lobe(sin_l, cos_l, s, c, lobes[SHARP + p], lobes[NORM + p])
 
 
 @function
 def chiang(tangent, light, eye, tables, extra):
     """S cos θ_l in red, green and blue, in 1/sr, as `kernels.marschner.marschner`; tables: `ChiangArrays`."""
     x, y, m_r, m_tt, m_trt, m_rest = longitudinal(
-        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.fibre
+        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.lobes
     )
     return azimuthal(x, y, (m_r, m_tt, m_trt), m_rest, tables.nodes, tables.paths, extra)
 
@@ -134,7 +129,7 @@ def highlights(work, n, lights, i, tables):
     for k in range(n):
         x, y, r, tt, trt, rest = longitudinal(
             work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], tables.fibre,
+            work[EX + k], work[EY + k], work[EZ + k], tables.lobes,
         )  # fmt: skip
         work[NODE_X + k] = x
         work[NODE_Y + k] = y
@@ -142,16 +137,7 @@ def highlights(work, n, lights, i, tables):
         work[TT + k] = tt
         work[TRT + k] = trt
         work[REST + k] = rest
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = azimuthal(
-                work[NODE_X + k], work[NODE_Y + k], (work[R + k], work[TT + k], work[TRT + k]), work[REST + k],
-                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
-            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+    add_lobes(work, n, lights, i, REST, tables)
 
 
 @shaded_by(highlights)
@@ -161,7 +147,7 @@ class ChiangArrays(NamedTuple):
     θ_v and φ are even in angle over [0, π/2] and [0, π].
     """
 
-    fibre: NDArray[np.float32]
+    lobes: NDArray[np.float32]
     """(20,) sharpness, normalisation and tilt of the lobes, and index scales, at the places named above."""
     nodes: NDArray[np.float32]
     """(n_θ, n_φ, 12) N_p of R, TT rgb, TRT rgb, the rest rgb, 0, 0."""

@@ -1,4 +1,4 @@
-"""The diffuse stand-in for light that goes from strand to strand."""
+"""Light that goes from strand to strand, as one diffuse term (Kajiya and Kay 1989)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ INV_PI = np.float32(1.0 / math.pi)
 
 @device
 def diffuse_light(work, n, lights, i, scale):
-    """Add the stand-in's light of light number i at the first n vertices of a batch; scale: `material.diffuse`."""
+    """Add the diffuse term of light number i to the radiance of the first n vertices of a batch; scale:
+    `material.diffuse`."""
     for k in range(n):
         d = scale * kajiya_diffuse(
             work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]

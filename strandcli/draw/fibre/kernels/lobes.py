@@ -9,13 +9,38 @@ from __future__ import annotations
 
 import numpy as np
 
+from ....constants import W
 from ....jit import device
+from ...common.kernels import batch
 from ...common.kernels.approximations import exp2
+from ...common.kernels.batch import ARRIVES, EXTRA, RADIANCE
+from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 
+ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
 R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
 """Channels of a node."""
+
+
+@device
+def add_lobes(work, n, lights, i, rest, tables):
+    """Add what the lobes scatter of light number i to the radiance of the first n vertices of a batch.
+
+    work: rows of `batch`, of which `NODE_X`, `NODE_Y`, R, TT and TRT hold what `longitudinal` gave; rest: the row with
+    M of the rest, None with tables that have none; tables: `MarschnerArrays` or `ChiangArrays`.
+    """
+    for k in range(n):
+        arrives = work[ARRIVES + k]
+        if arrives > ZERO:
+            r, g, b = azimuthal(
+                work[batch.NODE_X + k], work[batch.NODE_Y + k],
+                (work[batch.R + k], work[batch.TT + k], work[batch.TRT + k]), None if rest is None else work[rest + k],
+                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
+            )  # fmt: skip
+            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
+            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
+            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
 
 
 @device

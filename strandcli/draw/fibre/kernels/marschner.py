@@ -21,13 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....constants import W
 from ....jit import device, function, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
 from ...common.kernels.batch import (
-    ARRIVES,
     EX,
-    EXTRA,
     EY,
     EZ,
     LX,
@@ -35,7 +32,6 @@ from ...common.kernels.batch import (
     LZ,
     NODE_X,
     NODE_Y,
-    RADIANCE,
     TRT,
     TT,
     TX,
@@ -43,9 +39,8 @@ from ...common.kernels.batch import (
     TZ,
     R,
 )
-from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from .highlights import shaded_by
-from .lobes import azimuthal
+from .lobes import add_lobes, azimuthal
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -127,16 +122,7 @@ def highlights(work, n, lights, i, tables):
         work[R + k] = r
         work[TT + k] = tt
         work[TRT + k] = trt
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = azimuthal(
-                work[NODE_X + k], work[NODE_Y + k], (work[R + k], work[TT + k], work[TRT + k]), None,
-                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
-            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+    add_lobes(work, n, lights, i, None, tables)
 
 
 @shaded_by(highlights)

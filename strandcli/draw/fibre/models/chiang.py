@@ -18,7 +18,7 @@ def roughness(material: Material) -> float:
 
 
 def tables(material: Material) -> Any:
-    """`strandcli.draw.fibre.chiang.ChiangTables`, or None without highlights."""
+    """`strandcli.draw.fibre.tables.FibreTables`, or None without highlights."""
     from ..chiang import build_tables
 
     return build_tables(material)

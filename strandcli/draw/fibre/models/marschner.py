@@ -20,7 +20,7 @@ def roughness(material: Material) -> float:
 
 
 def tables(material: Material) -> Any:
-    """`strandcli.draw.fibre.marschner.MarschnerTables`, or None without highlights."""
+    """`strandcli.draw.fibre.tables.FibreTables`, or None without highlights."""
     from ..marschner import build_tables
 
     return build_tables(material)

@@ -32,7 +32,7 @@ class StrandColour(NamedTuple):
     """(A, B, 6) over the place along a strand and its tone: colour of a mass, and absorption beyond that of the fibre
     model's tables, 1/radius; no rows where all strands have one colour."""
     diffuse: Any
-    """float32: scale of the diffuse stand-in, 0 for none."""
+    """float32: scale of the diffuse term, 0 for none."""
 
 
 class Surround(NamedTuple):
