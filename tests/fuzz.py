@@ -8,12 +8,14 @@ is a fault too. What is found is printed with the number that makes it again.
 from __future__ import annotations
 
 import io
+import json
 import resource
 import signal
 import struct
 import sys
 import tempfile
 import time
+import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -24,6 +26,7 @@ import numpy as np
 
 import exchange_kit as kit
 from strandcli.errors import StrandError
+from strandcli.exchange.facts import facts
 from strandcli.exchange.files import ReadOptions, read
 
 MEMORY = Path("/dev/shm")
@@ -77,7 +80,7 @@ def mutated(content: bytes, generator: np.random.Generator) -> bytes:
     data = bytearray(content)
     for _ in range(generator.integers(1, 5)):
         size = len(data)
-        begin = int(generator.integers(size + 1 if generator.random() < 0.5 else min(size, 200) + 1))
+        begin = int(generator.integers(size + 1 if generator.random() < 0.7 else min(size, 200) + 1))
         match int(generator.integers(9)):
             case 0:
                 del data[begin:]
@@ -136,7 +139,10 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
     path = folder / f"a{suffix}"
     path.write_bytes(content)
     try:
+        warnings.simplefilter("error")
         strands = read(path, ReadOptions(lenient=len(content) % 2 == 0))
+        if len(content) % 5 == 0:
+            json.dumps(facts(strands).as_dict(), allow_nan=False)
         sound = strands.first[0] == 0 and strands.first[-1] == strands.points.shape[0]
         if not sound or (strands.counts() < 2).any():
             return "strands that are none"

@@ -28,8 +28,9 @@ LONGEST_HEADER = 4096
 SPARE = 1 << 26
 """Bytes that arrays may take beyond three times the file: packed ones may be of any size."""
 HEADER = re.compile(
-    r"\{\s*'descr':\s*'(?P<kind>[<>|=][fiu][1248])',\s*'fortran_order':\s*(?P<fortran>True|False),"
-    r"\s*'shape':\s*\((?P<shape>(?:\d{1,18},\s*)*(?:\d{1,18})?)\),?\s*\}\s*"
+    r"\{\s*'descr':\s*'(?P<kind>[<>|=](?:f[248]|[iu][1248]))',\s*'fortran_order':\s*(?P<fortran>True|False),"
+    r"\s*'shape':\s*\((?P<shape>(?:\d{1,18},\s*)*(?:\d{1,18})?)\),?\s*\}\s*",
+    re.ASCII,
 )
 """What numpy writes for arrays of numbers."""
 
@@ -86,7 +87,7 @@ class Archive:
         match = HEADER.fullmatch(text)
         if match is None:
             return None
-        shape = tuple(int(one) for one in match["shape"].replace(" ", "").split(",") if one)
+        shape = tuple(int(one) for one in match["shape"].replace(" ", "").split(",") if one.strip())
         kind = np.dtype(match["kind"])
         skip = 8 + width + length
         needs = math.prod(shape) * kind.itemsize
@@ -102,25 +103,25 @@ class Archive:
     def read(self, member: Member) -> npt.NDArray[Any]:
         """An array: single precision of all floating-point types, integers as they are."""
         kind = np.dtype("f4") if member.kind.kind == "f" else member.kind.newbyteorder("=")
-        needs = member.size * kind.itemsize * (2 if member.fortran else 1)
+        needs = member.size * kind.itemsize
         if needs > self.room:
             raise self.fault(
                 member.info, f"{amount(needs)} unpacked, {amount(self.file.size)} packed: more than is believed; "
                 "unpack it with numpy and write it with numpy.savez",
             )  # fmt: skip
         self.room -= needs
-        values = np.empty(member.size, kind)
-        with self.opened(member.info) as file, np.errstate(over="ignore"):
+        values = np.empty(member.shape, kind)
+        flat = values.T.flat if member.fortran else values.reshape(-1)
+        with self.opened(member.info) as file, np.errstate(over="ignore", invalid="ignore"):
             _exactly(file, member.skip)
             step = SLICE // member.kind.itemsize
             for begin in range(0, member.size, step):
-                part = values[begin : begin + step]
-                part[:] = np.frombuffer(_exactly(file, part.size * member.kind.itemsize), member.kind)
+                count = min(step, member.size - begin)
+                part = np.frombuffer(_exactly(file, count * member.kind.itemsize), member.kind)
+                flat[begin : begin + count] = part.astype(kind, copy=False)
             if file.read(1):
                 raise self.fault(member.info, "goes on after its numbers; it is damaged")
-        if member.fortran:
-            return np.ascontiguousarray(values.reshape(member.shape[::-1]).T)
-        return values.reshape(member.shape)
+        return values
 
     @contextmanager
     def opened(self, info: zipfile.ZipInfo) -> Iterator[Any]:

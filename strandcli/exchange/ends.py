@@ -17,6 +17,8 @@ from .strands import Mask, Points, Strands
 
 LEAST_STRANDS = 20
 """With fewer, nothing is guessed."""
+ENOUGH = 20_000
+"""Strands that spheres are fitted to, at most."""
 CLEARER = 0.7
 """The misfit of roots is at most so much of that of tips."""
 ON = 0.1
@@ -86,7 +88,8 @@ def ends(strands: Strands) -> Ends | None:
     """Which end of finite strands is the root; None of too few."""
     if strands.count < LEAST_STRANDS:
         return None
-    first, last = sphere(strands.roots()), sphere(strands.tips())
+    step = -(-strands.count // ENOUGH)
+    first, last = sphere(strands.roots()[::step]), sphere(strands.tips()[::step])
     others = np.zeros(strands.count, np.bool_)
     root = "unknown"
     if min(first.misfit, last.misfit) < CLEARER * max(first.misfit, last.misfit):

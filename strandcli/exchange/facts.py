@@ -75,10 +75,10 @@ def facts(strands: Strands) -> Facts:
 
 
 def _spread(values: npt.NDArray[Any]) -> dict[str, float] | None:
-    """Least, median, mean and largest."""
+    """Least, median, mean and largest of values that are not needed in their order any more."""
     if not values.size:
         return None
-    low, middle, mean, high = values.min(), np.median(values), values.mean(dtype=np.float64), values.max()
+    low, middle, mean, high = values.min(), np.median(values, overwrite_input=True), values.mean(dtype=np.float64), values.max()
     return {"min": low.item(), "median": middle.item(), "mean": mean.item(), "max": high.item()}
 
 
@@ -100,14 +100,14 @@ def _inner(strands: Strands) -> npt.NDArray[np.float32]:
 def curvature(strands: Strands) -> npt.NDArray[np.float64]:
     """Of each strand the angle by which it turns in all, over its length: radians a unit; 0 without length."""
     lengths = strands.lengths()
-    turns = np.zeros(strands.points.shape[0])
+    turns = np.zeros(strands.points.shape[0], np.float32)
     for begin in range(0, turns.shape[0] - 2, CHUNK):
         step = np.diff(strands.points[begin : begin + CHUNK + 2].astype(np.float64), axis=0)
         across = np.linalg.norm(np.cross(step[:-1], step[1:]), axis=1)
         turns[begin + 1 : begin + step.shape[0]] = np.arctan2(across, np.einsum("ij,ij->i", step[:-1], step[1:]))
     turns[strands.first[:-1]] = 0
     turns[strands.first[1:] - 1] = 0
-    return np.add.reduceat(turns, strands.first[:-1]) / np.where(lengths > 0, lengths, np.inf)
+    return np.add.reduceat(turns, strands.first[:-1], dtype=np.float64) / np.where(lengths > 0, lengths, np.inf)
 
 
 def _attribute(name: str, one: Any) -> dict[str, Any]:

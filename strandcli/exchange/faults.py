@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from .bounded import rows_not_finite
 from .edit.subsample import GOLDEN, mixed
-from .strands import CHUNK, Mask, Strands
+from .strands import CHUNK, Mask, Offsets, Strands
 
 
 def not_finite(strands: Strands) -> Mask:
@@ -26,29 +26,50 @@ def without_length(strands: Strands) -> Mask:
 def repeated(strands: Strands) -> Mask:
     """Strands (S,) that have the points of an earlier one, in every bit."""
     found = np.zeros(strands.count, np.bool_)
-    keys = fingerprints(strands)
+    keys, counts = fingerprints(strands), strands.counts()
     order = np.argsort(keys, kind="stable")
-    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
-    first, points = strands.first, strands.points.view(np.uint32)
-    for place in same:
-        one, other = order[place], order[place + 1]
-        a, b = points[first[one] : first[one + 1]], points[first[other] : first[other + 1]]
-        found[other] = a.shape == b.shape and bool((a == b).all())
+    one, other = order[:-1], order[1:]
+    like = (keys[one] == keys[other]) & (counts[one] == counts[other])
+    one, other = one[like], other[like]
+    ends = np.cumsum(counts[one])
+    begin = 0
+    while begin < one.size:  # some pairs at once
+        done = int(ends[begin - 1]) if begin else 0
+        stop = max(begin + 1, int(np.searchsorted(ends, done + CHUNK, side="right")))
+        found[other[begin:stop]] = _equal(strands, one[begin:stop], other[begin:stop])
+        begin = stop
     return found
+
+
+def _equal(strands: Strands, one: Offsets, other: Offsets) -> Mask:
+    """Whether strands have the same bits, pair by pair of as many points."""
+    counts = strands.counts()[one]
+    begins = np.cumsum(counts) - counts
+    place = np.arange(int(counts.sum())) - np.repeat(begins, counts)
+    bits = strands.points.view(np.uint32)
+    same = np.ones(place.shape[0], np.bool_)
+    for axis in range(3):
+        column = bits[:, axis]
+        rows = [place + np.repeat(strands.first[side], counts) for side in (one, other)]
+        same &= column[rows[0]] == column[rows[1]]
+    return np.logical_and.reduceat(same, begins)
 
 
 def fingerprints(strands: Strands) -> npt.NDArray[np.uint64]:
     """A number of the bits of each strand (S,): equal strands have equal ones, others hardly ever."""
     found = np.zeros(strands.count, np.uint64)
-    first = strands.first
-    step = max(1, CHUNK // max(1, int(strands.points.shape[0] / max(1, strands.count))))
+    first, total = strands.first, strands.points.shape[0]
+    third = mixed(np.array([GOLDEN], np.uint64))
     with np.errstate(over="ignore"):
-        for begin in range(0, strands.count, step):
-            end = min(begin + step, strands.count)
-            low, high = int(first[begin]), int(first[end])
-            place = np.arange(low, high) - np.repeat(first[begin:end], np.diff(first[begin : end + 1]))
+        for begin in range(0, total, CHUNK):  # which cuts strands in parts
+            end = min(begin + CHUNK, total)
+            low = int(np.searchsorted(first, begin, side="right")) - 1
+            high = int(np.searchsorted(first, end, side="left"))
+            begins = np.maximum(first[low:high], begin)
+            lasts = np.minimum(first[low + 1 : high + 1], end)
+            place = np.arange(begin, end) - np.repeat(first[low:high], lasts - begins)
             factor = mixed(place.astype(np.uint64) * np.uint64(GOLDEN) + np.uint64(1)) | np.uint64(1)
-            bits = strands.points[low:high].view(np.uint32).astype(np.uint64)
-            whole = bits[:, 0] + bits[:, 1] * np.uint64(GOLDEN) + bits[:, 2] * mixed(np.array([GOLDEN], np.uint64))
-            found[begin:end] = np.add.reduceat(mixed(whole) * factor, first[begin:end] - low)
+            bits = strands.points[begin:end].view(np.uint32).astype(np.uint64)
+            whole = bits[:, 0] + bits[:, 1] * np.uint64(GOLDEN) + bits[:, 2] * third
+            found[low:high] += np.add.reduceat(mixed(whole + np.uint64(GOLDEN)) * factor, begins - begin)
     return found

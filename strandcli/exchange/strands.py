@@ -74,15 +74,16 @@ class Strands:
 
     def lengths(self) -> npt.NDArray[np.float64]:
         """Length of each strand, units of the file."""
-        return np.add.reduceat(self.segments(), self.first[:-1]) if self.count else np.zeros(0)
+        return np.add.reduceat(self.segments(), self.first[:-1], dtype=np.float64) if self.count else np.zeros(0)
 
     def segments(self) -> npt.NDArray[np.float32]:
         """From each point the distance to the next one of its strand, units of the file; 0 at tips."""
         found = np.zeros(self.points.shape[0], np.float32)
         if self.count:
             for begin in range(0, found.shape[0] - 1, CHUNK):
-                step = np.diff(self.points[begin : begin + CHUNK + 1], axis=0)
-                found[begin : begin + step.shape[0]] = np.sqrt(np.einsum("ij,ij->i", step, step))
+                step = np.diff(self.points[begin : begin + CHUNK + 1].astype(np.float64), axis=0)
+                long = np.sqrt(np.einsum("ij,ij->i", step, step))
+                found[begin : begin + step.shape[0]] = np.minimum(long, np.finfo(np.float32).max)
             found[self.first[1:] - 1] = 0
         return found
 

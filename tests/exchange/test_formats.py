@@ -237,6 +237,7 @@ def nan_at(content: bytes, at: int) -> bytes:
         (struct.pack("<2i", 1, 2**31 - 1) + bytes(24), ".data", "byte 4: points of strand 0: 2,147,483,647"),
         (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file holds 3 more"),
         (struct.pack("<f", 2.5) + bytes(200), ".tfx", "byte 0: version: 2.5 is not known"),
+        (struct.pack("<f2I", 3.0, 2**24, 0) + bytes(300), ".tfx", "byte 8: vertices a strand: 0"),
         (kit.tfx4(EQUAL)[:170], ".tfx", "byte 4: strands: 12 need 192 bytes"),
         (kit.tfx4(EQUAL)[:12] + b"\xff" * 4 + kit.tfx4(EQUAL)[16:], ".tfx", "byte 12: offset of positions"),
         (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file holds 5 bytes"),

@@ -83,11 +83,12 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
             columns["xyz"] = np.empty((one.count, 3), np.float32)
             wanted |= {name: columns["xyz"][:, axis] for axis, name in enumerate(XYZ)}
             if set(RGB) <= one.properties.keys():
-                columns["rgb"] = np.empty((one.count, 3), "u1" if one.properties["red"] == "u1" else np.float32)
+                whole = all(one.properties[colour] == "u1" for colour in RGB)
+                columns["rgb"] = np.empty((one.count, 3), np.uint8 if whole else np.float32)
                 wanted |= {name: columns["rgb"][:, axis] for axis, name in enumerate(RGB)}
         for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2"}:
-            if name in one.properties:
-                kind = one.properties[name]
+            kind = one.properties.get(name, "")
+            if kind and (name in NUMBERS or kind[0] in "iu"):
                 columns[name] = np.empty(one.count, np.float32 if kind == "f8" else kind)
                 wanted[name] = columns[name]
         if order:
@@ -95,7 +96,7 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
             if plain and one.name == "vertex":
                 file.fill(columns["xyz"].reshape(-1).view(np.uint8).data)
             else:
-                with np.errstate(over="ignore"):
+                with np.errstate(over="ignore", invalid="ignore"):
                     file.columns(f"element {one.name}", one.record(order), one.count, wanted)
         else:
             _text(file, one, wanted)

@@ -47,7 +47,7 @@ LAYOUTS = {
         Array("colour", "point", 4),
     )),
 }  # fmt: skip
-AT_STRANDS, AT_FOLLOWERS, AT_BOTH_ENDS = 4, 12, 16
+AT_STRANDS, AT_VERTICES, AT_FOLLOWERS = 4, 8, 12
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -64,6 +64,8 @@ def read(path: Path, options: ReadOptions) -> Strands:
             raise file.fault(f"version: {version:.6g} is not known; .tfx files are of version 3 or 4", 0)
         header = struct.pack("<f", version) + file.take("header", layout.header - 4)
         strands, vertices = struct.unpack_from("<2I", header, AT_STRANDS)
+        if strands and not vertices:  # of which there could be any number in no bytes
+            raise file.damaged("vertices a strand: 0", AT_VERTICES)
         file.need("strands", strands * vertices, 4 * layout.arrays[0].width, AT_STRANDS)
         points, attributes, held = None, {}, layout.header
         for place, one in enumerate(layout.arrays):
