@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: demo fuzz test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
+.PHONY: demo fuzz reading test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -25,6 +25,7 @@ help:
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make fuzz       read damaged files of strands, 100,000 of each format"
+	@echo "make reading    time and memory of reading 50,000 strands in each format"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
@@ -95,7 +96,9 @@ bench: $(READY)
 stress: $(READY)
 	$(RUN) stress
 
-# FUZZ=1000 for fewer
+reading: $(READY)
+	$(BIN)/python tests/reading.py
+
 fuzz: $(READY)
 	$(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)
 

@@ -78,8 +78,9 @@ def _spread(values: npt.NDArray[Any]) -> dict[str, float] | None:
     """Least, median, mean and largest of values that are not needed in their order any more."""
     if not values.size:
         return None
-    low, middle, mean, high = values.min(), np.median(values, overwrite_input=True), values.mean(dtype=np.float64), values.max()
-    return {"min": low.item(), "median": middle.item(), "mean": mean.item(), "max": high.item()}
+    middle = np.median(values, overwrite_input=True)
+    mean = values.mean(dtype=np.float64)
+    return {"min": values.min().item(), "median": middle.item(), "mean": mean.item(), "max": values.max().item()}
 
 
 def _box(strands: Strands) -> dict[str, list[float]] | None:

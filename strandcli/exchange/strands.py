@@ -106,7 +106,7 @@ class Strands:
         return replace(self, first=offsets(counts[keep]), points=self.points[of_points], attributes=kept)
 
 
-CHUNK = 1 << 20
+CHUNK = 1 << 17
 """Points that are looked at at once, so that what is between takes little memory."""
 
 
