@@ -23,10 +23,12 @@ class Registry:
     other packages are entry points of a group; `register` adds one for this process.
     """
 
-    def __init__(self, kind: str, group: str, package: str, first: str, parts: tuple[str, ...]) -> None:
+    def __init__(
+        self, kind: str, group: str, package: str, first: str, parts: tuple[str, ...], key: str = "name"
+    ) -> None:
         """``package``: dotted, inside of strandcli; ``first``: the shipped driver that is named first; ``parts``: what
-        every driver has."""
-        self.kind, self.group = kind, group
+        every driver has; ``key``: the part by which presets name it."""
+        self.kind, self.group, self._key = kind, group, key
         self._package, self._first, self._parts = f"{__package__}.{package}", first, parts
         self._folder = ROOT.joinpath(*package.split("."))
         self._drivers: dict[str, Any] = {}
@@ -50,11 +52,12 @@ class Registry:
         """Add a driver for this process. Raises `UsageError` where it lacks a part or where its name is taken."""
         for part in self._parts:
             if not hasattr(driver, part):
-                name = getattr(driver, "name", driver)
+                name = getattr(driver, self._key, driver)
                 raise UsageError(f"{self.kind} {name!r}: has no `{part}` (see {self._package})")
-        if driver.name in self._shipped() or self._drivers.get(driver.name, driver) is not driver:
-            raise UsageError(f"{self.kind} {driver.name!r}: another {self.kind} has this name")
-        self._drivers[driver.name] = driver
+        name = getattr(driver, self._key)
+        if name in self._shipped() or self._drivers.get(name, driver) is not driver:
+            raise UsageError(f"{self.kind} {name!r}: another {self.kind} has this {self._key}")
+        self._drivers[name] = driver
 
     def settings(self, name: str) -> type | None:
         """The class of settings that a driver has of its own, ``Parameters``; None for shipped drivers, whose settings

@@ -86,7 +86,7 @@ class Canvas:
             self.drawing.lap("raster")
             if edges is not None and layer.fragments.top == 0:
                 self._surfaces(self.keys, self.image)
-                edges.composite(self._surfaces, self.image, self.backdrop)
+                edges.lay(self._surfaces, self.image, self.backdrop)
             self._lay(layer, batch)
             if self.recorder is not None and front is not None:
                 self.recorder.layer(layer, lines, screen, front)
@@ -159,8 +159,7 @@ class Canvas:
                     grid.visibility(batch.lines, marks, batch.screen, row)
                 else:
                     shades = profiles.shades[number]
-                    slots = profiles.slots
-                    grid.visibility_across(batch.lines, marks, batch.screen, row, view, slots, shown, shades)
+                    grid.across(batch.lines, marks, batch.screen, row, view, profiles.slots, shown, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, batch, marks, found)
         thick = self.lighting.scene.image.haze

@@ -1,29 +1,37 @@
-"""Shapes of solids from other packages: what the scene has to be told in order to read them from a preset."""
+"""Shapes of solids that have a file of their own: what such a file holds."""
 
 from __future__ import annotations
 
 from typing import Any, Protocol
 
-from ..errors import UsageError
-from ..registry import load, offered
-from .model.solids import SOLIDS, SolidSettings
+from .model.solids import SHAPES
 
-_shapes: dict[str, SolidShape] = {}
-GROUP = "strandcli.solids"
+OPTIONAL = ("meet", "normal")
+"""Functions that a shape may have."""
 
 
 class SolidShape(Protocol):
-    """A shape of solid that is not one of strandcli's own: any object or module with these names.
+    """A shape of solid: a module of `strandcli.solid_shapes`, or any object or module of another package.
 
     ``kind`` is what presets write. ``Settings`` is a frozen dataclass that inherits from `SolidSettings`, whose fields
     are made with the helpers of `fields.py`; its own ``kind`` is ``choice(kind, (kind,))``. Of such settings
-    ``numbers`` gives the numbers that ``distance`` takes, always as many, and ``reach`` the radius, metres, of a ball
-    about the solid's own origin that holds all of it.
+    ``numbers`` gives the numbers that the functions below take, always as many, and ``reach`` the radius, metres, of a
+    ball about the solid's own origin that holds all of it.
 
     ``distance(x, y, z, numbers)`` is the distance of a point of the solid's own frame from the surface, metres,
-    negative inside: never more than to the nearest point of the surface, and 1 per metre steep at the most. It is a
-    plain function of a module that can be imported, compiled by strandcli: arithmetic, `math` and functions that Numba
-    has compiled.
+    negative inside: never more than to the nearest point of the surface, and 1 per metre steep at the most.
+
+    A shape may have more, each of which makes it quicker and more accurate:
+
+    * ``meet(x, y, z, dx, dy, dz, numbers)``: where a ray that begins outside first meets the surface, as the multiple
+      t ≥ 0 of d; `math.inf` where it does not. Else rays go forward by the distance, step by step.
+    * ``normal(x, y, z, numbers)``: three numbers, not all 0, along the outward normal at the point of the surface that
+      is nearest to a point, which may be on it, inside or outside. Else differences of the distance are taken.
+    * ``convex = True``: it is convex, and so is its distance along every line. The deepest place of a segment is then
+      searched for; else segments are looked at in a few places.
+
+    Functions are plain ones of a module that can be imported, compiled by strandcli: arithmetic, `math` and functions
+    that Numba has compiled.
     """
 
     kind: str
@@ -36,24 +44,10 @@ class SolidShape(Protocol):
 
 def add(shape: SolidShape) -> None:
     """Let presets have solids of a shape. Raises `UsageError` where it lacks a part or its kind is taken."""
-    name = getattr(shape, "kind", shape)
-    for part in ("kind", "Settings", "numbers", "reach", "distance"):
-        if not hasattr(shape, part):
-            raise UsageError(f"solid {name!r}: has no `{part}` (see strandcli.solids.register)")
-    if not issubclass(shape.Settings, SolidSettings):
-        raise UsageError(f"solid {name!r}: its Settings must inherit from strandcli.scene.model.SolidSettings")
-    if shape.kind in SOLIDS and _shapes.get(shape.kind) is not shape:
-        raise UsageError(f"solid {name!r}: another shape has this kind")
-    _shapes[shape.kind] = shape
-    SOLIDS[shape.kind] = shape.Settings
+    SHAPES.register(shape)
 
 
 def shape_of(kind: str) -> SolidShape:
-    """The shape of a kind that has been added."""
-    return _shapes[kind]
-
-
-def search() -> None:
-    """Add the shapes that installed packages name under ``strandcli.solids``. Raises `UsageError`."""
-    for entry in offered(GROUP):
-        add(load(entry, "solid"))
+    """The shape of a kind that is not built in."""
+    found: SolidShape = SHAPES[kind]
+    return found

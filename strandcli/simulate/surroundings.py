@@ -54,7 +54,7 @@ class Surroundings:
         """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
         self.others = solids.others(met)
-        """Solids of other packages; their kind here is ""."""
+        """Solids without kernels of their own; their kind here is ""."""
         if self.others:
             kinds[""] = self.others
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}

@@ -2,7 +2,8 @@
 
 `Solids` holds all of them at one moment as the numbers that kernels take. What belongs to one shape stands in one file
 in `shapes` (rows, bounds) and one in `kernels` (rays, normals, depth, contact). Nothing imported here is compiled.
-Shapes of other packages give a signed distance (`register`).
+Other shapes, of `strandcli.solid_shapes` and of other packages (`register`), have all of theirs in one file and come
+together as `others`.
 """
 
 from __future__ import annotations
@@ -45,12 +46,12 @@ class Solids(NamedTuple):
 
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
-    """Solids of every kind packed at a time in seconds; with a fifth field where any are of other packages."""
+    """Solids of every kind packed at a time in seconds; with a fifth field where there are `others`."""
     return joined([pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], solids, emitter, time, dtype)
 
 
 def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any, time: float, dtype: Any) -> Solids:
-    """The packed solids of strandcli's own kinds together with those of other packages among ``solids``."""
+    """The packed solids of strandcli's own kinds together with the `others` among ``solids``."""
     found = others(solids)
     if not found:
         return Solids(*shipped)
@@ -60,7 +61,7 @@ def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any,
 
 
 def others(solids: Sequence[Any]) -> list[Any]:
-    """Those of solids whose shape is another package's."""
+    """Those of solids whose shape has no kernels of its own."""
     return [one for one in solids if one.kind not in SHAPES]
 
 

@@ -32,3 +32,14 @@ def test_reading_a_preset_imports_yaml_alone() -> None:
     modules = imported_by("from strandcli.scene import loads, dump\ndump(loads('seed: 1', rules={}))")
     assert "yaml" in modules
     assert modules.isdisjoint(HEAVY)
+
+
+def test_a_solid_with_a_file_of_its_own_is_read_when_it_is_asked_for_and_imports_nothing_heavy() -> None:
+    modules = imported_by("""
+from strandcli.scene import loads
+loads("solids: [{kind: sphere}]", rules={})
+assert "strandcli.solid_shapes.cone" not in sys.modules
+loads("solids: [{kind: cone}]", rules={})
+assert "strandcli.solid_shapes.cone" in sys.modules
+""")
+    assert modules.isdisjoint(HEAVY)

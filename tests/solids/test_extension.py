@@ -23,9 +23,9 @@ from strandcli.draw.view.camera import camera_view
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.scene import SceneError, loads
-from strandcli.scene.model import SOLIDS, Camera, Emitter, SphereSolid
+from strandcli.scene.model import Camera, Emitter, SphereSolid
+from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.schema import json_schema
-from strandcli.scene.solid_shape import _shapes
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
@@ -50,7 +50,7 @@ solids:
 def registered() -> Iterator[None]:
     register(ring)
     yield
-    del SOLIDS["ring"], _shapes["ring"]
+    del SHAPES._drivers["ring"]
 
 
 def packed(*more: Any, **settings: Any) -> Solids:
@@ -127,14 +127,12 @@ def test_its_shadow_on_the_ground_is_a_ring_and_soft_in_a_wide_light() -> None:
         point = np.array([0.6 * off, -1.0, 0.8 * off], np.float32)
         hidden = abs(off - R) < THICK
         assert rays.lit(solids, *point, *up, FAR, SKIN) == (0 if hidden else 1)
-        ray = penumbra.LightRay(*point, *up, FAR)
-        share = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
+        share = float(penumbra.lit(solids, penumbra.LightRay(*point, *up, FAR), SKIN, np.float32(0.02), np.float32(0)))
         far = abs(abs(off - R) - THICK) > 0.03  # the light is .02 m wide there at the distance of a metre
         assert not far or share == pytest.approx(0 if hidden else 1, abs=1e-3)
         assert 0 <= share <= 1
     edge = np.array([R + THICK, -1.0, 0.0], np.float32)
-    ray = penumbra.LightRay(*edge, *up, FAR)
-    half = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
+    half = float(penumbra.lit(solids, penumbra.LightRay(*edge, *up, FAR), SKIN, np.float32(0.02), np.float32(0)))
     assert half == pytest.approx(0.5, abs=0.08)
 
 
@@ -185,7 +183,7 @@ def test_a_kind_that_is_taken_or_lacks_a_part_is_refused() -> None:
         Settings = SphereSolid
         numbers = reach = distance = staticmethod(lambda *_: 0.0)
 
-    with pytest.raises(UsageError, match="another shape has this kind"):
+    with pytest.raises(UsageError, match="another solid has this kind"):
         register(Other)
     with pytest.raises(UsageError, match="has no `reach`"):
         register(type("Part", (), {"kind": "part", "Settings": ring.Settings, "numbers": None, "distance": None}))

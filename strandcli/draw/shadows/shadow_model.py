@@ -1,4 +1,4 @@
-"""Base class of shadow models. Imports neither numpy nor numba: presets are checked and planned without them."""
+"""What a shadow model is. Imports neither numpy nor numba: presets are checked and planned without them."""
 
 from __future__ import annotations
 
@@ -14,86 +14,88 @@ Settings = dict[str, Any]
 
 
 class ShadowModel:
-    """A method that computes the shadows of strands in a light. Derive from it, and override what differs.
+    """A way to find what strands leave of a light. Derive from it, and override what differs.
 
-    A model uses a shadow map (`casts_map`), which the shading kernels read at vertices of strands and at points of
-    solids, or computes the visibility of each vertex with its own code (`shades_vertices`). If it does both, the map
-    serves solids, dual scattering and the layer `shadow`, and the model's own values serve strands.
+    A model shades by a map (`casts_map`), which the shading kernels read at vertices of strands and at points of
+    solids; or vertex by vertex (`shades_vertices`), with code of its own. It may do both: then the map shades solids,
+    and counts strands for dual scattering and for the layer `shadow`, while strands have what the model says of their
+    vertices.
 
-    The optional attribute ``Parameters`` is a frozen dataclass made with the helpers of `strandcli.scene.fields`: the
-    model's own settings, which presets write under `shadow.parameters`.
+    It may have an attribute ``Parameters``, a frozen dataclass made of the helpers of `strandcli.scene.fields`: its own
+    settings, which presets write under `shadow.parameters`.
     """
 
     name = ""
-    """The value of `shadow.model` in presets."""
+    """What a preset writes."""
     side = 1024
-    """Default texels along a side of its maps; an upper limit for maps with layers."""
+    """Texels along a side of its maps, where a preset gives none; of maps with layers, at most."""
     shades_vertices = False
-    """Whether `vertex_shadows` computes the visibility of lights at strand vertices."""
+    """Whether `vertex_shadows` is asked what strands leave of a light at their vertices."""
     thins = True
-    """Whether the shadow of a thinner strand is thinner, so that level of detail may fade strands by their width."""
+    """Whether a thinner strand has a thinner shadow, so that strands which fade may become thinner."""
     blurs = True
-    """Whether shadows are averaged over several strand spacings instead of resolving single strands."""
+    """Whether it tells the mean over some distances between strands, and not the shadow of each strand."""
 
     def casts_map(self, counted: bool) -> bool:
-        """Return whether a light has shadow maps; counted: whether solids, dual scattering or the layer `shadow` read
-        them."""
+        """Whether a light has shadow maps; counted: whether anything but light on strands reads them: solids, dual
+        scattering, or the layer `shadow`."""
         return False
 
     def side_of(self, shadow: Any) -> int:
-        """Return the texels along a side of a light's maps; an upper limit for maps with layers."""
+        """Texels along a side of a light's maps; of maps with layers, at most."""
         return int(shadow.size or self.side)
 
     def layers(self, shadow: Any) -> int:
-        """Return the layers of a light's opacity maps, 0 for min/max maps; shadow: a `strandcli.scene.model.Shadow`."""
+        """Layers of an opacity map, by the settings of one light (`strandcli.scene.model.Shadow`); 0: a min/max map."""
         return 0
 
     def vertex_shadows(self, light: Any, strands: StrandsInLight) -> VertexShadows:
-        """Return the shadows of all strands in one light, for one exposure."""
+        """The shadows of all strands in one light, for one exposure."""
         raise NotImplementedError(f"shadow model {self.name!r} has no vertex_shadows")
 
     def stage(self, lights: int) -> tuple[str, str] | None:
-        """Return name and description of the model's own stage for `strandcli plan`, or None; lights: number of lights
-        that use the model."""
+        """Name of its stage and what it does there, for `strandcli plan`, in so many lights; None: no stage but that
+        of the maps."""
         return None
 
     def map_bytes(self, shadow: Any, directional: bool) -> int:
-        """Return the bytes of one light's maps; a light that is not directional has six."""
+        """Bytes of the maps of one light; a light that is not directional has six."""
         side, layers = self.side_of(shadow), self.layers(shadow)
-        # a quarter of the cells contain strands; a box covers at most 1 / √3 of the map fitted to its bounding sphere
+        # of a cell's numbers a quarter, where strands are: no box takes more than 1 / √3 of what the ball about it does
+        # of a map
         cell = 4 * (2 + 5 * (layers + 1)) / 4 * (0.6 if directional else 1)
         return int((4 + cell if layers else 8) * side**2) * (1 if directional else 6)
 
     def vertex_bytes(self, vertices: int) -> int:
-        """Return the bytes that `vertex_shadows` of one light takes for so many strand vertices."""
+        """Bytes that `vertex_shadows` of one light takes, of strands of so many vertices."""
         return 0
 
     def study(self, path: str, spacing: Callable[[], float]) -> list[Settings]:
-        """Return the variants that `strandcli study --axis shadow` compares, as settings by path; path: path of the
-        light's `shadow`; spacing: returns the distance between strands, metres."""
+        """Settings that `strandcli study --axis shadow` tries, by path; path: of the light's `shadow`; spacing: tells
+        metres between strands."""
         return [{f"{path}.model": self.name}]
 
 
 def model_of(light: Any) -> Any:
-    """Return the shadow model of a light."""
+    """The shadow model of a light."""
     return SHADOWS[light.shadow.model]
 
 
 def shines(light: Any) -> bool:
-    """Return whether a light emits any light."""
+    """Whether a light is not dark."""
     return bool(light.intensity > 0 and any(light.colour))
 
 
 def casts_map(light: Any, counted: bool = True) -> bool:
-    """Return whether a light emits light and has shadow maps; counted: see `ShadowModel.casts_map`."""
+    """Whether a light has a shadow map; one that is dark needs none. counted: see `ShadowModel.casts_map`."""
     return shines(light) and bool(model_of(light).casts_map(counted))
 
 
 def counts_strands(light: Any) -> bool:
-    """Return whether a light may have opacity maps, which dual scattering needs."""
+    """Whether a light may have maps that count strands, as dual scattering needs."""
     return casts_map(light) and bool(model_of(light).layers(light.shadow) > 0)
 
 
 def shades_vertices(light: Any) -> bool:
-    """Return whether a light's model computes visibility at strand vertices itself."""
+    """Whether a light's model tells the strands' shadows on strands vertex by vertex."""
     return shines(light) and bool(model_of(light).shades_vertices)

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from ...errors import UsageError
+from ...registry import Registry
 from ..fields import Colour, Vector, boolean, choice, colour, items, number, text, vector
 from .pose import PoseKey
 
@@ -79,5 +83,45 @@ class BoxSolid(SolidSettings):
 
 
 Solid = SphereSolid | CapsuleSolid | PlaneSolid | BoxSolid
-SOLIDS: dict[str, type] = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
-"""The settings of each kind; those of other packages are added by `strandcli.scene.solid_shape`."""
+BUILT_IN: dict[str, type] = {"sphere": SphereSolid, "capsule": CapsuleSolid, "plane": PlaneSolid, "box": BoxSolid}
+"""The settings of the kinds that have kernels of their own."""
+
+
+class _Shapes(Registry):
+    """The shapes with a file of their own: the modules of `strandcli.solid_shapes`, and those of other packages."""
+
+    def register(self, driver: Any) -> None:
+        """As `Registry.register`. Raises `UsageError` also for settings that are not those of a solid."""
+        kind = getattr(driver, "kind", driver)
+        if not issubclass(getattr(driver, "Settings", SolidSettings), SolidSettings):
+            raise UsageError(f"solid {kind!r}: its Settings must inherit from strandcli.scene.model.SolidSettings")
+        if kind in BUILT_IN:
+            raise UsageError(f"solid {kind!r}: another solid has this kind")
+        super().register(driver)
+
+
+SHAPES = _Shapes(
+    "solid", "strandcli.solids", "solid_shapes", "", ("kind", "Settings", "numbers", "reach", "distance"), key="kind"
+)
+"""Shapes by their kind: `strandcli.scene.solid_shape.SolidShape`."""
+
+
+class _Kinds(Mapping[str, type]):
+    """Settings by kind. A shape's file is imported when its kind is asked for."""
+
+    def __getitem__(self, kind: str) -> type:
+        if kind in BUILT_IN:
+            return BUILT_IN[kind]
+        found: type = SHAPES[kind].Settings
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        yield from BUILT_IN
+        yield from SHAPES.names()
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+
+SOLIDS: Mapping[str, type] = _Kinds()
+"""The settings of every kind."""

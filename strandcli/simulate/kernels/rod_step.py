@@ -39,7 +39,7 @@ from .rod_sweep import ROW
 from .work_queue import TASKS, take
 
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
-# the four kinds, their sizes, and where there are any, address, size and columns of solids of other packages
+# the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their own
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, SCRATCH, SCRATCH_BYTES, STATE = 2, 3, 4, 5, 6, 7, 8, 9, 10
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -55,7 +55,7 @@ def descriptor_of(
     """(columns,) int64, what the kernel is given: numbers and addresses. The caller keeps all arrays alive.
 
     ``scratch`` is (workers, size), of the same floating type as all arrays; ``solids`` are rows of spheres, capsules,
-    planes and boxes, and perhaps a fifth array of solids of other packages.
+    planes and boxes, and perhaps a fifth array of solids without kernels of their own.
     """
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
@@ -118,7 +118,7 @@ def solids_of(kind, descriptor):
 
 @device
 def others_of(kind, descriptor):
-    """Solids of other packages: their rows, the size of all rows, and columns of each."""
+    """Solids without kernels of their own: their rows, the size of all rows, and columns of each."""
     return pointer_at(kind, descriptor[OTHERS]), descriptor[OTHERS_SIZE], descriptor[OTHERS_COLUMNS]
 
 

@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import UsageError
 from ...registry import load, offered
-from ...scene import solid_shape
 from . import collision, elasticity, emitter_motion, gravity, stiffness, wind
 from .rule import Moment, Pass
 
@@ -57,7 +56,6 @@ def registry() -> Mapping[str, Any]:
         _searched = True
         for entry in offered(GROUP):
             register(load(entry, "rule"))
-        solid_shape.search()  # who asks for rules is about to read a preset
     return _registry
 
 

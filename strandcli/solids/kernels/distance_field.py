@@ -1,7 +1,9 @@
-"""Solids by their signed distance alone, in kernels: rays, normals, shadows and contact.
+"""Solids by their signed distance, in kernels: rays, normals, shadows and contact.
 
 `distance(p, m, x, y, z)` is that of a written module (`strandcli.solids.shapes.other`), p an array of packed solids and
-m the number of one of them.
+m the number of one of them. So are `meet`, `normal` and `deepest`: a shape's own where it has one, else `march` and
+`gradient` below, and what `segment_depth` has. What is handed functions is inlined: machine code that holds their
+addresses could not be kept.
 """
 
 from __future__ import annotations
@@ -10,8 +12,7 @@ import math
 
 import numpy as np
 
-from ...constants import W
-from ...jit import device
+from ...jit import device, inlined
 from ..shapes.other import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -26,11 +27,9 @@ NEAR = np.float32(1e-4)
 FINE = np.float32(1e-3)
 """Half the way over which a gradient is measured, as a share of the reach."""
 ROUNDS = 4
-"""Steps of a point on its way out, at the most: one is enough for an exact distance."""
+"""Steps of a point or a segment on its way out, at the most: one is enough for an exact distance or a flat face."""
 ACROSS = 64
 """Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
-PARTS = 4
-"""Of a segment that is looked at between its ends."""
 CLEAR = np.float32(2.0)
 """More than any sine."""
 
@@ -62,6 +61,42 @@ def own_at(p, m, x, y, z):
 
 
 @device
+def ray_in_own(p, m, x, y, z, dx, dy, dz):
+    """Origin and direction of a ray in the frame of solid m, in double precision."""
+    u, v, w = own(p, m, x, y, z)
+    return (
+        np.float64(u), np.float64(v), np.float64(w),
+        np.float64(p[m, ROW_X] * dx + p[m, ROW_Y] * dy + p[m, ROW_Z] * dz),
+        np.float64(p[m, ROW_X + 1] * dx + p[m, ROW_Y + 1] * dy + p[m, ROW_Z + 1] * dz),
+        np.float64(p[m, ROW_X + 2] * dx + p[m, ROW_Y + 2] * dy + p[m, ROW_Z + 2] * dz),
+    )  # fmt: skip
+
+
+@device
+def outward(p, m, n):
+    """The unit direction in the world of a direction in the frame of solid m."""
+    f = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+    a, b, c = f * n[0], f * n[1], f * n[2]
+    return (
+        p[m, ROW_X] * a + p[m, ROW_X + 1] * b + p[m, ROW_X + 2] * c,
+        p[m, ROW_Y] * a + p[m, ROW_Y + 1] * b + p[m, ROW_Y + 2] * c,
+        p[m, ROW_Z] * a + p[m, ROW_Z + 1] * b + p[m, ROW_Z + 2] * c,
+    )
+
+
+@device
+def outward_at(p, m, n):
+    """The same of the solid whose row begins at place m."""
+    f = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+    a, b, c = f * n[0], f * n[1], f * n[2]
+    return (
+        p[m + ROW_X] * a + p[m + ROW_X + 1] * b + p[m + ROW_X + 2] * c,
+        p[m + ROW_Y] * a + p[m + ROW_Y + 1] * b + p[m + ROW_Y + 2] * c,
+        p[m + ROW_Z] * a + p[m + ROW_Z + 1] * b + p[m + ROW_Z + 2] * c,
+    )
+
+
+@inlined
 def gradient(distance, p, m, h, x, y, z):
     """Unit direction in which the distance from solid m grows most, by differences over 2 h."""
     nx = distance(p, m, x + h, y, z) - distance(p, m, x - h, y, z)
@@ -92,16 +127,15 @@ def through(p, m, ox, oy, oz, dx, dy, dz):
     return max(t - half, ZERO), t + half
 
 
-@device
-def trace(distance, p, m, ox, oy, oz, dx, dy, dz):
-    """Where a ray meets solid m from outside, in units of |d|; inf where it does not (Hart 1996, "Sphere Tracing")."""
-    t, end = through(p, m, ox, oy, oz, dx, dy, dz)
+@inlined
+def march(distance, p, m, x, y, z, dx, dy, dz, end):
+    """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to ``end`` (Hart
+    1996, "Sphere Tracing")."""
+    t = ZERO
     per = ONE / np.float32(math.sqrt(dx * dx + dy * dy + dz * dz))
     near = NEAR * p[m, REACH]
-    for step in range(STEPS):
-        away = distance(p, m, ox + t * dx, oy + t * dy, oz + t * dz)
-        if step == 0 and away < ZERO:
-            return INF
+    for _ in range(STEPS):
+        away = distance(p, m, x + t * dx, y + t * dy, z + t * dz)
         if t > end:
             return INF
         if away < near:
@@ -110,34 +144,42 @@ def trace(distance, p, m, ox, oy, oz, dx, dy, dz):
     return INF
 
 
-@device
-def hides(distance, p, m, x, y, z, way, reach, skin):
+@inlined
+def trace(distance, meet, p, m, ox, oy, oz, dx, dy, dz):
+    """Where a ray meets solid m from outside, in units of |d|; inf where it does not. `meet` begins where the ray
+    enters the solid's ball, so that it need not be accurate from far away."""
+    t, end = through(p, m, ox, oy, oz, dx, dy, dz)
+    if end < t:
+        return INF
+    x, y, z = ox + t * dx, oy + t * dy, oz + t * dz
+    if t == ZERO and distance(p, m, x, y, z) < ZERO:
+        return INF
+    return t + meet(p, m, x, y, z, dx, dy, dz, end - t)
+
+
+@inlined
+def hides(distance, meet, p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point, already `skin` off its own place, and a light at ``reach`` along the unit
     vector ``way``. A point on the surface, or within `skin` under it, has to come clear of that first."""
     lx, ly, lz = way
     t, end = through(p, m, x, y, z, lx, ly, lz)
     end = min(end, reach)
     near = NEAR * p[m, REACH]
-    leaving = True
     before = -INF
     for _ in range(STEPS):
         if t > end:
             return False
         away = distance(p, m, x + t * lx, y + t * ly, z + t * lz)
-        if leaving:
-            if away < -skin or (away < before and away < near):
-                return True
-            leaving = away < near
-            before = away
-            t += max(abs(away), near)
-        else:
-            if away < near:
-                return True
-            t += away
+        if away < -skin or (away < before and away < near):
+            return True
+        if away >= near:
+            return meet(p, m, x + t * lx, y + t * ly, z + t * lz, lx, ly, lz, end - t) <= end - t
+        before = away
+        t += max(abs(away), near)
     return False
 
 
-@device
+@inlined
 def least_sine(distance, p, m, x, y, z, way, reach, skin):
     """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
     least of its distance over the distance travelled, in steps of that distance."""
@@ -157,8 +199,8 @@ def least_sine(distance, p, m, x, y, z, way, reach, skin):
     return least
 
 
-@device
-def put_outside(distance, p, m, x, y, z, clear):
+@inlined
+def put_outside(distance, normal, p, m, x, y, z, clear):
     """A point, moved to `clear` metres off the surface of solid m where it is nearer or inside."""
     dx = x - p[m, X]
     dy = y - p[m, Y]
@@ -169,71 +211,34 @@ def put_outside(distance, p, m, x, y, z, clear):
             under = clear - distance(p, m, x, y, z)
             if under <= ZERO:
                 break
-            nx, ny, nz = gradient(distance, p, m, FINE * p[m, REACH], x, y, z)
+            nx, ny, nz = normal(p, m, x, y, z)
             x = np.float32(x + under * nx)
             y = np.float32(y + under * ny)
             z = np.float32(z + under * nz)
     return x, y, z
 
 
-@device
-def put_segment_outside(distance, p, m, begin, x, y, z):
-    """The far end of a segment, moved until the deepest of some points between is out of solid m."""
-    for j in range(1, PARTS):
-        t = np.float32(j) / np.float32(PARTS)
-        qx = begin[0] + t * (x - begin[0])
-        qy = begin[1] + t * (y - begin[1])
-        qz = begin[2] + t * (z - begin[2])
-        under = -distance(p, m, qx, qy, qz)
-        if under > ZERO:
-            nx, ny, nz = gradient(distance, p, m, FINE * p[m, REACH], qx, qy, qz)
-            x = np.float32(x + under / t * nx)
-            y = np.float32(y + under / t * ny)
-            z = np.float32(z + under / t * nz)
-    return x, y, z
-
-
-@device
-def put_outside_all(distance, p, x, y, z, clear):
+@inlined
+def put_outside_all(distance, normal, p, x, y, z, clear):
     """A point out of all of these solids, one after the other."""
     for m in range(p.shape[0]):
-        x, y, z = put_outside(distance, p, m, x, y, z, clear)
+        x, y, z = put_outside(distance, normal, p, m, x, y, z, clear)
     return x, y, z
 
 
-@device
-def lit_past_all(distance, p, x, y, z, way, reach, skin):
+@inlined
+def lit_past_all(distance, meet, p, x, y, z, way, reach, skin):
     """`lit` of all of these solids."""
     for m in range(p.shape[0]):
-        if hides(distance, p, m, x, y, z, way, reach, skin):
+        if hides(distance, meet, p, m, x, y, z, way, reach, skin):
             return ZERO
     return ONE
 
 
-@device
+@inlined
 def least_sine_of_all(distance, p, x, y, z, way, reach, skin):
     """`least_sine` of all of these solids."""
     least = CLEAR
     for m in range(p.shape[0]):
         least = min(least, least_sine(distance, p, m, x, y, z, way, reach, skin))
     return least
-
-
-@device
-def deepest_of_all(distance, p, positions, b):
-    """Greatest depth of a particle of block b of positions (blocks, n + 1, 3 W) in these solids, roots left out, and of
-    some places of its segments; of the first segment what is deeper than its root. Metres."""
-    most = ZERO
-    along = ZERO
-    for i in range(2, positions.shape[1]):
-        for k in range(W):
-            x, y, z = positions[b, i - 1, k], positions[b, i - 1, W + k], positions[b, i - 1, 2 * W + k]
-            ex, ey, ez = positions[b, i, k] - x, positions[b, i, W + k] - y, positions[b, i, 2 * W + k] - z
-            for m in range(p.shape[0]):
-                root = max(-distance(p, m, x, y, z), ZERO) if i == 2 else ZERO
-                for j in range(1, PARTS + 1):
-                    t = np.float32(j) / np.float32(PARTS)
-                    under = -distance(p, m, x + t * ex, y + t * ey, z + t * ez)
-                    along = max(along, under - root)
-                most = max(most, under)
-    return most, along

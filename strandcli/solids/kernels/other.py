@@ -1,7 +1,7 @@
-"""Solids of other packages in kernels that take `Solids` of either type.
+"""Solids that have no kernels of their own, in kernels that take `Solids` of either type.
 
-Where these hold no solids of other packages the functions are compiled to nothing; where they do, to those of
-`distance_field` with the distance that the type has.
+Where these hold none of them the functions are compiled to nothing; where they do, to those of `distance_field` with
+the functions that the type has.
 """
 
 from __future__ import annotations
@@ -9,22 +9,23 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import overload
 
-from ..shapes.other import REACH
 from . import distance_field as field
+from . import segment_depth
 
 
-def distance_of(solids):
-    """The compiled distance of a type of `Solids`; None where there are no solids of other packages."""
-    return getattr(getattr(solids, "instance_class", None), "distance", None)
+def form_of(solids):
+    """The class of a type of `Solids`, which has the compiled functions of its shapes; None where it has none."""
+    found = getattr(solids, "instance_class", None)
+    return found if hasattr(found, "distance") else None
 
 
 def count(solids):
-    """How many of the `Solids` are of other packages."""
+    """How many of the `Solids` there are of these."""
 
 
 @overload(count)
 def _count(solids):
-    if distance_of(solids) is None:
+    if form_of(solids) is None:
         return lambda solids: 0
     return lambda solids: solids.others.shape[0]
 
@@ -35,10 +36,13 @@ def meet(solids, m, ox, oy, oz, dx, dy, dz):
 
 @overload(meet)
 def _meet(solids, m, ox, oy, oz, dx, dy, dz):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, m, ox, oy, oz, dx, dy, dz: field.INF
-    return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(distance, solids.others, m, ox, oy, oz, dx, dy, dz)
+    distance, first = form.distance, form.meet
+    return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(
+        distance, first, solids.others, m, ox, oy, oz, dx, dy, dz
+    )
 
 
 def normal(solids, m, x, y, z):
@@ -47,12 +51,14 @@ def normal(solids, m, x, y, z):
 
 @overload(normal)
 def _normal(solids, m, x, y, z):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, m, x, y, z: (field.ZERO, field.ONE, field.ZERO)
 
+    outward = form.normal
+
     def found(solids, m, x, y, z):
-        nx, ny, nz = field.gradient(distance, solids.others, m, field.FINE * solids.others[m, REACH], x, y, z)
+        nx, ny, nz = outward(solids.others, m, x, y, z)
         return np.float32(nx), np.float32(ny), np.float32(nz)
 
     return found
@@ -64,11 +70,12 @@ def lit(solids, x, y, z, lx, ly, lz, reach, skin):
 
 @overload(lit)
 def _lit(solids, x, y, z, lx, ly, lz, reach, skin):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE
+    distance, first = form.distance, form.meet
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.lit_past_all(
-        distance, solids.others, x, y, z, (lx, ly, lz), reach, skin
+        distance, first, solids.others, x, y, z, (lx, ly, lz), reach, skin
     )
 
 
@@ -78,9 +85,10 @@ def lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
 
 @overload(lowest_sine)
 def _lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.CLEAR
+    distance = form.distance
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.least_sine_of_all(
         distance, solids.others, x, y, z, (lx, ly, lz), reach, skin
     )
@@ -92,10 +100,11 @@ def outside(solids, x, y, z, clear):
 
 @overload(outside)
 def _outside(solids, x, y, z, clear):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, x, y, z, clear: (x, y, z)
-    return lambda solids, x, y, z, clear: field.put_outside_all(distance, solids.others, x, y, z, clear)
+    distance, outward = form.distance, form.normal
+    return lambda solids, x, y, z, clear: field.put_outside_all(distance, outward, solids.others, x, y, z, clear)
 
 
 def deepest(solids, positions, b):
@@ -104,7 +113,8 @@ def deepest(solids, positions, b):
 
 @overload(deepest)
 def _deepest(solids, positions, b):
-    distance = distance_of(solids)
-    if distance is None:
+    form = form_of(solids)
+    if form is None:
         return lambda solids, positions, b: (field.ZERO, field.ZERO)
-    return lambda solids, positions, b: field.deepest_of_all(distance, solids.others, positions, b)
+    distance, place = form.distance, form.deepest
+    return lambda solids, positions, b: segment_depth.deepest_of_block(distance, place, solids.others, positions, b)

@@ -1,8 +1,8 @@
-"""Solids of other packages: rows that hold a pose and the numbers of a signed distance, and their compiled type.
+"""Solids that have no kernels of their own: rows that hold a pose and the numbers of a shape, and their compiled type.
 
-All of them are the rows of one array, `others`, the fifth field of a named tuple that is made for the kinds that a
-scene has (`type_of`). Kernels are compiled for that type; scenes without such solids have `strandcli.solids.Solids` and
-none of this.
+Their shapes are files of `strandcli.solid_shapes` or of other packages. They are the rows of one array, `others`, the
+fifth field of a named tuple that is made for the kinds that a scene has (`type_of`). Kernels are compiled for that
+type; scenes without such solids have `strandcli.solids.Solids` and none of this.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...errors import UsageError
 from ...scene.motion import Pose
-from ...scene.solid_shape import shape_of
+from ...scene.solid_shape import OPTIONAL, shape_of
 
 X, Y, Z = range(3)
 """Columns of a packed solid: its origin, metres."""
@@ -28,8 +28,8 @@ ROW_X, ROW_Y, ROW_Z = 3, 6, 9
 REACH, KIND, NUMBERS = 12, 13, 14
 """Radius of the ball about the origin that holds it, metres; its kind's place; the first number of its shape."""
 
-TEMPLATE = '''\
-"""Solids of other packages, written by strandcli.solids.shapes.other for: {title}."""
+MODULE = '''\
+"""Solids that have no kernels of their own, written by strandcli.solids.shapes.other for: {title}."""
 
 from typing import Any, NamedTuple
 
@@ -37,7 +37,9 @@ import numpy as np
 
 from strandcli.constants import W
 from strandcli.jit import device
-from strandcli.solids.kernels.distance_field import own, own_at, put_outside, put_segment_outside
+from strandcli.solids.kernels.distance_field import gradient, march, outward, outward_at, own, own_at, ray_in_own
+from strandcli.solids.kernels.distance_field import FINE, put_outside
+from strandcli.solids.kernels.segment_depth import deepest_of_all_places, deepest_of_some, put_segment_outside
 {imports}
 
 class {name}(NamedTuple):
@@ -49,37 +51,54 @@ class {name}(NamedTuple):
     boxes: Any
     others: Any
 
-
+{functions}
 @device
-def distance(p, m, x, y, z):
-    """Distance of a point from the surface of solid m, a row of p."""
-    u, v, w = own(p, m, x, y, z)
-{rows}
+def meet(p, m, x, y, z, dx, dy, dz, end):
+    """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
+    u, v, w, a, b, c = ray_in_own(p, m, x, y, z, dx, dy, dz)
+{meet}
 
-@device
-def distance_at(p, m, x, y, z):
-    """The same of the solid that begins at place m of p."""
-    u, v, w = own_at(p, m, x, y, z)
-{places}
-
-{name}.distance = distance
 Solids = {name}
+Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 
 
 def collide(x, parent, grandparent, root, length, p, i, n):
     """Put particles inside of solids onto their surfaces, as `strandcli.solids.kernels.sphere.collide`."""
     for m in range(p.shape[0]):
         for k in range(W):
-            x[k], x[W + k], x[2 * W + k] = put_outside(distance, p, m, x[k], x[W + k], x[2 * W + k], np.float32(0.0))
+            x[k], x[W + k], x[2 * W + k] = put_outside(
+                distance, normal, p, m, x[k], x[W + k], x[2 * W + k], np.float32(0.0)
+            )
 
 
 def catch(x, parent, grandparent, root, length, p, i, n):
-    """Bring segments out of solids by moving their far ends."""
+    """Bring segments out of solids by turning them."""
     for m in range(p.shape[0]):
         for k in range(W):
             begin = parent[k], parent[W + k], parent[2 * W + k]
-            x[k], x[W + k], x[2 * W + k] = put_segment_outside(distance, p, m, begin, x[k], x[W + k], x[2 * W + k])
+            x[k], x[W + k], x[2 * W + k] = put_segment_outside(
+                normal, deepest, p, m, begin, x[k], x[W + k], x[2 * W + k]
+            )
 '''
+FUNCTIONS = '''
+@device
+def distance{at}(p, m, x, y, z):
+    """Distance of a point from the surface of solid m, {which}."""
+    u, v, w = own{at}(p, m, x, y, z)
+{distance}
+
+@device
+def normal{at}(p, m, x, y, z):
+    """Its unit outward normal where the surface is nearest to a point."""
+    u, v, w = own{at}(p, m, x, y, z)
+{normal}
+
+@device
+def deepest{at}(p, m, begin, edge):
+    """The share of a segment after which it is deepest in it, and the depth there."""
+{deepest}
+'''
+"""Once for rows of an array, once for places in memory."""
 
 
 def kinds_of(solids: Sequence[Any]) -> tuple[str, ...]:
@@ -101,7 +120,7 @@ def numbers(solid: Any, pose: Pose, kinds: tuple[str, ...]) -> list[float]:
 
 
 def pack(solids: Sequence[Any], poses: Sequence[Pose], dtype: Any) -> NDArray[Any]:
-    """(m, columns) the rows of solids of other packages."""
+    """(m, columns) the rows of such solids."""
     kinds = kinds_of(solids)
     out = np.zeros((len(solids), columns_of(solids)), dtype)
     for row, solid, pose in zip(out, solids, poses, strict=True):
@@ -131,8 +150,9 @@ def type_of(solids: Sequence[Any]) -> Any:
 
 
 def module_for(solids: Sequence[Any]) -> Any:
-    """The module, written for the kinds of some solids, that holds the named tuple, `distance`, `distance_at`,
-    `collide` and `catch`. Raises `UsageError` for a distance that an import statement cannot reach."""
+    """The module, written for the kinds of some solids, that holds the named tuple, `distance`, `normal`, `deepest`,
+    each also for places in memory (`distance_at`), `meet`, `collide` and `catch`. Raises `UsageError` for a function
+    that an import statement cannot reach."""
     counts = {solid.kind: len(shape_of(solid.kind).numbers(solid)) for solid in solids}
     return _module(tuple((kind, counts[kind], shape_of(kind)) for kind in sorted(counts)))
 
@@ -142,27 +162,69 @@ def _module(kinds: tuple[tuple[str, int, Any], ...]) -> Any:
     from ... import runtime
     from ...written import module_of
 
-    imports: list[str] = []
-    rows: list[str] = []
-    places: list[str] = []
-    for place, (kind, count, shape) in enumerate(kinds):
-        function = shape.distance
+    given = [(place, count, shape) for place, (_, count, shape) in enumerate(kinds)]
+    imports = "".join(_imports(place, shape) for place, _, shape in given)
+    functions = "".join(
+        FUNCTIONS.format(
+            at=at, which=which, distance=_chosen([_distance(*one, row, at) for one in given], row),
+            normal=_chosen([_normal(*one, row, at) for one in given], row),
+            deepest=_chosen([_deepest(shape, at) for _, _, shape in given], row),
+        )
+        for at, which, row in (("", "a row of p", "p[m, "), ("_at", "which begins at place m of p", "p[m + "))
+    )  # fmt: skip
+    meet = _chosen([_meet(*one) for one in given], "p[m, ")
+    # kernels are kept by the name of the type, which therefore tells of all that it stands for
+    name = f"Solids_{hashlib.sha256(''.join((imports, functions, meet)).encode()).hexdigest()[:16]}"
+    title = ", ".join(kind for kind, _, _ in kinds)
+    text = MODULE.format(title=title, name=name, imports=imports, functions=functions, meet=meet)
+    return module_of(text, "solids", runtime.cache_folder())
+
+
+def _imports(place: int, shape: Any) -> str:
+    """Statements that import and compile the functions of a shape."""
+    lines = []
+    for part in ("distance", *OPTIONAL):
+        function = getattr(shape, part, None)
+        if function is None:
+            continue
         where, what = function.__module__, function.__qualname__
         if where not in sys.modules or getattr(sys.modules[where], what, None) is not function:
             raise UsageError(
-                f"solid {kind!r}: distance {where}.{what} must be a plain function of a module that can be imported"
+                f"solid {shape.kind!r}: {part} {where}.{what} must be a plain function of a module that can be imported"
             )
         digest = hashlib.sha256(inspect.getsource(sys.modules[where]).encode()).hexdigest()[:16]
-        imports.append(f"from {where} import {what} as function_{place}  # {digest}\n")
-        imports.append(f"shape_{place} = device(function_{place})\n")
-        for lines, begin, cast in ((rows, "p[m, ", "np.float32"), (places, "p[m + ", "")):
-            given = "".join(f"{begin}{NUMBERS + k}], " for k in range(count))
-            test = f"    if {begin}{KIND}] == {place}:\n    " if place < len(kinds) - 1 else ""
-            lines.append(f"{test}    return {cast}(shape_{place}(u, v, w, ({given})))\n")
-    # kernels are kept by the name of the type, which therefore tells of all that it stands for
-    name = f"Solids_{hashlib.sha256(''.join([*imports, *rows]).encode()).hexdigest()[:16]}"
-    text = TEMPLATE.format(
-        title=", ".join(kind for kind, _, _ in kinds), name=name, imports="".join(imports), rows="".join(rows),
-        places="".join(places),
-    )  # fmt: skip
-    return module_of(text, "solids", runtime.cache_folder())
+        lines.append(f"from {where} import {what} as {part}_{place}  # {digest}\n")
+        lines.append(f"{part}_{place} = device({part}_{place})\n")
+    return "".join(lines)
+
+
+def _chosen(lines: list[str], row: str) -> str:
+    """Code that runs, of a line for each kind, that of a solid's kind; ``row`` begins what reads a column of it."""
+    last = len(lines) - 1
+    tests = [f"    if {row}{KIND}] == {place}:\n    " if place < last else "" for place in range(len(lines))]
+    return "".join(f"{test}    return {line}\n" for test, line in zip(tests, lines, strict=True))
+
+
+def _numbers(count: int, row: str) -> str:
+    return f"({''.join(f'{row}{NUMBERS + k}], ' for k in range(count))})"
+
+
+def _distance(place: int, count: int, shape: Any, row: str, at: str) -> str:
+    return f"{'' if at else 'np.float32'}(distance_{place}(u, v, w, {_numbers(count, row)}))"
+
+
+def _normal(place: int, count: int, shape: Any, row: str, at: str) -> str:
+    if getattr(shape, "normal", None) is None:
+        return f"gradient(distance{at}, p, m, FINE * {row}{REACH}], x, y, z)"
+    return f"outward{at}(p, m, normal_{place}(u, v, w, {_numbers(count, row)}))"
+
+
+def _deepest(shape: Any, at: str) -> str:
+    way = "deepest_of_all_places" if getattr(shape, "convex", False) else "deepest_of_some"
+    return f"{way}(distance{at}, p, m, begin, edge)"
+
+
+def _meet(place: int, count: int, shape: Any) -> str:
+    if getattr(shape, "meet", None) is None:
+        return "march(distance, p, m, x, y, z, dx, dy, dz, end)"
+    return f"np.float32(meet_{place}(u, v, w, a, b, c, {_numbers(count, 'p[m, ')}))"

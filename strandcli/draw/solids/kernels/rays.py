@@ -1,7 +1,7 @@
 """Rays against all solids, `strandcli.solids.Solids`: where one meets them, the normal there, and what hides a light.
 
-Solids are numbered through: spheres first, then capsules, planes, boxes, then those of other packages. Each shape's own
-part is in `strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
+Solids are numbered through: spheres first, then capsules, planes, boxes, then those without kernels of their
+own. Each shape's own part is in `strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
 """
 
 from __future__ import annotations

@@ -1,0 +1,108 @@
+"""Segments in solids by their signed distance, in kernels: the deepest place, and the way out.
+
+`distance`, `normal` and `deepest` as in `distance_field`. A segment is its first end and the vector to the other one.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...constants import W
+from ...jit import inlined
+from .distance_field import INF, ROUNDS, TINY, ZERO
+
+PARTS = 4
+"""Of a segment that is looked at between its ends."""
+SEARCH = 20
+"""Steps of a search along a segment, which narrow it to 7e-5 of its length."""
+CLOSER = (math.sqrt(5.0) - 1.0) / 2.0
+LEVER = np.float32(0.1)
+"""Least share of a segment by which it is turned, as in `strandcli.simulate.rules.collision_segments`."""
+
+
+@inlined
+def clears(distance, p, m, begin, edge):
+    """Whether a segment surely is outside of solid m: the surface is further from its middle than its ends are."""
+    far = distance(p, m, begin[0] + 0.5 * edge[0], begin[1] + 0.5 * edge[1], begin[2] + 0.5 * edge[2])
+    return far > 0 and 4.0 * far * far >= edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
+
+
+@inlined
+def along(distance, p, m, begin, edge, t):
+    """Distance of a segment's point from the surface of solid m."""
+    return distance(p, m, begin[0] + t * edge[0], begin[1] + t * edge[1], begin[2] + t * edge[2])
+
+
+@inlined
+def deepest_of_some(distance, p, m, begin, edge):
+    """The share of a segment after which it is deepest in solid m, of `PARTS` places and its end among them, and the
+    depth there, metres: not positive where none is inside."""
+    share, most = 1.0, -1.0 * INF
+    if not clears(distance, p, m, begin, edge):
+        for j in range(1, PARTS + 1):
+            t = j / PARTS
+            under = -1.0 * along(distance, p, m, begin, edge, t)
+            if under > most:
+                share, most = t, under
+    return share, most
+
+
+@inlined
+def deepest_of_all_places(distance, p, m, begin, edge):
+    """The same of all its places, by golden-section search: the distance from a convex solid is convex along the
+    segment. The share is wrong by CLOSER^(SEARCH + 1) at most and the depth, which is no steeper than 1, by as much of
+    the segment's length."""
+    low, high = 0.0, 1.0
+    near, far = 1.0 - CLOSER, CLOSER
+    if clears(distance, p, m, begin, edge):
+        return 1.0, -1.0 * INF
+    at_near, at_far = 1.0 * along(distance, p, m, begin, edge, near), 1.0 * along(distance, p, m, begin, edge, far)
+    for _ in range(SEARCH):
+        if at_near < at_far:
+            high, far, at_far = far, near, at_near
+            near = high - CLOSER * (high - low)
+            at_near = 1.0 * along(distance, p, m, begin, edge, near)
+        else:
+            low, near, at_near = near, far, at_far
+            far = low + CLOSER * (high - low)
+            at_far = 1.0 * along(distance, p, m, begin, edge, far)
+    return (near, -at_near) if at_near < at_far else (far, -at_far)
+
+
+@inlined
+def put_segment_outside(normal, deepest, p, m, begin, x, y, z):
+    """The far end of a segment, turned until its deepest place is out of solid m; its length stays."""
+    ex, ey, ez = x - begin[0], y - begin[1], z - begin[2]
+    size = ex * ex + ey * ey + ez * ez
+    for _ in range(ROUNDS):
+        share, under = deepest(p, m, begin, (ex, ey, ez))
+        if under <= ZERO:
+            break
+        nx, ny, nz = normal(p, m, begin[0] + share * ex, begin[1] + share * ey, begin[2] + share * ez)
+        under /= max(share, LEVER)
+        ex, ey, ez = np.float32(ex + under * nx), np.float32(ey + under * ny), np.float32(ez + under * nz)
+        keep = math.sqrt(size / max(ex * ex + ey * ey + ez * ez, TINY))
+        ex, ey, ez = np.float32(keep * ex), np.float32(keep * ey), np.float32(keep * ez)
+        x, y, z = begin[0] + ex, begin[1] + ey, begin[2] + ez
+    return x, y, z
+
+
+@inlined
+def deepest_of_block(distance, deepest, p, positions, b):
+    """Greatest depth of a particle of block b of positions (blocks, n + 1, 3 W) in these solids, roots left out, and of
+    a place of its segments; of the first segment what is deeper than its root. Metres."""
+    most = ZERO
+    within = ZERO
+    for i in range(2, positions.shape[1]):
+        for k in range(W):
+            x, y, z = positions[b, i - 1, k], positions[b, i - 1, W + k], positions[b, i - 1, 2 * W + k]
+            qx, qy, qz = positions[b, i, k], positions[b, i, W + k], positions[b, i, 2 * W + k]
+            for m in range(p.shape[0]):
+                root = max(-distance(p, m, x, y, z), ZERO) if i == 2 else ZERO
+                under = -distance(p, m, qx, qy, qz)
+                _, depth = deepest(p, m, (x, y, z), (qx - x, qy - y, qz - z))
+                most = max(most, under)
+                within = np.float32(max(within, max(depth, under) - root))
+    return most, within

@@ -1,0 +1,294 @@
+"""The truncated cone, a shape with closed forms, against its support function, NumPy rays and dense segments."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import scene_of, solver_of
+from strandcli.blocks import pack
+from strandcli.constants import W
+from strandcli.draw.solids.kernels import rays
+from strandcli.scene import SceneError, loads
+from strandcli.scene.model import SOLIDS, Emitter
+from strandcli.scene.model.solids import SHAPES
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.kernels import measure, work_queue
+from strandcli.simulate.rod_others import module_among
+from strandcli.solid_shapes import cone
+from strandcli.solids import pack_all, register
+from strandcli.solids.shapes.other import depth as depth_by_distance
+
+Floats = NDArray[np.float64]
+STILL = Emitter()
+FAR, SKIN = np.float32(1e3), np.float32(1e-3)
+ASKEW: dict[str, Any] = {"position": (0.1, -0.2, 0.3), "rotation": (25.0, 40.0, -10.0)}
+SHAPES_OF_IT: dict[str, dict[str, float]] = {
+    "cone": {"radius": 0.5, "length": 1.2},
+    "flat": {"radius": 0.8, "top": 0.3, "length": 0.2},
+    "funnel": {"radius": 0.1, "top": 0.6, "length": 0.7},
+    "cylinder": {"radius": 0.3, "top": 0.3, "length": 0.9},
+}
+EVERY = pytest.mark.parametrize("sizes", SHAPES_OF_IT.values(), ids=SHAPES_OF_IT.keys())
+ANGLES = np.linspace(-math.pi / 2, math.pi / 2, 20001)
+
+
+def local(solid: Any, points: Any) -> Floats:
+    """Points of the world in a solid's own frame."""
+    pose = solid_pose(solid, STILL, 0.0)
+    return np.asarray((np.asarray(points, float) - pose.translation) @ np.array(pose.rotation))
+
+
+def signed(solid: Any, points: Any) -> Floats:
+    """Signed distance of points (..., 3) of the world from a convex body: over all directions, the greatest by which a
+    point is beyond the plane that touches the body. Here for the directions of a half plane, exact to 2e-4."""
+    x, y, z = np.moveaxis(local(solid, points), -1, 0)
+    flat, up, h = np.cos(ANGLES), np.sin(ANGLES), solid.length / 2
+    touch = np.maximum(solid.radius * flat - h * up, solid.top * flat + h * up)
+    found = [np.max(q * flat + v * up - touch) for q, v in zip(np.hypot(x, z).ravel(), y.ravel(), strict=True)]
+    return np.reshape(found, x.shape)
+
+
+def inside(solid: Any, points: Any) -> NDArray[np.bool_]:
+    x, y, z = np.moveaxis(local(solid, points), -1, 0)
+    share = y / solid.length + 0.5
+    return np.asarray((abs(share - 0.5) < 0.5) & (np.hypot(x, z) < solid.radius + share * (solid.top - solid.radius)))
+
+
+def of(sizes: dict[str, float]) -> cone.Settings:
+    return cone.Settings(**sizes, **ASKEW)
+
+
+def rays_at(solid: Any, count: int, away: float, seed: int) -> list[tuple[NDArray[np.float32], NDArray[np.float32]]]:
+    """Origins ``away`` from a solid's middle, and vectors to points about it."""
+    random = np.random.default_rng(seed)
+    origins = random.normal(size=(count, 3))
+    origins *= away / np.linalg.norm(origins, axis=1, keepdims=True)
+    aims = random.uniform(-0.7, 0.7, (count, 3)) - origins
+    return list(zip((origins + solid.position).astype(np.float32), aims.astype(np.float32), strict=True))
+
+
+@EVERY
+def test_distance_is_that_of_its_support_function(sizes: dict[str, float]) -> None:
+    solid = of(sizes)
+    points = np.random.default_rng(2).uniform(-1, 1, (800, 3)) + solid.position
+    expected = signed(solid, points)
+    assert (expected < 0).sum() > 10
+    found = [cone.distance(*one, cone.numbers(solid)) for one in local(solid, points)]
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+    assert np.all(np.linalg.norm(local(solid, points[expected < 0]), axis=1) < cone.reach(solid))
+
+
+@EVERY
+def test_its_normal_is_the_way_in_which_the_distance_grows(sizes: dict[str, float]) -> None:
+    solid = of(sizes)
+    p = cone.numbers(solid)
+    checked = 0
+    for one in np.random.default_rng(3).uniform(-1, 1, (600, 3)):
+        steps = [np.array([cone.distance(*(one + s), p) for s in h * np.eye(3)]) for h in (1e-6, -1e-6)]
+        grows = (steps[0] - steps[1]) / 2e-6
+        if abs(np.linalg.norm(grows) - 1) > 1e-6:  # between two faces
+            continue
+        found = np.array(cone.normal(*one, p))
+        np.testing.assert_allclose(found / np.linalg.norm(found), grows, atol=1e-5)
+        checked += 1
+    assert checked > 500
+    axis = np.array(cone.normal(0.0, 0.0, 0.0, p))
+    assert np.isfinite(axis).all()
+    assert np.any(axis != 0)
+    on_rim = np.array(cone.normal(solid.radius, -solid.length / 2, 0.0, p))
+    assert on_rim[0] >= 0
+    assert np.any(on_rim != 0)
+
+
+@EVERY
+@pytest.mark.parametrize("away", [2.0, 200.0])
+def test_rays_meet_it_where_it_begins(sizes: dict[str, float], away: float) -> None:
+    solid = of(sizes)
+    solids = pack_all([solid], STILL, 0.0)
+    share = np.linspace(1 - min(2.5 / away, 1), 1 + 2.5 / away, 8001)
+    hits = 0
+    for o, d in rays_at(solid, 300, away, 4):
+        there = inside(solid, o.astype(float) + share[:, None] * d)
+        found = float(rays.meet(solids, 0, *o, *d))
+        if not there.any():
+            grazed = math.isfinite(found) and abs(signed(solid, o + found * d.astype(float))) < 1e-3
+            assert math.isinf(found) or grazed
+        elif math.isinf(found):
+            assert there.sum() < 8  # no more than a corner
+        else:
+            hits += 1
+            assert abs(found - share[there.argmax()]) < share[1] - share[0] + 4e-7  # and single precision
+            point = o + found * d.astype(float)
+            assert abs(signed(solid, point)) < 2e-4 + 2e-7 * away
+            n = np.array(rays.normal(solids, 0, *point.astype(np.float32)))
+            assert np.linalg.norm(n) == pytest.approx(1, abs=1e-5)
+            assert n @ d <= 1e-3 * np.linalg.norm(d)
+    assert hits > 60
+    middle = np.array(solid_pose(solid, STILL, 0.0).translation, np.float32)
+    assert math.isinf(float(rays.meet(solids, 0, *middle, *np.eye(3, dtype=np.float32)[1])))  # begun inside
+
+
+@EVERY
+def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> None:
+    solid = of(sizes)
+    solids = pack_all([solid], STILL, 0.0)
+    share = np.linspace(0, 3, 4001)[:, None]
+    kinds = {True: 0, False: 0}
+    for o, d in rays_at(solid, 200, 1.5, 5):
+        way = d / np.linalg.norm(d)
+        within = int(inside(solid, o + share * way.astype(float)).sum())
+        if within == 0 and np.min([signed(solid, o + t * way.astype(float)) for t in share[::40]]) < 0.02:
+            continue  # grazes
+        if 0 < within < 20:
+            continue
+        kinds[within > 0] += 1
+        assert rays.lit(solids, *o, *way, FAR, SKIN) == (0 if within else 1)
+        assert rays.lit(solids, *o, *-way, FAR, SKIN) == 1
+        if within:  # and a light just in front of it, or just behind its surface
+            surface = np.float32(share[inside(solid, o + share * way.astype(float)).argmax(), 0])
+            assert rays.lit(solids, *o, *way, surface - np.float32(0.01), SKIN) == 1
+            assert rays.lit(solids, *o, *way, surface + np.float32(0.01), SKIN) == 0
+    assert min(kinds.values()) > 20
+    for point in np.random.default_rng(6).normal(size=(100, 3)):  # of its own surface: what faces the light is lit
+        n = point / np.linalg.norm(point)
+        d = (-2 * n).astype(np.float32)
+        o = (np.array(solid.position) + 2 * n).astype(np.float32)
+        t = float(rays.meet(solids, 0, *o, *d))
+        surface = (o + t * d).astype(np.float32)
+        facing = float(np.array(rays.normal(solids, 0, *surface)) @ n)
+        assert facing < 0.2 or rays.lit(solids, *surface, *n.astype(np.float32), FAR, SKIN) == 1
+        assert rays.lit(solids, *surface, *-n.astype(np.float32), FAR, SKIN) == 0
+
+
+@pytest.fixture
+def by_distance() -> Any:
+    """The same shape without its closed forms, as a kind of its own."""
+    parts = ("numbers", "reach", "distance")
+    shape: Any = type("PlainCone", (), {"kind": "plain_cone", "Settings": cone.Settings})()
+    for part in parts:
+        setattr(shape, part, getattr(cone, part))
+    register(shape)
+    yield
+    del SHAPES._drivers["plain_cone"]
+
+
+def test_closed_forms_and_the_distance_alone_agree_side_by_side(by_distance: None) -> None:
+    sizes = SHAPES_OF_IT["flat"]
+    solids = pack_all([of(sizes), cone.Settings(kind="plain_cone", **sizes, **ASKEW)], STILL, 0.0)
+    hits = 0
+    for o, d in rays_at(of(sizes), 300, 2.0, 7):
+        one, other = (float(rays.meet(solids, m, *o, *d)) for m in range(2))
+        if math.isinf(one) or math.isinf(other):
+            continue  # grazes count as hits where steps are finite
+        hits += 1
+        # a ray that comes slantwise is within the tolerance before it is there
+        assert one - 2e-3 < other <= one + 1e-6
+        point = (o + one * d).astype(np.float32)
+        if abs(signed(of(sizes), point)) < 1e-5:
+            a, b = (np.array(rays.normal(solids, m, *point)) for m in range(2))
+            assert a @ b > 0.7  # differences are blurred at an edge
+    assert hits > 80
+
+
+STRAND = """
+emitter: {strands: 1, particles: 4, length: 1}
+rules: [collision]
+solids: [%s]
+"""
+
+
+@EVERY
+def test_reported_depths_are_those_of_dense_segments(sizes: dict[str, float]) -> None:
+    written = ", ".join(f"{key}: {value}" for key, value in sizes.items())
+    scene = scene_of(STRAND % f"{{kind: cone, {written}, position: [0.1, -0.2, 0.3], rotation: [25, 40, -10]}}")
+    solver = solver_of(scene, plain=True)
+    solid = scene.solids[0]
+    share = np.linspace(0, 1, 1001)[:, None, None]
+    row = row_of(solid)
+    deep = 0
+    for seed in range(60):
+        strand = np.random.default_rng(seed).uniform(-1, 1, (1, 4, 3)).astype(np.float32)
+        solver.positions[:, 1:] = pack(strand)
+        x = strand[0].astype(np.float64)
+        points = depth_by_distance(solid, row, x[1:])
+        places = x[:-1] + share * (x[1:] - x[:-1])
+        segments = depth_by_distance(solid, row, places.reshape(-1, 3)).reshape(-1, 3).max(0)
+        segments[0] -= depth_by_distance(solid, row, x[:1])[0].clip(0)
+        found = solver.errors(1)
+        assert found["penetration_max"] == pytest.approx(max(points.max(), 0), abs=1e-6)
+        longest = float(np.linalg.norm(np.diff(x, axis=0), axis=1).max())
+        # the search narrows a segment to 7e-5 of it, the reference to a thousandth
+        assert max(segments.max(), 0) - 7e-5 * longest - 1e-6 < found["segment_penetration_max"]
+        assert found["segment_penetration_max"] < max(segments.max(), 0) + 1e-3 * longest
+        deep += segments.max() > 0.02
+    assert deep > 5
+
+
+def row_of(solid: Any) -> Floats:
+    """A solid's packed row in double precision."""
+    return np.asarray(pack_all([solid], STILL, 0.0, np.float64)[4][0])
+
+
+HANGING = """
+solver: {solver}
+time: {{preroll: 0, fps: 30, frames: 20}}
+image: {{size: 8x8}}
+emitter: {{strands: 64, length: 1.4, particles: {particles}, position: [0, 0.1, 0], rotation: [180, 0, 0],
+  shape: {{kind: disc, radius: 0.45}}}}
+rules: [{rules}]
+solids:
+  - {{kind: cone, radius: 0.5, top: 0.2, length: 0.6, position: [0.15, -0.6, 0.1], rotation: [20, 0, 30]}}
+"""
+
+
+@pytest.mark.parametrize(("solver", "segments", "particles"), [
+    ("thesis", False, 12), ("thesis", True, 6), ("rod", False, 12), ("rod", True, 6),
+])  # fmt: skip
+def test_strands_stay_outside(solver: str, segments: bool, particles: int) -> None:
+    found = []
+    for collision in ("", f", {{collision: {{segments: {str(segments).lower()}}}}}"):
+        if solver == "thesis":  # whose elasticity moves particles after the last collision, as beside any solid
+            rules = f"gravity{collision}, elasticity" if segments else f"gravity, elasticity{collision}"
+        else:
+            rules = f"gravity{collision}"
+        scene = scene_of(HANGING.format(solver=solver, rules=rules, particles=particles))
+        run = solver_of(scene)
+        run.advance(20)
+        x = run.particles().astype(np.float64)
+        share = np.linspace(0, 1, 65 if segments else 2)[:, None, None, None]
+        places = x[:, 1:-1] + share * (x[:, 2:] - x[:, 1:-1])
+        found.append(depth_by_distance(scene.solids[0], row_of(scene.solids[0]), places.reshape(-1, 3)).max())
+    free, kept = found
+    assert free > 0.1
+    assert kept < (5e-4 if segments else 1e-6)
+
+
+def test_it_is_known_by_its_file_alone() -> None:
+    assert "cone" in SOLIDS
+    assert SOLIDS["cone"] is cone.Settings
+    (solid,) = loads("solids: [{kind: cone, top: 0.2}]", rules={}).solids
+    assert solid == cone.Settings(top=0.2)
+    with pytest.raises(SceneError, match="radios"):
+        loads("solids: [{kind: cone, radios: 0.2}]", rules={})
+    with pytest.raises(SceneError, match="cone"):
+        loads("solids: [{kind: coned}]", rules={})
+
+
+def test_its_kernels_can_be_kept_in_the_cache() -> None:
+    """Machine code that holds addresses of this process, as of functions that are handed on, is compiled every time."""
+    solids = pack_all([of(SHAPES_OF_IT["cone"])], STILL, 0.0)
+    one = np.float32(1)
+    rays.meet(solids, 0, *[one] * 6)
+    rays.normal(solids, 0, *[one] * 3)
+    rays.lit(solids, *[one] * 6, FAR, SKIN)
+    measured = np.zeros((1, 2), np.float32)
+    measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
+    step = module_among([of(SHAPES_OF_IT["cone"])]).single
+    work_queue.address(step)
+    for kernel in (rays.meet, rays.normal, rays.lit, measure.depths, step):
+        assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__
