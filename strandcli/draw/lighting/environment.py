@@ -1,9 +1,9 @@
-"""Light from everywhere, from a lat-long picture: PNG of 8 or 16 bits and JPEG (taken as sRGB), or Radiance .hdr.
+"""Environment light from a lat-long picture: PNG of 8 or 16 bits and JPEG (taken as sRGB), or Radiance .hdr.
 
-Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. Only the first nine spherical harmonics
-are kept (Ramamoorthi & Hanrahan 2001: a surface cannot tell the rest by a tenth of a per cent on average), with the
-solids' cosine or a strand's sine folded in, so that a kernel evaluates nine terms. What keeps
-it off is `strandcli.draw.lighting.occlusion`.
+Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. The first nine spherical harmonics are
+kept (Ramamoorthi & Hanrahan 2001: the mean error on a surface is below .1 %), convolved with the cosine of surfaces or
+the sine of strands, so that a kernel evaluates nine terms. `strandcli.draw.lighting.occlusion` computes how much of
+this light is occluded.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     from ...scene.model import Scene
 
 LARGEST = 2**26
-"""Pixels of a picture that are read at the most."""
+"""Greatest number of pixels of a picture."""
 TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
 FORMATS = ("PNG", "JPEG", "MPO")
 """Pillow's names; MPO is the JPEG of cameras that keep further pictures behind the first."""
 COSINE = (1.0, 2.0 / 3.0, 0.25)
 """Zonal coefficients of max(cos, 0) / π, for a Lambertian surface of albedo 1."""
 SINE = (1.0, 0.0, -0.125)
-"""Those of sin / π², for a strand: light from along it does not count."""
+"""Zonal coefficients of sin / π², for a strand, which light along its direction does not reach."""
 ORDERS = (0, 1, 1, 1, 2, 2, 2, 2, 2)
 
 
 def sky_of(scene: Scene) -> NDArray[np.float32] | None:
-    """(2, 9, 3): for strands by their tangents, for solids by their normals, the radiance of something white, as
-    coefficients of `basis`; None without an environment. Raises `UsageError` where its picture cannot be read."""
+    """Return the coefficients (2, 9, 3) of `basis` for the radiance of a white strand by its tangent, and of a white
+    surface by its normal; None without an environment. Raises `UsageError` if its picture cannot be read."""
     environment = scene.environment
     if environment is None:
         return None
@@ -43,7 +43,7 @@ def sky_of(scene: Scene) -> NDArray[np.float32] | None:
 
 
 def read(image: str) -> NDArray[np.floating]:
-    """(height, width, 3) linear, of the file ``environment.image``. Raises `UsageError` where it cannot be read."""
+    """Return the linear picture (height, width, 3) of a file. Raises `UsageError` if it cannot be read."""
     path = Path(image)
     try:
         return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
@@ -54,11 +54,12 @@ def read(image: str) -> NDArray[np.floating]:
 
 
 def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArray[np.float32]:
-    """The sky of a linear picture (height, width, 3), turned by ``rotation`` degrees about +y."""
+    """Return the coefficients (2, 9, 3), as in `sky_of`, of a linear picture (height, width, 3) that is rotated by
+    ``rotation`` degrees about +y."""
     height, width, _ = picture.shape
     polar = (np.arange(height) + 0.5) * (np.pi / height)
     around = (np.arange(width) + 0.5) * (2.0 * np.pi / width) - math.radians(rotation)
-    # the share of the sphere of a pixel, exactly
+    # exact solid angles of pixels
     edges = np.cos(np.arange(height + 1) * (np.pi / height))
     area = 2.0 * np.pi / width * (edges[:-1] - edges[1:])
     found = np.zeros((9, 3))
@@ -71,7 +72,7 @@ def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArra
             ]
         )
         found += area[row] * (basis(ways) @ picture[row].astype(np.float64))
-    # ∫ L(ω) w(ω·n) dω = Σ λ_l (4π / norm) f_i B_i(n): B are not normalised
+    # ∫ L(ω) w(ω·n) dω = Σ λ_l (4π / norm) f_i B_i(n), for basis functions B that are not normalised
     found *= (np.array(NORMS) / (4.0 * np.pi))[:, None]
     return np.stack([found * np.array([zonal[order] for order in ORDERS])[:, None] for zonal in (SINE, COSINE)]).astype(
         np.float32
@@ -83,7 +84,7 @@ NORMS = (1.0, 3.0, 3.0, 3.0, 15.0, 15.0, 1.25, 15.0, 3.75)
 
 
 def basis(way: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(9, …) 1, x, y, z, xy, yz, 3z² − 1, xz, x² − y² of unit vectors (3, …)."""
+    """Return (9, …) the basis functions 1, x, y, z, xy, yz, 3z² − 1, xz, x² − y² of unit vectors (3, …)."""
     x, y, z = way
     return np.stack([np.ones_like(x), x, y, z, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y])
 
@@ -115,8 +116,8 @@ def _require_size(width: int, height: int) -> None:
 
 
 def read_hdr(path: Path) -> NDArray[np.float32]:
-    """(height, width, 3) linear, from a Radiance file whose rows go down and columns to the right. Raises `OSError`,
-    and `ValueError` for anything that is not one."""
+    """Return the linear picture (height, width, 3) of a Radiance file whose rows go down and columns to the right.
+    Raises `OSError`, and `ValueError` for any other file."""
     data = path.read_bytes()
     head, _, rest = data.partition(b"\n\n")
     if not head.startswith(b"#?") or b"32-bit_rle_rgbe" not in head:
@@ -144,7 +145,8 @@ def read_hdr(path: Path) -> NDArray[np.float32]:
 
 
 def _row(body: bytes, at: int, width: int, out: NDArray[np.uint8]) -> int:
-    """One row, channel after channel: a count over 128 repeats the byte behind it, another is followed by so many."""
+    """Decode one row, channel by channel, into out; return the next index. A count above 128 repeats the byte after it
+    count − 128 times; any other count is followed by that many bytes."""
     for channel in out:
         x = 0
         while x < width:

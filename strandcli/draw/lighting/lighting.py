@@ -1,4 +1,4 @@
-"""Light in one exposure: what falls on strands and on solids, and what they throw to the eye."""
+"""Shading of strands and solids in one exposure."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 NO_BOX = np.zeros(10, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
-"""The pixels of a picture lie where they belong."""
+"""Stands for pixels at their own positions."""
 
 
 def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]:
-    """What a kernel asks the length of: it is compiled once, with and without, where None would be another type. Rows
-    have this shape."""
+    """Return the array, or one without rows of this shape for None. Kernels test its length; with None, another type,
+    they would be compiled again."""
     return np.zeros((0, *shape), np.float32) if array is None else array
 
 
 @dataclass(frozen=True)
 class Lighting:
-    """What shading needs; None is what the scene does without."""
+    """Input of shading; members that a scene does not need are None."""
 
     scene: Scene
     palette: Palette
@@ -43,31 +43,32 @@ class Lighting:
     """See `strandcli.draw.lighting.environment.sky_of`."""
     view: View
     at: float
-    """Seconds."""
+    """Time, seconds."""
     lights: NDArray[np.float32]
-    """(n, 16) from `strandcli.draw.lighting.pack_lights.pack_lights`."""
+    """(n, `light_columns.COLUMNS`) from `strandcli.draw.lighting.pack_lights.pack_lights`."""
     maps: ShadowMaps | None
     occlusion: Occlusion | None
     solids: Solids | None
-    """Those that are seen, packed by `strandcli.solids.pack`."""
+    """The visible solids, packed by `strandcli.solids.pack`."""
 
     @property
     def skin(self) -> np.float32:
-        """Depth under a solid's surface that still counts as on it: a hundredth of a strand."""
+        """Depth below a solid's surface that counts as on it, metres: a hundredth of a strand's length."""
         return np.float32(0.01 * self.scene.emitter.length)
 
     @property
     def sized(self) -> np.uint8 | None:
-        """Whether any light has a size that solids show, as kernels are told: None compiles without such shadows."""
+        """1 if any light has a size and there are solids, else None, for which kernels compile without soft shadows."""
         return np.uint8(1) if self.solids is not None and self.lights[:, 12].any() else None
 
     def shade_strands(
         self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],
         clear: NDArray[np.float32] | None, body: Profiles | None, colours: NDArray[np.float32],
     ) -> None:  # fmt: skip
-        """Into colours (V, 3): radiance at the vertices with ``marks`` (V,); the others are left as they are.
+        """Write the radiance at the vertices with non-zero ``marks`` (V,) to colours (V, 3); other rows are unchanged.
 
-        tones (strands,); clear (lights, V): what strands leave of each light with exact shadows.
+        tones (strands,); clear (lights, V): visibility of each light with exact shadows, or None; body: profiles of
+        wide strands, or None.
         """
         p = self.palette
         shade_strands.strands(
@@ -80,9 +81,9 @@ class Lighting:
     def shade_surfaces(
         self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
     ) -> None:
-        """Light the solids that ``keys`` (height * width,) shows, into image (height, width, 3).
+        """Composite the shaded solids of a z-buffer ``keys`` (height * width,) over image (height, width, 3).
 
-        spots (pixels, 2): places on the screen, where pixels do not lie where they belong.
+        spots (pixels, 2): positions of the pixels on the screen; without rows each pixel is at its own position.
         """
         if self.solids is None:
             return

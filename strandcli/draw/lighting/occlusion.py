@@ -1,11 +1,11 @@
-"""Ambient occlusion: how much of the light from everywhere strands and solids leave a place.
+"""Ambient occlusion: the visible share of the sky among strands and solids.
 
-A shadow map for each of many directions would have to be read for each of them at each vertex. Here strands are counted
-once in the cells of a grid; light is swept through it from each direction; and each cell keeps the mean of what arrives
-and its direction, which is all that surfaces and strands need: a surface's own half of the sky comes out exactly.
-`strandcli study PRESET --axis occlusion` measures the error against rays that meet cylinders.
+Shadow maps from many directions would need one look-up for each direction at each vertex. Instead, the strands are
+accumulated in the cells of a grid, light is swept through the grid from each direction, and each cell stores the best
+linear fit of the visibility over directions. That is enough for surfaces and strands: an unoccluded hemisphere comes
+out exactly. `strandcli study PRESET --axis occlusion` measures the error against rays that intersect cylinders.
 
-Not in it: light that solids reflect, and that a cell is larger than a strand's distance from the next.
+Not modelled: light reflected by solids, and structure smaller than a cell, such as the gaps between strands.
 """
 
 from __future__ import annotations
@@ -28,38 +28,40 @@ from .kernels import occlusion_cells, occlusion_sweep
 from .kernels.occlusion_columns import CHANNELS
 
 FEWEST, MOST = 12, 256
-"""Cells along each axis."""
+"""Least and greatest number of cells along each axis."""
 ENOUGH = 6000
-"""Strands that are counted at the least where there are more; each then stands for several."""
+"""Least number of strands that are sampled if there are more; each then represents several."""
 AROUND = 0.5
-"""Part of the strands' extent by which solids beside them widen the box."""
+"""Greatest widening of the grid by nearby solids, as a share of the strands' extent."""
 GRAIN = 1e-6
-"""Of places in single precision, as a share of their distance from the origin, and some more."""
+"""Relative margin that exceeds the spacing of single-precision coordinates."""
 GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
 @dataclass(frozen=True)
 class Occlusion:
-    """A grid, as `kernels.occlusion.seen` reads it."""
+    """A grid of sky visibility, read by `kernels.occlusion.sky_visibility`."""
 
     volume: NDArray[np.float32]
-    """(V, 4): what is seen, as the best linear fit v₀ + v · ω over directions ω."""
+    """(V, 4) visibility of each cell, as the best linear fit v₀ + v · ω over directions ω."""
     box: NDArray[np.float32]
     """(10,) columns of `kernels.occlusion_columns`."""
 
     def at(self, points: NDArray[np.floating], normals: NDArray[np.floating] | None = None) -> NDArray[np.float64]:
-        """(P,) shares of the sky that points (P, 3) see: all of it, or what faces unit normals (P, 3)."""
+        """Return the visible share (P,) of the sky at points (P, 3), or of the hemispheres of unit normals (P, 3)."""
         flat = np.zeros_like(points) if normals is None else normals
         rows = np.column_stack([points, flat]).astype(np.float32)
-        return np.array([kernel.seen(self.volume, self.box, *row) for row in rows], np.float64)
+        return np.array([kernel.sky_visibility(self.volume, self.box, *row) for row in rows], np.float64)
 
 
 def build(
     settings: AmbientOcclusion, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64],
     thickness: Thickness, level: Level | None, packed: Solids | None, scratch: Scratch,
 ) -> Occlusion:  # fmt: skip
-    """The occlusion by the first ``strands`` of positions (blocks, n + 1, 3 W), whose box is ``bounds`` (2, 3), and by
-    solids packed by `strandcli.solids.pack`."""
+    """Return the occlusion by strands and solids.
+
+    positions (blocks, n + 1, 3 W), of which the first ``strands`` count; bounds (2, 3): their bounding box, metres;
+    packed: solids from `strandcli.solids.pack`."""
     low, high = _box(bounds, packed)
     counts, sides, box = _grid(low, high, settings.cells)
     total = int(np.prod(counts))
@@ -80,18 +82,18 @@ def build(
 
 
 def nothing() -> Occlusion:
-    """Of a scene without strands or solids: all is seen."""
+    """Return the occlusion of a scene without strands and solids: the whole sky is visible."""
     volume = np.zeros((8, 4), np.float32)
     volume[:, 0] = 1
     return Occlusion(volume, np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32))
 
 
 def directions(count: int) -> NDArray[np.float32]:
-    """(count or one more, 3) unit vectors evenly over the sphere, each with its opposite, so that half of them see any
-    half of the sky: a Fibonacci spiral over the upper half."""
+    """Return (count or count + 1, 3) unit vectors spread evenly over the sphere: a Fibonacci spiral over the upper
+    half, and its opposites, so that every hemisphere contains half of them."""
     half = -(-count // 2)
     y = (np.arange(half) + 0.5) / half
-    around = GOLDEN * np.arange(half) + 0.1  # none along an axis of the grid
+    around = GOLDEN * np.arange(half) + 0.1  # the offset avoids directions along the grid's axes
     ring = np.sqrt(1.0 - y * y)
     upper = np.stack([ring * np.cos(around), y, ring * np.sin(around)], 1)
     return np.concatenate([upper, -upper]).astype(np.float32)
@@ -100,7 +102,7 @@ def directions(count: int) -> NDArray[np.float32]:
 def _box(
     bounds: NDArray[np.float64], packed: Solids | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Corners of the box about the strands, and about what of solids is near them."""
+    """Return the corners of a box around the strands and the nearby parts of solids."""
     _, radius = ball(bounds)
     low, high = bounds[0].copy(), bounds[1].copy()
     for kind, row in rows_of(packed or NONE):
@@ -109,7 +111,7 @@ def _box(
             low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
     room = AROUND * (bounds[1] - bounds[0])
     low, high = np.maximum(low, bounds[0] - room), np.minimum(high, bounds[1] + room)
-    # far from the origin single precision may put all strands into one place
+    # far from the origin all strands may have the same coordinates in single precision
     margin = max(1e-3 * radius, GRAIN * float(np.abs(bounds).max()))
     return low - margin, high + margin
 
@@ -117,8 +119,8 @@ def _box(
 def _grid(
     low: NDArray[np.float64], high: NDArray[np.float64], cells: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Cells along each axis, their sides in metres, and the box that kernels read: about so many cells, as even as
-    `FEWEST` and `MOST` let them be."""
+    """Return the number of cells along each axis, their sides in metres, and the box in `occlusion_columns`: about
+    ``cells`` cells, as close to cubes as `FEWEST` and `MOST` allow."""
     extent = high - low
     counts = np.zeros(3)
     free = np.ones(3, bool)

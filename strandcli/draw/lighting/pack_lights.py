@@ -1,4 +1,4 @@
-"""Lights as kernels read them."""
+"""Packing of lights for kernels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..shadows.shadow_model import shades_vertices
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(n, 16) float32, the columns of `light_columns`; lights that are dark are left out."""
+    """Return (n, `light_columns.COLUMNS`) float32, one row for each light that emits light."""
     rows: list[list[Any]] = []
     traced = 0
     for i, light in enumerate(lights):
@@ -30,7 +30,7 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
         bias = light.shadow.bias
         layers = maps.layers[first] if count and maps is not None else 0
         if count and maps is not None and bias == 0 and layers == 0:
-            # an opacity map needs none: what a strand adds in front of itself is made up for by what is left out
+            # an opacity map needs no bias: a strand's own contribution is subtracted
             bias = default_bias(maps.views[first], bounds)
         power = np.array(light.colour) * light.intensity
         kind = float(not isinstance(light, DirectionalLight))
@@ -42,5 +42,5 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
 
 
 def _size(light: Light) -> float:
-    """Sine of the angular radius of a light that is far away, radius in metres of one that is near."""
+    """Return the sine of a directional light's angular radius, or the radius of a point light in metres."""
     return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2

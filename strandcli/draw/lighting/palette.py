@@ -1,4 +1,4 @@
-"""What shading reads of a material: the tables of its fibre model, its colours, and those of dual scattering."""
+"""Tables of a material for shading: of its fibre model, its colours, and dual scattering."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ..fibre.pigment import colour_of, tint, varies
 
 ALONG = 17
 TONES, TONES_GREY = 9, 65
-"""Nodes over the tone: with grey strands enough that few are in between."""
+"""Nodes over the tone, without and with grey strands, whose colours must hardly be interpolated with others."""
 
 
 class Palette:
-    """What the shading kernels read of a material; what a scene does not need is None."""
+    """Tables of a material for the shading kernels; those that a scene does not need are None."""
 
     def __init__(self, material: Material, counts: bool = False) -> None:
-        """``counts``: whether any light has an opacity map, without which dual scattering has nothing to count."""
+        """``counts``: whether any light has an opacity map, which dual scattering needs."""
         model = FIBRES[material.model]
         tables = model.tables(material)
         self._columns = getattr(model, "columns", None)
@@ -33,24 +33,24 @@ class Palette:
         self.colour = colour_of(material, roughness).astype(np.float32)
         self.dual = dual.build_tables(material, roughness) if counts and material.scatter == "dual" else None
         self.loss = None if self.dual is None else dual.loss_table(self.dual)
-        """Light that strands keep from solids behind them."""
+        """Loss of light behind strands, for the shadows on solids."""
         base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
 
     @cached_property
     def columns(self) -> NDArray[np.float32] | None:
-        """Tables over a strand's width, made when the first strand is wide."""
+        """Tables over a strand's width, built when the first wide strand is shaded."""
         found: NDArray[np.float32] | None = None if self._columns is None else self._columns(self._material)
         return found
 
     def use(self, tables: Any) -> None:
-        """Shade with these tables of a fibre model, or their arrays alone; None: no highlights."""
+        """Set the tables of the fibre model, or their arrays alone; None: no highlights."""
         self.arrays = getattr(tables, "arrays", tables)
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:
-    """(17, n, 6) float32 over the place along the strand and its tone in [−1, 1]: colour, and the absorption beyond
-    ``base``, that of the tables, in 1/radius (0 where there are none)."""
+    """Return a table (ALONG, n, 6) float32 over the position along the strand, 0 to 1, and its tone in [−1, 1]: colour,
+    and absorption minus ``base``, that of the fibre model's tables, 1/radius (0 without tables)."""
     tones = TONES_GREY if material.grey > 0 else TONES
     along, tone = np.meshgrid(np.linspace(0, 1, ALONG), np.linspace(-1, 1, tones), indexing="ij")
     colour, sigma = tint(material, roughness, along, tone)

@@ -1,11 +1,11 @@
-"""Light from everywhere on a batch of vertices.
+"""Ambient light on a batch of vertices.
 
-The colour C of a strand is that of a mass of them, with all light that goes from strand to strand. Where only the share
-A of the sky is seen and the rest is strands as dark as this one, a strand of albedo a is lit by J = A + (1 − A) a J
-(the interreflection of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion") and shows
-a J. On the face of a mass that has no end, A is Ā = ∫ e^-τ E₂(τ) / 2 dτ on average over what is seen of it, and it
-shows C: that gives a, and a J = C A / (C A + Ā (1 − C)). So a mass keeps its colour, its outermost strands are brighter
-and the strands in it darker, the more so the darker they are.
+The colour C of a strand is that of a mass of strands, including multiple scattering between them. Where the share A
+of the sky is visible and equal strands occlude the rest, a strand of albedo a receives J = A + (1 − A) a J (the
+interreflection of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion") and reflects
+a J. At the surface of a half-space of strands, the mean of A over what the eye sees is Ā = ∫ e^-τ E₂(τ) / 2 dτ, and
+the reflected colour is C. That determines a, and a J = C A / (C A + Ā (1 − C)). So a mass keeps its colour; its
+outermost strands are brighter and the inner ones darker, the more so the darker the colour.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X, Y, Z
 from .light import around
-from .occlusion import seen
+from .occlusion import sky_visibility
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
-"""Ā: share of the sky that what is seen of a mass' face sees."""
+"""Ā: mean sky visibility of the strands seen at the surface of a mass."""
 
 
 @device
 def ambient_light(work, n, surround):
-    """Radiance of the first n vertices of a batch in the light from everywhere, `inputs.Surround`."""
+    """Set the rows `RADIANCE` of the first n vertices of a batch to that in ambient light; surround:
+    `inputs.Surround`."""
     ambient, sky = surround.ambient, surround.sky
     for c in range(3):
         for k in range(n):
@@ -41,7 +42,8 @@ def ambient_light(work, n, surround):
                 work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
     if surround.volume.shape[0] > 0:
         for k in range(n):
-            share = seen(surround.volume, surround.box, work[X + k], work[Y + k], work[Z + k], ZERO, ZERO, ZERO)
+            x, y, z = work[X + k], work[Y + k], work[Z + k]
+            share = sky_visibility(surround.volume, surround.box, x, y, z, ZERO, ZERO, ZERO)
             for c in range(3):
                 colour = min(work[COLOUR + c * W + k], ONE)
                 work[RADIANCE + c * W + k] *= share / max(colour * share + FACE * (ONE - colour), TINY)

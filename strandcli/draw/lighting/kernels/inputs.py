@@ -1,4 +1,4 @@
-"""What the shading kernels are given: flat tuples of arrays, as kernels can take them."""
+"""Inputs of the shading kernels: flat tuples of arrays."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 
 class Vertices(NamedTuple):
-    """Strands that are shaded, and from where they are seen."""
+    """Vertices of strands, and the camera."""
 
     first: NDArray[np.int64]
-    """(S + 1,) first vertex of each strand, and one more than the last."""
+    """(S + 1,) first vertex of each strand, and the number of vertices."""
     world: NDArray[np.float32]
     """(V, 3) metres."""
     marks: NDArray[np.uint8]
-    """(V,) 1 for vertices that are shaded."""
+    """(V,) non-zero for vertices to shade."""
     tones: NDArray[np.float32]
-    """(S,) in [−1, 1]."""
+    """(S,) tone of each strand in [−1, 1]."""
     camera: NDArray[np.float32]
     """(`view_columns.SIZE`,) packed camera."""
 
@@ -27,16 +27,16 @@ class StrandColour(NamedTuple):
     """Colours of strands."""
 
     colour: NDArray[np.float32]
-    """(3,) of a mass of strands."""
+    """(3,) colour of a mass of strands."""
     tint: NDArray[np.float32]
-    """(A, B, 6) over the place along a strand and its tone: colour of a mass, and absorption beyond that of the fibre
-    model's tables, 1/radius; no rows where all strands have one colour."""
+    """(A, B, 6) over the position along a strand and its tone: colour of a mass, and absorption minus that of the fibre
+    model's tables, 1/radius; no rows if all strands have the same colour."""
     diffuse: Any
     """float32: scale of the diffuse term, 0 for none."""
 
 
 class Surround(NamedTuple):
-    """Light from everywhere, and what of it is seen."""
+    """Ambient light and its occlusion."""
 
     ambient: NDArray[np.float32]
     """(3,) radiance."""
@@ -45,57 +45,57 @@ class Surround(NamedTuple):
     volume: NDArray[np.float32]
     """(V, 4) cells of `strandcli.draw.lighting.occlusion`; no rows without occlusion."""
     box: NDArray[np.float32]
-    """(`occlusion.BOX_SIZE`,) the place of the cells."""
+    """(`occlusion_columns.BOX_SIZE`,) position and size of the cells."""
 
 
 class Lights(NamedTuple):
-    """Lights, and how solids hide them."""
+    """Lights, and settings of the solids' shadows."""
 
     rows: NDArray[np.float32]
-    """(n, `light_columns.COLUMNS`) a row a light."""
+    """(n, `light_columns.COLUMNS`) one row for each light."""
     clear: NDArray[np.float32]
-    """(m, V) what strands leave of each light with exact shadows at each vertex; no rows where no light has them."""
+    """(m, V) visibility at each vertex of each light with exact shadows; no rows without such lights."""
     skin: Any
-    """float32: depth under a solid's surface that counts as on it, metres."""
+    """float32: depth below a solid's surface that counts as on it, metres."""
     sized: Any
-    """uint8, or None where no light has a size that solids show: then soft shadows are not compiled."""
+    """uint8, or None if no light needs soft shadows of solids, which are then not compiled."""
 
 
 class WidthProfiles(NamedTuple):
     """Light across strands that are wider than two pixels (`strandcli.draw.coverage.width_profiles`)."""
 
     slots: NDArray[np.int32]
-    """(V,) number of each vertex' profile, or −1."""
+    """(V,) number of each vertex's profile, or −1."""
     columns: Any
-    """(n_θ, n_φ, COLUMNS, 8) lobes of the fibre model in each column, float32; None where it has none."""
+    """(n_θ, n_φ, COLUMNS, 8) float32 lobes of the fibre model in each column, or None."""
     profile: NDArray[np.float32]
-    """(1 + m, n, COLUMNS + 1, 3) what is written: of light without exact shadows, and of each light with them."""
+    """(1 + m, n, COLUMNS + 1, 3) out: profiles of all lights without exact shadows, and of each light with them."""
 
 
 class Screen(NamedTuple):
     """Pixels that show solids."""
 
     keys: NDArray[np.uint64]
-    """(height * width,) what is nearest in each pixel, as in `common.kernels.keys`."""
+    """(height * width,) z-buffer, as in `common.kernels.keys`."""
     camera: NDArray[np.float32]
     """(`view_columns.SIZE`,) packed camera."""
     spots: NDArray[np.float32]
-    """(height * width, 2) where on the screen each of these pixels lies; no rows where at its own place."""
+    """(height * width, 2) position of each pixel on the screen; no rows if each is at its own position."""
 
 
 class Coating(NamedTuple):
-    """What solids look like, a row a solid, in their order in `Solids`."""
+    """Materials of solids, one row for each, in their order in `Solids`."""
 
     paint: NDArray[np.float32]
     """(m, 8) colour, distance over which it fades (0: none), centre of the fading, unused."""
     coats: NDArray[np.float32]
-    """(m, 4) as in `strandcli.draw.solids.kernels.coat`; no rows where all solids are matt and even."""
+    """(m, 4) columns of `strandcli.draw.solids.kernels.coat`; no rows without coats and patches."""
 
 
 class StrandLight(NamedTuple):
-    """What strands do to light on solids."""
+    """Effect of strands on the light on solids."""
 
     bounce: NDArray[np.float32]
     """(3,) colour of a mass of strands."""
     loss: NDArray[np.float32]
-    """(n, 3) of `strandcli.draw.fibre.dual.loss_table`; no rows where strands shade in grey."""
+    """(n, 3) from `strandcli.draw.fibre.dual.loss_table`; no rows where strands absorb all colours alike."""

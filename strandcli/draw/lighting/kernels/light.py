@@ -1,4 +1,4 @@
-"""Lights as kernels read them."""
+"""Directions and radiance of lights at a point."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FAR = np.float32(1e30)
 
 @device
 def toward(lights, i, x, y, z):
-    """Unit direction to light number i, its distance, and its irradiance's falloff at a point."""
+    """Return the unit direction from a point to light number i, its distance in metres, and its falloff."""
     if lights[i, KIND] == ZERO:
         return lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z], FAR, ONE
     lx = lights[i, PLACE_X] - x
@@ -31,8 +31,8 @@ def toward(lights, i, x, y, z):
 
 @function
 def around(sky, which, c, x, y, z):
-    """Radiance in channel c of something white that lies in the sky's light, not negative: strands (which = 0) by their
-    unit tangent, surfaces (1) by their unit normal. sky (2, 9, 3) float32 of `strandcli.draw.lighting.environment`."""
+    """Return the radiance in channel c of a white strand (which = 0) by its unit tangent, or of a white surface (1) by
+    its unit normal, in environment light; at least 0. sky (2, 9, 3): from `strandcli.draw.lighting.environment`."""
     even = sky[which, 0, c] + sky[which, 4, c] * x * y + sky[which, 5, c] * y * z
     even += sky[which, 6, c] * (THREE * z * z - ONE) + sky[which, 7, c] * x * z + sky[which, 8, c] * (x * x - y * y)
     return max(even + sky[which, 1, c] * x + sky[which, 2, c] * y + sky[which, 3, c] * z, ZERO)

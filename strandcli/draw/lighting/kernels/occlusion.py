@@ -1,4 +1,4 @@
-"""Ambient occlusion looked up at points."""
+"""Look-up of ambient occlusion."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from .occlusion_columns import (
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 COSINE = np.float32(2.0 / 3.0)
-"""Share of the linear part of what is seen that counts for a surface, which weighs it by the cosine."""
+"""Weight of the linear part for a surface: its mean over the hemisphere, weighted by the cosine."""
 
 
 @device
 def corner(u, count):
-    """The lower of two neighbouring cells, and the part of the way to the other."""
+    """Return the lower of two neighbouring cells, and the position between them, 0 to 1."""
     u = min(max(u, ZERO), count - ONE)
     low = min(np.int64(u), np.int64(count) - 2)
     return low, u - np.float32(low)
 
 
 @function
-def seen(volume, box, x, y, z, nx, ny, nz):
-    """Share of the light from everywhere that strands and solids leave a point: of the sphere with n = 0, for a
-    strand, or of a surface's half, weighed by the cosine to its normal n."""
+def sky_visibility(volume, box, x, y, z, nx, ny, nz):
+    """Return the visible share of the sky at a point: of the whole sphere for n = 0, or of the hemisphere around the
+    unit normal n, weighted by the cosine. volume, box: of `inputs.Surround`."""
     u = (x - box[MIDDLE_X]) * box[PER_METRE_X]
     v = (y - box[MIDDLE_Y]) * box[PER_METRE_Y]
     w = (z - box[MIDDLE_Z]) * box[PER_METRE_Z]
@@ -68,5 +68,5 @@ def seen(volume, box, x, y, z, nx, ny, nz):
 
 @device
 def past(u, count):
-    """Cells by which a place is beyond the box."""
+    """Return by how many cells a position is outside of the box."""
     return max(max(-u, u - (count - ONE)), ZERO)

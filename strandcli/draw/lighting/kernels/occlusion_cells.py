@@ -1,4 +1,4 @@
-"""Strands counted in the cells of the grid of ambient occlusion (`occlusion_sweep`)."""
+"""Accumulation of strands in the grid of ambient occlusion (see `occlusion_sweep`)."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ ONE = np.float32(1.0)
 
 @function
 def count_strands(positions, strands, step, width, taper, scale, weight, box, cells):
-    """Add every step-th strand of positions (blocks, n + 1, 3 W) to the cells (V, 7), times ``weight``.
+    """Add every step-th strand of positions (blocks, n + 1, 3 W) to the cells (V, CHANNELS), times ``weight``.
 
-    width: metres at the root, of which `taper` is lost to the tip; scale (strands,): factor of each, or None;
-    box (`BOX_SIZE`,): columns of `occlusion_columns`.
+    width: metres at the root, smaller by the share `taper` at the tip; scale (strands,): factor of each strand's width,
+    or None; box (`BOX_SIZE`,), cells: columns of `occlusion_columns`.
     """
     n = positions.shape[1] - 1
     for s in range(np.int64(0), strands, step):
@@ -60,7 +60,7 @@ def count_strands(positions, strands, step, width, taper, scale, weight, box, ce
 
 @device
 def piece(x, y, z, dx, dy, dz, length, width, box, cells):
-    """A straight piece of a strand, a sample for each cell that it crosses along its longest way."""
+    """Add a straight segment to the cells, with one sample for each cell along the axis on which it crosses most."""
     most = max(max(abs(dx) * box[PER_METRE_X], abs(dy) * box[PER_METRE_Y]), abs(dz) * box[PER_METRE_Z])
     steps = np.ceil(min(most, np.float32(1e4))) + ONE
     per = ONE / steps
@@ -85,6 +85,6 @@ def piece(x, y, z, dx, dy, dz, length, width, box, cells):
 
 @device
 def place(x, box, axis):
-    """Number of the cell along an axis; the outermost takes what is beyond."""
+    """Return the number of the cell along an axis, clamped to the grid."""
     u = (x - box[MIDDLE_X + axis]) * box[PER_METRE_X + axis] + HALF
     return np.int64(min(max(u, ZERO), box[COUNT_X + axis] - ONE))

@@ -1,15 +1,15 @@
-"""Columns of the grid of ambient occlusion as kernels read it."""
+"""Columns of the box and the cells of ambient occlusion."""
 
-# Of the box, float32: the middle of the first cell, cells a metre along x, y and z, and cells along each.
+# The box, float32: centre of the first cell, cells a metre, and number of cells, along x, y and z.
 MIDDLE_X, MIDDLE_Y, MIDDLE_Z = 0, 1, 2
 PER_METRE_X, PER_METRE_Y, PER_METRE_Z = 3, 4, 5
 COUNT_X, COUNT_Y, COUNT_Z = 6, 7, 8
 FADE = 9
-"""Metres beyond the box over which occlusion falls to a fourth."""
+"""Distance from the box, metres, at which occlusion has fallen to a fourth."""
 BOX_SIZE = 10
 
 DENSITY = 0
-"""Of a cell: ρ, projected width of strands a metre,"""
+"""ρ of a cell: Σ width · length / volume, 1/m."""
 XX, XY, XZ, YY, YZ, ZZ = 1, 2, 3, 4, 5, 6
-"""and M, the same sum over the squares of their directions."""
+"""M of a cell: the same sum over t tᵀ of the unit directions t, 1/m."""
 CHANNELS = 7

@@ -1,10 +1,10 @@
-"""Ambient occlusion by a grid of cells: light swept through them from many directions.
+"""Ambient occlusion on a grid: light is swept through the cells from many directions.
 
-Of its strands a cell holds ρ = Σ width · length / volume and M, the same sum over the squares t tᵀ of their directions.
-Across a direction ω such strands cover σ = √(ρ² − ρ ωᵀM ω) of each metre (Heitz et al. 2015, "The SGGX Microflake
-Distribution"): exactly where they are parallel, 4 % too much where they lie in all directions. The light that is left
-is swept from slab to slab against ω, interpolated between the cells of the slab before (short characteristics, Kunasz &
-Auer 1988), which spreads it sideways by a cell now and then.
+A cell stores ρ = Σ width · length / volume of its strands, and M, the same sum over t tᵀ of their unit directions t.
+For light along ω their extinction is σ = √(ρ² − ρ ωᵀM ω) (Heitz et al. 2015, "The SGGX Microflake Distribution"):
+exact for parallel strands, 4 % too high for isotropic ones. The transmitted light is computed slab by slab against ω,
+interpolated between the cells of the previous slab (short characteristics, Kunasz & Auer 1988); this diffuses it
+sideways by about a cell.
 """
 
 from __future__ import annotations
@@ -32,41 +32,41 @@ LEVELS = np.float32(255.0)
 FAR = np.float32(1e30)
 LX, LY, LZ, LIGHT = (i * W for i in range(4))
 ROWS = 4
-"""Rows of numbers, one a direction: where to, and what of its light arrives."""
+"""Rows of numbers, one a direction: unit vector to the light, and transmitted light."""
 
 
 class Grid(NamedTuple):
-    """The cells."""
+    """Size of the grid."""
 
     counts: NDArray[np.int64]
-    """(3,) along each axis."""
+    """(3,) cells along each axis."""
     sides: NDArray[np.float32]
-    """(3,) metres of a cell."""
+    """(3,) sides of a cell, metres."""
 
 
 class Planes(NamedTuple):
-    """The light of a slab and how thick it is, with a cell more on each side, float32."""
+    """Light and extinction in two slabs, padded by one cell on each side; float32."""
 
     before: NDArray[np.float32]
-    """Light that the slab before has left."""
+    """Transmitted light in the previous slab, 0 to 1."""
     after: NDArray[np.float32]
-    """Light that this one leaves."""
+    """Transmitted light in this slab."""
     thick: NDArray[np.float32]
-    """What strands cover of a metre in the slab before."""
+    """Extinction in the previous slab, 1/m."""
     thicker: NDArray[np.float32]
-    """What they cover in this one."""
+    """Extinction in this slab."""
 
 
 @parallel
 def sweep(cells, counts, sides, ways, left):
-    """What strands leave of the light from each direction.
+    """Write the transmittance of strands toward each direction to left (K, V) uint8, 255 for 1, at the cells' centres.
 
-    cells (V, 7) in 1/m; counts (3,) int64; sides (3,) metres of a cell; ways (K, 3) unit vectors toward the light;
-    left (K, V) uint8: 255 where all of it arrives at a cell's middle.
+    cells (V, CHANNELS), 1/m; counts (3,) int64; sides (3,): sides of a cell, metres; ways (K, 3): unit vectors toward
+    the light.
     """
     for way in prange(ways.shape[0]):
         d = np.int64(way)
-        axis = np.int64(0)  # a literal would have all that follows compiled twice
+        axis = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for k in range(1, 3):
             if abs(ways[d, k]) * sides[axis] > abs(ways[d, axis]) * sides[k]:
                 axis = k
@@ -76,12 +76,12 @@ def sweep(cells, counts, sides, ways, left):
         planes = Planes(
             np.ones(size, np.float32), np.ones(size, np.float32), np.zeros(size, np.float32), np.zeros(size, np.float32)
         )
-        across(cells, Grid(counts, sides), ways, d, axis, one, two, planes, left)
+        sweep_direction(cells, Grid(counts, sides), ways, d, axis, one, two, planes, left)
 
 
 @device
-def across(cells, grid, ways, d, axis, one, two, planes, left):
-    """`sweep` of direction d, slab by slab along the axis on which it crosses most cells; one and two: the others."""
+def sweep_direction(cells, grid, ways, d, axis, one, two, planes, left):
+    """Run `sweep` for direction d, slab by slab along `axis`, on which it crosses most cells; one, two: other axes."""
     counts, sides = grid.counts, grid.sides
     before, after, thick, thicker = planes.before, planes.after, planes.thick, planes.thicker
     stride_z = np.int64(1)
@@ -127,7 +127,7 @@ def across(cells, grid, ways, d, axis, one, two, planes, left):
 
 @device
 def mixed(plane, at, row, f, g):
-    """Bilinear in a plane, from the place `at`."""
+    """Interpolate bilinearly in a plane; at: index of the upper left cell; row: cells a row."""
     upper = plane[at] + g * (plane[at + 1] - plane[at])
     lower = plane[at + row] + g * (plane[at + row + 1] - plane[at + row])
     return upper + f * (lower - upper)
@@ -135,11 +135,11 @@ def mixed(plane, at, row, f, g):
 
 @parallel
 def combine(cells, counts, sides, box, ways, left, solids, volume):
-    """Of what strands and solids leave of each direction, the mean and thrice the mean times the direction.
+    """Write the linear fit V(ω) = v₀ + v · ω of each cell's visibility past strands and solids to volume (V, 4): v₀ is
+    the mean over directions, v three times the mean of visibility times direction.
 
-    As in `sweep`; solids packed; volume (V, 4): V(ω) = v₀ + v · ω, the best linear fit. A middle inside of a solid
-    stands for the nearest point of its surface. Only cells with strands about them, or near a surface, ask for solids:
-    others are never looked up.
+    Arguments as in `sweep`; solids: packed. For a cell whose centre is inside of a solid, the nearest point of the
+    surface counts. Solids are tested only for cells near strands or surfaces, since no others are looked up.
     """
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
@@ -172,7 +172,7 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
                         work[LZ + d] = ways[low + d, 2]
                         work[LIGHT + d] = np.float32(left[low + d, cell])
                     if near:
-                        hide(work, n, x, y, z, solids, skin)
+                        occlude(work, n, x, y, z, solids, skin)
                     for d in range(n):
                         light = work[LIGHT + d]
                         mean += light
@@ -186,8 +186,8 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
 
 
 @device
-def hide(work, n, x, y, z, solids, skin):
-    """No light from the first n directions where a solid stands between: `rays.lit` of each, row by row."""
+def occlude(work, n, x, y, z, solids, skin):
+    """Set the rows `LIGHT` of the first n directions to 0 where a solid occludes the light: `rays.lit`, vectorised."""
     for s in range(solids.spheres.shape[0]):
         for d in range(n):
             work[LIGHT + d] *= sphere.past(
@@ -215,7 +215,7 @@ def hide(work, n, x, y, z, solids, skin):
 
 @device
 def occupied(cells, counts, i, j, k):
-    """Whether a cell or one beside it holds a strand."""
+    """Return whether a cell or one of its neighbours contains strands."""
     for a in range(max(i - 1, 0), min(i + 2, counts[0])):
         for b in range(max(j - 1, 0), min(j + 2, counts[1])):
             for c in range(max(k - 1, 0), min(k + 2, counts[2])):

@@ -1,7 +1,7 @@
-"""Light on strands: every light with its strand shadow and the solids' shadows, and what comes from everywhere.
+"""Shading of strands: all lights with their shadows of strands and solids, and ambient light.
 
-Vertices that are seen are gathered in batches of W, strand after strand, into an array of rows; what needs no table is
-one loop over a row, which becomes vector code, and only what reads maps and tables goes vertex by vertex.
+Marked vertices are collected in batches of W, strand after strand, in an array of rows. Whatever needs no table is a
+loop over a row, which LLVM vectorises; only look-ups in maps and tables go vertex by vertex.
 """
 
 from __future__ import annotations
@@ -71,21 +71,21 @@ STRANDS = 128
 
 @parallel
 def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wide, out):
-    """Radiance toward the camera at the marked vertices, into out (V, 3).
+    """Write the radiance toward the camera at the marked vertices to out (V, 3).
 
     vertices, paint, surround, lights, wide: `Vertices`, `StrandColour`, `Surround`, `Lights` and `WidthProfiles` of
     `inputs`; tables: arrays of a fibre model, None without highlights; dual: `DualArrays`, None without dual
     scattering; shadows: `ShadowArrays`; solids: `Solids`; wide: None where no strand is wide.
 
-    What is asked once a batch or costs next to nothing has no rows where it is not needed; what is None has a kernel of
-    its own.
+    Features that cost next to nothing are switched off by arrays without rows; each combination of None has its own
+    compiled kernel.
     """
     count = vertices.first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
-        n = np.int64(0)  # a literal would have everything below compiled twice
+        n = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             begin = vertices.first[s]
             end = vertices.first[s + 1]
@@ -93,8 +93,8 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
             for v in range(begin, end):
                 if vertices.marks[v] == 0:
                     continue
-                gather(vertices.world, v, begin, end, work, n)
-                colour_in(paint, np.float32(v - begin) * per, vertices.tones[s], work, n)
+                load_vertex(vertices.world, v, begin, end, work, n)
+                load_colour(paint, np.float32(v - begin) * per, vertices.tones[s], work, n)
                 if wide is not None:
                     start_profile(wide, v)
                 which[n] = v
@@ -103,17 +103,17 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
                     frames(work, n, vertices.camera)
                     ambient_light(work, n, surround)
                     batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
-                    scatter(work, which, n, out)
+                    store_radiance(work, which, n, out)
                     n = np.int64(0)
         frames(work, n, vertices.camera)
         ambient_light(work, n, surround)
         batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
-        scatter(work, which, n, out)
+        store_radiance(work, which, n, out)
 
 
 @device
-def gather(world, v, begin, end, work, k):
-    """Put the place and the tangent of a vertex into place k of a batch; its strand's vertices: begin to end."""
+def load_vertex(world, v, begin, end, work, k):
+    """Store position and tangent, not normalised, of vertex v of the strand begin … end − 1 as item k of a batch."""
     low = max(v - 1, begin)
     high = min(v + 1, end - 1)
     for c in range(3):
@@ -122,8 +122,8 @@ def gather(world, v, begin, end, work, k):
 
 
 @device
-def colour_in(paint, along, tone, work, k):
-    """Put colour and absorption of a vertex, at a place along its strand in [0, 1], into place k of a batch."""
+def load_colour(paint, along, tone, work, k):
+    """Store colour and absorption at the position `along` of a strand, 0 to 1, as item k of a batch."""
     if paint.tint.shape[0] == 0:
         for c in range(3):
             work[COLOUR + c * W + k] = paint.colour[c]
@@ -136,14 +136,14 @@ def colour_in(paint, along, tone, work, k):
 
 @device
 def start_profile(wide, v):
-    """An empty profile for a vertex that is wide."""
+    """Clear the profile of vertex v if it has one."""
     if wide.slots[v] >= 0:
         width_profiles.begin(wide.profile, wide.slots[v])
 
 
 @device
-def scatter(work, which, n, out):
-    """Radiance back to the vertices of a batch."""
+def store_radiance(work, which, n, out):
+    """Store the radiance of the first n items of a batch at their vertices `which` in out (V, 3)."""
     for k in range(n):
         for c in range(3):
             out[which[k], c] = work[RADIANCE + c * W + k]
@@ -151,7 +151,7 @@ def scatter(work, which, n, out):
 
 @device
 def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
-    """Add every light at the first n vertices of a batch, and to the profiles of those among them that are wide."""
+    """Add the light of all lights to the first n vertices of a batch, and to the profiles of wide ones among them."""
     rows = lights.rows
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
@@ -159,7 +159,7 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
         past_strands(work, n, lights, i, shadows, dual)
         row = np.int64(0)
         if wide is not None and dual is None and lights.clear.shape[0] > 0:
-            row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width come at the end
+            row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width are applied last
         if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO and row == 0:
             for k in range(n):
                 work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
@@ -185,17 +185,17 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
 
 @device
 def past_solids(work, n, lights, i, solids, skin, sized):
-    """Take from what arrives of light number i what solids hide; soft shadows where sized is not None."""
+    """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows."""
     if sized is None:
-        hide(work, n, solids, skin)
+        occlude(work, n, solids, skin)
     else:
         soft_shadows(work, n, lights, i, solids, skin)
 
 
 @device
 def past_strands(work, n, lights, i, shadows, dual):
-    """Take from what arrives of light number i what strands hide by its maps; of opacity maps count the strands before
-    each vertex, and with dual scattering those behind it too."""
+    """Multiply the rows `ARRIVES` by the transmittance of light number i in its maps. Opacity maps also give the
+    optical depth in front of each vertex, and with dual scattering behind it."""
     rows = lights.rows
     bias = rows[i, BIAS]
     if rows[i, MAP_LAYERS] == ZERO:
@@ -221,9 +221,9 @@ def past_strands(work, n, lights, i, shadows, dual):
 
 @device
 def frames(work, n, view):
-    """Unit tangents, and unit directions to the eye."""
+    """Normalise the tangents, and store unit directions to the eye."""
     perspective = view[PERSPECTIVE]
-    straight = perspective - ONE  # an orthographic eye is everywhere against the view
+    straight = perspective - ONE  # for an orthographic view the direction is −forward
     for k in range(n):
         x = work[TX + k]
         y = work[TY + k]
@@ -243,7 +243,7 @@ def frames(work, n, view):
 
 @device
 def aim(work, n, lights, i):
-    """Directions to a light, and its falloff."""
+    """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
     for k in range(n):
         x, y, z, reach, falloff = toward(lights, i, work[X + k], work[Y + k], work[Z + k])
         work[LX + k] = x
@@ -255,8 +255,8 @@ def aim(work, n, lights, i):
 
 
 @device
-def hide(work, n, solids, skin):
-    """No light where a solid stands between."""
+def occlude(work, n, solids, skin):
+    """Set the rows `ARRIVES` to 0 where a solid occludes the light."""
     for s in range(solids.spheres.shape[0]):
         for k in range(n):
             work[ARRIVES + k] *= sphere.past(
@@ -274,7 +274,7 @@ def hide(work, n, solids, skin):
 
 @function
 def look_up(tint, along, tone):
-    """Bilinear in a table (A, B, 6) over along in [0, 1] and tone in [−1, 1]."""
+    """Interpolate bilinearly in a table (A, B, 6) over along in [0, 1] and tone in [−1, 1]."""
     a = along * np.float32(tint.shape[0] - 1)
     b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
     i = min(int(a), tint.shape[0] - 2)

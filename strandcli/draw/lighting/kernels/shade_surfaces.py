@@ -1,7 +1,7 @@
-"""Light on solids.
+"""Shading of solids.
 
-Pixels that show the same solid come in batches of W, as vertices do in `shade_strands`: what reads no table is one loop
-over a row of numbers, which becomes vector code.
+Pixels that show the same solid are shaded in batches of W, like vertices in `shade_strands`: whatever needs no table is
+a loop over a row, which LLVM vectorises.
 """
 
 from __future__ import annotations
@@ -51,11 +51,11 @@ PIXELS = 4096
 
 @parallel
 def surfaces(screen, surround, strands, lights, shadows, solids, coating, image):
-    """Radiance of the solids that are seen, into image (height, width, 3): Lambertian, under a coat where there is one.
+    """Composite the visible solids, Lambertian with an optional coat, over image (height, width, 3).
 
     screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
-    shadows: `ShadowArrays`; solids: `Solids`. The image holds the background before, and keeps it elsewhere. What
-    blends may end in front of itself, which no identity tells: there the mean of 4×4 rays is taken.
+    shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
+    of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
     """
     keys = screen.keys
     count = np.int64(keys.shape[0])
@@ -78,7 +78,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
 
 @device
 def surroundings(surround, x, y, z):
-    """Radiance, in rgb, of what is around a surface that faces along the unit vector (x, y, z)."""
+    """Return the radiance of a white surface of the unit normal (x, y, z) in unoccluded ambient light, as r, g, b."""
     ambient, sky = surround.ambient, surround.sky
     r, g, b = ambient[0], ambient[1], ambient[2]
     if sky.shape[0] > 0:
@@ -90,7 +90,7 @@ def surroundings(surround, x, y, z):
 
 @device
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
-    """Radiance of the first n points of a batch, which are on solid number `which`."""
+    """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
     face(work, n, solids, which)
     light_around(work, n, surround, strands.bounce)
@@ -123,7 +123,7 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
 
 @device
 def past_strands(work, n, lights, i, shadows, loss):
-    """What strands leave of light number i: of min/max maps taken from what arrives, of opacity maps in `LEFT`."""
+    """Apply the strand shadows of light number i: min/max maps change `ARRIVES`, opacity maps set `LEFT`, else 1."""
     if lights[i, MAP_LAYERS] == ZERO:
         for k in range(n):
             if work[ARRIVES + k] > ZERO:
@@ -142,7 +142,7 @@ def past_strands(work, n, lights, i, shadows, loss):
 
 @device
 def look(work, n, view):
-    """From places on the screen and distances to points, directions to the eye, and pixels' widths."""
+    """Store points, unit directions to the eye and pixel widths, metres, from screen positions and depths."""
     focal = view[FOCAL]
     for k in range(n):
         right = (work[SX + k] - view[AXIS_X]) / focal
@@ -161,7 +161,7 @@ def look(work, n, view):
 
 @device
 def face(work, n, solids, which):
-    """Unit normals."""
+    """Store the unit normals."""
     if which < solids.spheres.shape[0] and not smooth_union.blends(solids.spheres, solids.capsules, which):
         for k in range(n):
             x = work[X + k] - solids.spheres[which, sphere.X]
@@ -181,7 +181,7 @@ def face(work, n, solids, which):
 
 @device
 def light_around(work, n, surround, bounce):
-    """Radiance of what is around, as far as it is seen."""
+    """Set the radiance to that in ambient light, occluded by strands and solids; bounce: colour of the strands."""
     for k in range(n):
         r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
         work[RADIANCE + k] = r
@@ -189,7 +189,7 @@ def light_around(work, n, surround, bounce):
         work[RADIANCE + 2 * W + k] = b
     if surround.volume.shape[0] > 0:
         for k in range(n):
-            share = occlusion.seen(
+            share = occlusion.sky_visibility(
                 surround.volume, surround.box, work[X + k], work[Y + k], work[Z + k],
                 work[NX + k], work[NY + k], work[NZ + k],
             )
@@ -199,7 +199,7 @@ def light_around(work, n, surround, bounce):
 
 @device
 def fade(work, n, paint, which):
-    """How much of the picture a solid becomes."""
+    """Store the opacity of a solid, which fades with the distance from a centre."""
     for k in range(n):
         work[THERE + k] = ONE
     if paint[which, 3] > ZERO:
@@ -213,7 +213,7 @@ def fade(work, n, paint, which):
 
 @device
 def cover(work, n, surround, coats, which):
-    """What a coat mirrors of what is around, and what it leaves, in patches, to what is under it."""
+    """Store the ambient light that a coat mirrors, and the factor of the light under it, which includes patches."""
     for k in range(n):
         x, y, z = work[X + k], work[Y + k], work[Z + k]
         nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
@@ -224,13 +224,13 @@ def cover(work, n, surround, coats, which):
         if coats[which, coat.COAT] > ZERO:
             share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
             under = ONE - share
-            # where the eye is mirrored to
+            # mirror direction of the eye
             mx = (facing + facing) * nx - wx
             my = (facing + facing) * ny - wy
             mz = (facing + facing) * nz - wz
             r, g, b = surroundings(surround, mx, my, mz)
             if surround.volume.shape[0] > 0:
-                share *= occlusion.seen(surround.volume, surround.box, x, y, z, mx, my, mz)
+                share *= occlusion.sky_visibility(surround.volume, surround.box, x, y, z, mx, my, mz)
             r *= share
             g *= share
             b *= share
@@ -245,7 +245,7 @@ def cover(work, n, surround, coats, which):
 
 @device
 def rise(work, n, skin):
-    """Points to above the surface, where no light arrives from behind it."""
+    """Move points above the surface, store the cosine to the light, and stop light from behind the surface."""
     for k in range(3 * W):
         work[PX + k] = work[X + k]
     for k in range(n):
@@ -259,7 +259,7 @@ def rise(work, n, skin):
 
 @device
 def gleam(work, n, lights, i, coats, which):
-    """What a coat mirrors of a light."""
+    """Add the light of light number i that a coat mirrors."""
     if coats[which, coat.COAT] <= ZERO:
         return
     for k in range(n):
