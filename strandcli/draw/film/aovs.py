@@ -1,9 +1,9 @@
-"""Layers beside the picture (arbitrary output variables), exact where reconstruction from photographs estimates them.
+"""Layers beside the picture (arbitrary output variables).
 
-Per pixel, by the nearest thing that any of its samples shows; through a pinhole at the frame's own time, whatever lens
-and shutter do to the picture. Where strands are sorted, a sample shows the strand that most of its light comes from,
-whatever stands before or behind it, as long as `LEAST` of the light comes from strands at all; else what a solid or the
-background leaves there. Each is an array of the picture's height and width:
+Each pixel describes the nearest surface of all its samples, seen through a pinhole at the frame's own time, regardless
+of lens and shutter. With sorted strands, a sample shows the strand that contributes most of its light, whatever is in
+front of or behind it, if at least `LEAST` of the light comes from strands; otherwise the solid or the background. Each
+layer is an array of the picture's height and width:
 
 ============= ========= =========================================================================================
 `depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
@@ -36,15 +36,15 @@ from .kernels import aovs as kernel
 NOTHING = -1
 SOLID = -2
 LEAST = 1 / 64
-"""Share of a sample's light: a tenth of a pixel wide strand that passes by a corner."""
+"""Least share of a sample's light from strands: about that of a strand .1 pixels wide across a corner."""
 
 
 class Recorder:
     """Gathers the layers of one frame while it is drawn: `strands` after each batch, then `rest`."""
 
     def __init__(self, image: Any, ids: NDArray[np.int32] | None) -> None:
-        """``image``: the scene's settings; ``ids``: of each strand its place in the order of emission, where they do
-        not stand in it."""
+        """``image``: the scene's settings; ``ids``: index of each strand in the order of emission, or None if they are
+        in this order."""
         self._names: tuple[str, ...] = image.aovs
         self._samples: int = image.supersample
         self._ids = ids
@@ -59,8 +59,8 @@ class Recorder:
     def layer(
         self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]
     ) -> None:
-        """Note what a layer of sorted strands shows most into ``keys`` (samples · samples · height · width,), which
-        hold the solids before; call `strands` after the last one."""
+        """Write the strand that contributes most to each sample of a layer to ``keys`` (samples · samples · height ·
+        width,), which contain the solids; call `strands` after the last layer."""
         if self._shares is None:
             self._shares = np.zeros(len(keys), np.float32)
         kernel.front(
@@ -71,8 +71,8 @@ class Recorder:
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,
         view: View,
     ) -> None:  # fmt: skip
-        """Note the strands of a batch, the first of which is strand ``begin``, that are in front in ``keys``
-        (samples · samples · height · width,); their vertices are numbered from ``base``."""
+        """Record the strands of a batch that are in front in ``keys`` (samples · samples · height · width,); begin:
+        number of the batch's first strand; base: number of its first vertex."""
         found = self._found
         kernel.strands(
             keys, self._samples, base, begin, kernel.SeenLines(lines.first, lines.world, screen), view.pack(),
@@ -80,7 +80,7 @@ class Recorder:
         )  # fmt: skip
 
     def rest(self, keys: NDArray[np.uint64], lighting: Lighting) -> None:
-        """What a finished z-buffer tells of depth, mask and solids, and the light that arrives there."""
+        """Record depth, mask, solids and, if wanted, shadow from a finished z-buffer."""
         shape = self._found["strand_id"].shape
         depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
         point = np.empty((*shape, 3), np.float32)
@@ -99,7 +99,7 @@ class Recorder:
             self._found["shadow"] = through
 
     def layers(self, image: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
-        """The layers that were asked for; ``image`` is the linear picture in samples."""
+        """Return the requested layers; ``image`` is the linear picture in samples."""
         if self._ids is not None:
             ids = self._found["strand_id"]
             ids[ids >= 0] = self._ids[ids[ids >= 0]]

@@ -1,4 +1,4 @@
-"""What the film needs beside its kernels: its tone curves as tables, and the background."""
+"""Tone curves as tables, and the background."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 @functools.cache
 def srgb_curve() -> NDArray[np.uint8]:
-    """(65536,) uint8: linear [0, 1] in even steps to 8-bit sRGB (IEC 61966-2-1). The steepest part, 12.92 at black,
-    takes 0.05 of a level a step, so the table is never off by more than rounding."""
+    """Return a table (65536,) uint8 from linear light in [0, 1], in even steps, to 8-bit sRGB (IEC 61966-2-1). A step
+    is at most 0.05 levels, at black where the slope is 12.92, so the table's error is that of rounding."""
     return _levels(np.arange(65536) / 65535)
 
 
@@ -21,32 +21,32 @@ CONTRAST = 1.3
 
 
 def filmic(light: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A response that rolls off at both ends, as film's: xᶜ / (xᶜ + k), c = 1.3, with k such that mid grey, 0.18, stays
-    (the form of Naka and Rushton 1966). White is reached nowhere: light 1 becomes 0.67, light 4 0.93, light 16 0.99;
-    around mid grey contrast is 1.3 · 0.82 = 1.07 times that of the scene."""
+    """Return the film-like response xᶜ / (xᶜ + k) (Naka and Rushton 1966), c = 1.3, with k such that mid grey, 0.18, is
+    unchanged. White is never reached: light 1 becomes 0.67, light 4 0.93, light 16 0.99. Around mid grey the contrast
+    is 1.3 · 0.82 = 1.07 times that of the scene."""
     power = np.asarray(light, np.float64) ** CONTRAST
     return np.asarray(power / (power + GREY**CONTRAST * (1 / GREY - 1)))
 
 
 @functools.cache
 def filmic_curve() -> NDArray[np.uint8]:
-    """(65536,) uint8: x / (1 + x), for light x, in even steps over [0, 1] to 8 bits by `filmic` and sRGB. Near black x
-    and x / (1 + x) are the same, so steps there are as fine as those of `srgb_curve`."""
+    """Return a table (65536,) uint8 from x / (1 + x) of light x, in even steps over [0, 1], to 8 bits by `filmic` and
+    sRGB. Near black x / (1 + x) ≈ x, so its steps are as fine as those of `srgb_curve`."""
     rolled = np.arange(65536) / 65536
     return _levels(filmic(rolled / (1 - rolled)))
 
 
 def curve_of(tone: str) -> tuple[NDArray[np.uint8], np.float32]:
-    """The table of a tone curve for `kernels.film.develop`, and 1 where it is one over x / (1 + x), else 0."""
+    """Return the table of a tone curve for `kernels.film.develop`, and 1 if its argument is x / (1 + x), else 0."""
     return (filmic_curve(), np.float32(1)) if tone == "filmic" else (srgb_curve(), np.float32(0))
 
 
 def dithered(
     rows: NDArray[np.float32], width: int, samples: int, tone: str, exposure: float, corner: tuple[int, int] = (0, 0)
 ) -> NDArray[np.float32]:
-    """(height, width, 3): rows (height, 3) of light, ``samples`` to a pixel each way, with noise of half an 8-bit level
-    to both sides, the same throughout a pixel. Without it, a gradient over a whole picture shows its levels, as bands.
-    ``corner`` (x, y) in pixels: where the rows begin in the whole picture, so that a window of it has the same noise.
+    """Return a picture (height, width, 3) of the rows of light (height, 3), with noise of ± half an 8-bit level, equal
+    in all samples of a pixel. Without it, a gradient over the whole picture would show bands. ``samples``: along each
+    side of a pixel; ``corner`` (x, y): position in the full picture, pixels, so that a crop window has the same noise.
     """
     lines = rows.reshape(-1, samples, 3).mean(1, dtype=np.float64)
     step = np.maximum(1e-3 * lines, 1e-5)
@@ -59,7 +59,7 @@ def dithered(
 
 
 def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:
-    """Even noise in [0, 1) of a pixel's place alone, by Wellons's `lowbias32` hash of 32 bits."""
+    """Return uniform noise in [0, 1) that depends on the pixel's position alone (Wellons's `lowbias32` hash)."""
     bits = x + np.uint32(0x9E3779B9) * y
     for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B), (16, 1)):
         bits = (bits ^ (bits >> np.uint32(shift))) * np.uint32(factor)
@@ -67,7 +67,7 @@ def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:
 
 
 def _response(light: NDArray[np.float64], tone: str, exposure: float) -> NDArray[np.float64]:
-    """8-bit levels of light before they are rounded."""
+    """Return the 8-bit levels of light before rounding."""
     exposed = np.maximum(light, 0) * 2.0**exposure
     linear = filmic(exposed) if tone == "filmic" else np.minimum(exposed, 1)
     return 255 * _encoded(linear)
@@ -84,13 +84,13 @@ def _levels(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int) -> NDArray[np.float32]:
-    """(height, 3): the background's colour in each row, from that of the top to that of the bottom."""
+    """Return (height, 3) the background's colour in each row, linear from top to bottom."""
     t = (np.arange(height, dtype=np.float32)[:, None] + np.float32(0.5)) / np.float32(height)
     return np.asarray(top + t * (bottom - top))
 
 
 def backdrop_of(image: Any) -> NDArray[np.float32]:
-    """What is behind everything, (height, width, 3) linear, in the samples that are drawn of these settings."""
+    """Return the background (height, width, 3), linear, in samples."""
     samples, (width, height) = image.supersample, image.drawn
     crop = image.crop or (0, 0, *image.size)
     top = np.array(image.background, np.float32)

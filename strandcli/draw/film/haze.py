@@ -1,8 +1,8 @@
-"""Haze: with distance strands and solids lose their own light and take on that of the background behind them.
+"""Haze: strands and solids fade with distance into the background behind them.
 
-Of light that travels d metres through even air e^(−d / distance) arrives (Beer and Lambert); what is missing is light
-that the air scatters to the eye, which far away is all there is to see: the background. d is the depth along the
-camera's axis. Done in NumPy on what has been shaded, so that the kernels are the same with haze and without.
+Of light that travels d metres through homogeneous air, e^(−d / distance) arrives (Beer and Lambert); in-scattered light
+with the colour of the background replaces the rest. d is the depth along the camera's axis. It is computed in NumPy
+on shaded values, so that kernels are the same with and without haze.
 """
 
 from __future__ import annotations
@@ -15,21 +15,24 @@ from ..coverage.kernels.width_profiles import Profiles
 from ..view.camera import View
 
 AT_ONCE = 1 << 18
-"""Vertices or samples that are worked on at once, which bounds what that takes."""
+"""Vertices or samples processed at once, which bounds the memory."""
 
 
 def veil_strands(
     haze: float, view: View, backdrop: NDArray[np.float32], screen: NDArray[np.float32], marks: NDArray[np.uint8],
     colours: NDArray[np.float32], body: Profiles | None,
 ) -> None:  # fmt: skip
-    """Mix light at the vertices with ``marks`` (V,), colours (V, 3), with the backdrop (height, width, 3) at their
-    places ``screen`` (V, 3), over so many metres of ``haze``; and make what their body departs from it as faint."""
+    """Blend the colours (V, 3) of marked vertices with the backdrop (height, width, 3) behind them, and scale their
+    width profiles alike.
+
+    haze: distance, metres, at which 1 / e of the light is left; screen (V, 3); marks (V,): non-zero for vertices to
+    change; body: profiles of wide strands, or None."""
     height, width = backdrop.shape[:2]
     for begin in range(0, len(marks), AT_ONCE):
         chosen = begin + np.flatnonzero(marks[begin : begin + AT_ONCE])
         places = screen[chosen]
         arrives = _arrives(haze, view, places[:, 2])
-        with np.errstate(invalid="ignore"):  # what is behind the eye lies nowhere
+        with np.errstate(invalid="ignore"):  # vertices behind the eye have no valid position
             x = np.clip(np.nan_to_num(places[:, 0]), 0, width - 1).astype(np.int64)
             y = np.clip(np.nan_to_num(places[:, 1]), 0, height - 1).astype(np.int64)
         behind = backdrop[y, x]
@@ -43,8 +46,8 @@ def veil_strands(
 def veil_solids(
     haze: float, view: View, behind: NDArray[np.float32], keys: NDArray[np.uint64], image: NDArray[np.float32]
 ) -> None:
-    """Mix the light of solids in a picture (height, width, 3), of which ``keys`` (height * width,) tell, with what was
-    ``behind`` them, in a picture as large."""
+    """Blend the solids in a picture (height, width, 3) with the picture ``behind`` them, of the same shape; keys
+    (height * width,): z-buffer of the solids."""
     light, back = image.reshape(-1, 3), behind.reshape(-1, 3)
     for begin in range(0, len(keys), AT_ONCE):
         some = keys[begin : begin + AT_ONCE]
@@ -55,7 +58,7 @@ def veil_solids(
 
 
 def _arrives(haze: float, view: View, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The share of light that arrives from where the depth numbers are these (see `kernels.project.points`)."""
+    """Return the share of light that arrives from surfaces with these depth numbers (see `kernels.project.points`)."""
     if view.perspective:
         depth = 1 / np.maximum(numbers.astype(np.float64), 1e-12)
     else:

@@ -30,7 +30,7 @@ class Polylines:
     pieces: int = 1
     """Pieces a segment there."""
     stride: int = 1
-    """Light is computed at every so-manieth vertex: fine curves are lit at `LIT_PIECES` places a segment."""
+    """Only every stride-th vertex of a strand is shaded: fine curves have `LIT_PIECES` shaded vertices a segment."""
     scale: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
 

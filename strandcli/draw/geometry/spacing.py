@@ -1,5 +1,5 @@
-"""How far strands lie from each other: by how many there are about a place, and not by where they grow. A ponytail's
-are bound, locks draw together, and hair spreads in the wind."""
+"""Distance between neighbouring strands, estimated from their local density. The density of roots would not do: a
+ponytail is bound, locks clump, and hair spreads in the wind."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .kernels import spacing as kernel
 
 NEIGHBOURS = 8
 PLACES = 32
-"""Along strands at which a groom is asked."""
+"""Points of a groom at which the distance is measured."""
 STEADY = 256
-"""Strands that are asked of those that are in the order of emission, in which the first of them are spread evenly: of
-the same ones in every frame, however many level of detail leaves."""
+"""Number of strands that are measured if they are in the order of emission, whose first ones are spread
+evenly: the same in every frame, however many strands level of detail keeps."""
 
 
 def spacing_at(

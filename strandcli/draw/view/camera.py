@@ -14,7 +14,7 @@ from .kernels.depth_slope import DepthSlope
 
 SIZE = 26
 STRETCH = 23
-"""Where `View.pack` says how much longer a short way can be in a corner of the screen."""
+"""Column of `View.pack`: factor by which lengths on the screen are greater in its corners than at its centre."""
 
 
 @dataclass(frozen=True)
@@ -33,21 +33,21 @@ class View:
     width: float
     height: float
     centre: tuple[float, float] | None = None
-    """Pixel that the view's axis goes through; None: the middle. Elsewhere for a crop window and off a lens's axis."""
+    """Pixel on the view's axis; None: the centre of the screen. It differs for crop windows and points of a lens."""
 
     def cropped(self, x: float, y: float, width: float, height: float) -> View:
-        """The part of this view that begins x and y pixels from the upper left."""
+        """Return the part of this view that begins x and y pixels from the upper left."""
         cx, cy = self.middle
         return replace(self, width=width, height=height, centre=(cx - x, cy - y))
 
     def shifted(self, x: float, y: float) -> View:
-        """This view with all that it shows moved by x and y pixels."""
+        """Return this view with its picture moved by x and y pixels."""
         cx, cy = self.middle
         return replace(self, centre=(cx + x, cy + y))
 
     def through(self, right: float, up: float, focus: float) -> View:
-        """The view from a point of a thin lens, metres from its middle: what lies at the depth ``focus`` stays where
-        it is on the screen, and what lies at a depth z moves by focal · (1 / focus − 1 / z) · offset pixels."""
+        """Return the view from a point of a thin lens, ``right`` and ``up`` metres from its centre. Points at the depth
+        ``focus`` keep their position on the screen; at a depth z they move by focal · (1 / focus − 1 / z) · offset."""
         cx, cy = self.middle
         shift = self.focal / focus
         return replace(
@@ -58,19 +58,19 @@ class View:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Pixel that the view's axis goes through."""
+        """Pixel on the view's axis."""
         return self.centre or (self.width / 2, self.height / 2)
 
     @property
     def depth_slope(self) -> DepthSlope:
-        """How depth numbers grow over the length of a pixel toward the eye."""
+        """Growth of depth numbers over the length of a pixel toward the eye."""
         x, y = (np.float32(c) for c in self.middle)
         if self.perspective:
             return DepthSlope(np.float32(1 / self.focal), np.float32(0), x, y)
         return DepthSlope(np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y)
 
     def pack(self) -> NDArray[np.float32]:
-        """(26,) float32 as kernels read it, with the columns of `common.kernels.view_columns`; nobody writes to it."""
+        """Return (26,) float32, the columns of `common.kernels.view_columns`; cached, so do not write to it."""
         return self._packed
 
     @cached_property
@@ -91,7 +91,7 @@ class View:
 
 
 def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Right, up and forward, orthonormal; an ``up`` along the view is replaced by another axis."""
+    """Return right, up and forward, orthonormal; an ``up`` parallel to the view is replaced by another axis."""
     f: NDArray[np.float64] = np.asarray(forward, np.float64)
     f = f / np.linalg.norm(f)
     u: NDArray[np.float64] = np.asarray(up, np.float64)
@@ -103,8 +103,8 @@ def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArra
 
 
 def camera_view(camera: Camera, time: float, width: int, height: int, bounds: NDArray[np.float64]) -> View:
-    """The scene's camera at a moment; ``bounds`` (2, 3) is the box of what there is to see, for the depth range of an
-    orthographic camera."""
+    """Return the view of the scene's camera at a time, seconds; ``bounds`` (2, 3): bounding box of the strands, metres,
+    for the depth range of an orthographic camera."""
     position, target, fov, tall = camera_at(camera, time)
     eye = np.array(position, np.float64)
     right, up, forward = axes(np.array(target) - eye, camera.up)
@@ -112,17 +112,17 @@ def camera_view(camera: Camera, time: float, width: int, height: int, bounds: ND
         focal = height / 2 / np.tan(np.radians(fov) / 2)
         return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height)
     corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
-    # solids may stand behind the strands: room for them, but not so much that strands can no longer be told apart
+    # leave room for solids behind the strands, but keep enough depth resolution for the strands
     far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0 * ball(bounds)[1]
     return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height)
 
 
 def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) -> View:
-    """An orthographic view along a directional light that just holds the box ``bounds`` (2, 3)."""
+    """Return an orthographic view along a directional light that just contains the box ``bounds`` (2, 3), metres."""
     right, up, forward = axes(direction, (0.0, 1.0, 0.0))
     centre, radius = ball(bounds)
     corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T - centre
-    # a single strand along the light has no extent but that of single precision
+    # a single strand along the light has an extent of rounding errors only
     extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-3 * radius)
     eye = centre - forward * radius * 1.01
     # one texel is kept free on every side
@@ -131,7 +131,7 @@ def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) 
 
 
 def point_views(position: ArrayLike, size: int, bounds: NDArray[np.float64]) -> list[View]:
-    """One perspective view that holds the box from a point light outside; six, as a cube, from a light inside."""
+    """Return one perspective view of the box for a point light outside, or six, the sides of a cube, for one inside."""
     eye = np.asarray(position, np.float64)
     centre, radius = ball(bounds)
     distance = float(np.linalg.norm(centre - eye))
@@ -149,6 +149,6 @@ def point_views(position: ArrayLike, size: int, bounds: NDArray[np.float64]) -> 
 
 
 def ball(bounds: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of the ball about a box."""
+    """Return centre and radius of the bounding ball of a box."""
     centre = bounds.mean(0)
     return centre, max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-12)

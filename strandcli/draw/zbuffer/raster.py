@@ -1,4 +1,4 @@
-"""Which strand is seen in each pixel: projection, sorting into bands of rows, and the z-buffer."""
+"""Visibility of strands in the z-buffer: projection, sorting into bands of rows, and rasterisation."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ ROWS = 64
 def to_screen(
     lines: Polylines, view: View, scratch: Scratch, name: str = "screen", stride: int = 1
 ) -> NDArray[np.float32]:
-    """(V, 3): x and y in pixels, and a number that grows toward the eye (see `kernels.project.points`); of each strand
-    every ``stride``-th vertex, ends included."""
+    """Return (V, 3) x and y in pixels, and the depth number of `kernels.project.points`, which grows toward the eye, of
+    every ``stride``-th vertex of each strand, ends included."""
     strands = len(lines.first) - 1
     screen = scratch.take(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
     project.points(lines.first, lines.world, stride, view.pack(), screen)
@@ -35,8 +35,8 @@ def to_screen(
 def into_bands(
     first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
 ) -> Bands:
-    """Sort strands into bands of `ROWS` rows; a worker alone has one band, and nothing to sort. What is drawn does not
-    depend on the bands."""
+    """Return strands sorted into bands of `ROWS` rows, or one band for a single worker. The picture does not depend on
+    the bands. margin: half the greatest width of a line, pixels."""
     if workers == 1:
         strands = len(first) - 1
         return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
@@ -63,7 +63,7 @@ def draw(
     """Draw polylines into a z-buffer ``keys`` (height * width,), their vertices numbered from ``base``; depth_slope:
     of the view, for the depth of wide strands, which are round.
 
-    Raises `RefusedError` where the numbers run into those of the solids.
+    Raises `RefusedError` if vertex numbers would reach those of the solids.
     """
     if base + len(lines.world) > int(FIRST):
         raise RefusedError(

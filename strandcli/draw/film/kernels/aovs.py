@@ -57,7 +57,7 @@ class SeenLines(NamedTuple):
 
 @device
 def nearest(keys, samples, width, y, x):
-    """The smallest key of a pixel's samples × samples, and the row and column of that sample."""
+    """Return the smallest key of a pixel's samples × samples, and the row and column of that sample."""
     best = EMPTY
     row = y * samples
     column = x * samples
@@ -73,10 +73,10 @@ def nearest(keys, samples, width, y, x):
 
 @parallel
 def front(fragments, vertices, screen, least, keys, mask):
-    """Put the strand that shows most in each pixel into a z-buffer of solids, where strands together show enough.
+    """Write the strand that contributes most to each pixel to a z-buffer of solids, where strands contribute enough.
 
-    fragments: `tiles.Fragments`; vertices: of all strands; screen (V, 3); least: light of a pixel that has to come from
-    strands; keys (height * width,) uint64; mask (height * width,) float32 becomes the share of light that does.
+    fragments: `tiles.Fragments`; vertices: number of vertices; screen (V, 3); least: least share of light from strands;
+    keys (height * width,) uint64; mask (height * width,) float32 out: share of light from strands.
     """
     for one in prange(fragments.begin.shape[0]):
         number = np.int64(one)
@@ -115,12 +115,12 @@ def front(fragments, vertices, screen, least, keys, mask):
 
 @parallel
 def strands(keys, samples, base, begin, lines, view, ids, tangents, angles):
-    """Which strand is in front, and which way it runs there: tangents are linear between those at vertices, which are
-    the directions from the vertex before to the one after.
+    """Write number, tangent and orientation of the strand in front in each pixel. Tangents are interpolated between
+    those of vertices, which point from the previous vertex to the next.
 
-    keys (samples² · height · width,) uint64; base: number that was added to vertex indices; begin: number of the first
-    of these strands; lines: `SeenLines`; view (26,) as in `view_columns`; ids (height, width) int32, tangents (height,
-    width, 3), angles (height, width): written where one of these strands is in front.
+    keys (samples² · height · width,) uint64; base: number of vertex 0 in the keys; begin: number of the first of these
+    strands; lines: `SeenLines`; view: packed, see `view_columns`; ids (height, width) int32, tangents (height, width,
+    3), angles (height, width): changed where one of these strands is in front.
     """
     height, width = ids.shape
     first, world, screen = lines
@@ -147,7 +147,7 @@ def strands(keys, samples, base, begin, lines, view, ids, tangents, angles):
             tangents[y, x, 0] = ax
             tangents[y, x, 1] = ay
             tangents[y, x, 2] = az
-            # seen along the ray (u, v, 1): the derivative of (x, y) / z, times z
+            # projected along the ray (u, v, 1): the derivative of (x, y) / z, times z
             tx = view[RIGHT_X] * ax + view[RIGHT_Y] * ay + view[RIGHT_Z] * az
             ty = view[UP_X] * ax + view[UP_Y] * ay + view[UP_Z] * az
             tz = view[FORWARD_X] * ax + view[FORWARD_Y] * ay + view[FORWARD_Z] * az
@@ -160,14 +160,14 @@ def strands(keys, samples, base, begin, lines, view, ids, tangents, angles):
 
 @device
 def along(world, i, j):
-    """Unit vector from vertex i to vertex j."""
+    """Return the unit vector from vertex i to vertex j."""
     return unit(world[j, 0] - world[i, 0], world[j, 1] - world[i, 1], world[j, 2] - world[i, 2])
 
 
 @device
 def unit(x, y, z):
-    """A vector at length 1; none stays none."""
-    size = max(abs(x), max(abs(y), abs(z)))  # squares of what is very short would vanish
+    """Return a vector scaled to length 1, or 0 for a zero vector."""
+    size = max(abs(x), max(abs(y), abs(z)))  # squares of very short vectors would underflow
     if not size > TINY:
         return ZERO, ZERO, ZERO
     x /= size
@@ -179,9 +179,11 @@ def unit(x, y, z):
 
 @parallel
 def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
-    """Depth of the nearest sample in metres along the view, and the point itself; the share of strands in its samples:
-    the mean of shares (samples² · height · width,), or of samples with a strand where that is None; ids −2 where a
-    solid is nearest. Solids packed as in `rasterise.draw`; point (height, width, 3), 0 where nothing is."""
+    """Write depth, mask and point of the nearest sample of each pixel; set ids to −2 where it shows a solid.
+
+    depth (height, width): metres along the view's axis; mask (height, width): mean of shares (samples² · height ·
+    width,), or if that is None share of the samples that show a strand; point (height, width, 3): metres, 0 in empty
+    pixels; solids: as in `rasterise.draw`."""
     height, width = depth.shape
     share = ONE / np.float32(samples * samples)
     for y in prange(height):
@@ -207,7 +209,7 @@ def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
             t = ONE / q if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - q) * view[DEPTH_RANGE]
             if (key & LOW) >= FIRST:
                 which = np.int64((key & LOW) - FIRST)
-                if view[PERSPECTIVE] == ZERO:  # a key ends with the depth range, a solid does not
+                if view[PERSPECTIVE] == ZERO:  # keys are clamped to the depth range, solids are not
                     far = rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
                     t = far if far < INF else t
                 ids[y, x] = -2
@@ -219,10 +221,10 @@ def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
 
 @parallel
 def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
-    """Share of the irradiance of all lights together, by luminance (Rec. 709), that arrives at the points seen.
+    """Write the share of the irradiance of all lights that reaches the visible points, by luminance (Rec. 709).
 
-    lights (n, `light_columns.COLUMNS`); maps: `ShadowArrays`; solids: `Solids`, `skin` and `sized` as in
-    `shade_strands.strands`; out (height, width), kept where nothing is seen or no light is on.
+    lights (n, `light_columns.COLUMNS`); maps: `ShadowArrays`; solids: `Solids`; skin, sized: as in `inputs.Lights`; out
+    (height, width): unchanged in empty pixels and without lights.
     """
     height, width = ids.shape
     texels, stacks, starts, sizes, views = maps

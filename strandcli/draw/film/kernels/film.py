@@ -1,4 +1,4 @@
-"""From what is seen in each sample to the picture."""
+"""Film: vertices to shade, colours of samples, and conversion to 8 bits."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ THREE = np.uint64(3)
 
 @function
 def mark(keys, base, count, per, stride, marks):
-    """Note the vertices that the light has to be known at: the ends of what is seen.
+    """Mark the vertices to shade: the ends of all visible segments. Return the number of pixels that show one.
 
-    keys (P,) uint64; base: number that was added to vertex indices; per: vertices a strand where all have the same
-    number, else 0; stride: every which vertex is lit, 1 unless `per` says where a strand begins; marks (count,) uint8,
-    zero before.
-    Returns how many pixels hold one of these segments.
+    keys (P,) uint64; base: number of vertex 0 in the keys; count: number of vertices; per: vertices a strand if all
+    strands have the same number, else 0; stride: every stride-th vertex of a strand is shaded, 1 if per is 0; marks
+    (count,) uint8: initially zero.
     """
     seen = 0
     for p in range(keys.shape[0]):
@@ -40,16 +39,16 @@ def mark(keys, base, count, per, stride, marks):
 
 @parallel
 def colours(keys, base, screen, per, stride, vertex, image):
-    """Colour of the strands that are seen, linear between two lit vertices.
+    """Write the colour of visible strands, interpolated between shaded vertices, to the image (height, width, 3).
 
-    keys (height * width,) uint64; base: number that was added to vertex indices; screen (V, 3) as projected; vertex
-    (V, 3) radiance at lit vertices; per, stride: which these are, as in `mark`; image (height, width, 3).
+    keys (height * width,) uint64; base, per, stride: as in `mark`; screen (V, 3): projected vertices; vertex (V, 3):
+    radiance at shaded vertices.
     """
     height, width, _ = image.shape
-    last = np.uint64(max(screen.shape[0] - 1, 0))  # with no vertex at all no number is below it
+    last = np.uint64(max(screen.shape[0] - 1, 0))  # 0 without vertices, which excludes every pixel
     share = ONE / np.float32(stride)
     for y in prange(height):
-        # first which, then what: without branches in between, one pixel's memory is fetched while others compute
+        # list the pixels first: without branches, memory accesses of one pixel overlap with the arithmetic of others
         columns = np.empty(width, np.int64)
         vertices = np.empty(width, np.int64)
         n = 0
@@ -80,11 +79,10 @@ def colours(keys, base, screen, per, stride, vertex, image):
 
 @parallel
 def develop(image, samples, exposure, curve, roll, out):
-    """Average samples × samples squares and encode.
+    """Average squares of samples × samples, and convert them to 8 bits.
 
-    image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8 over light x in [0, 1],
-    or over x / (1 + x) where `roll` is 1 and not 0; out (height, width, 3) uint8. What is not a number is drawn as
-    black, never cast.
+    image (samples * height, samples * width, 3) linear; exposure: factor; curve (65536,) uint8 over light x in [0, 1]
+    if `roll` is 0, or over x / (1 + x) if it is 1; out (height, width, 3) uint8. NaN becomes black.
     """
     height, width, _ = out.shape
     share = exposure / np.float32(samples * samples) * LAST
@@ -106,7 +104,7 @@ def develop(image, samples, exposure, curve, roll, out):
 
 @device
 def add_up(image, samples, y, width, levels):
-    """The sums of a row's samples."""
+    """Write the sums of the samples of each pixel of row y to levels (3 * width,)."""
     for x in range(width):
         for c in range(3):
             total = ZERO
@@ -118,7 +116,7 @@ def add_up(image, samples, y, width, levels):
 
 @device
 def encode(levels, share, roll):
-    """From light to places in a curve: that of 0 to 65535, rounded; beyond that range, at its ends."""
+    """Replace light by indices into the tone curve, rounded and clamped to 0 … 65535."""
     for i in range(np.uint64(levels.shape[0])):
         value = levels[i] * share
         value = value if value > ZERO else ZERO

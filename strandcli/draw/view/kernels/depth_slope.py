@@ -1,4 +1,4 @@
-"""How depth numbers grow toward the eye, as kernels take it."""
+"""Growth of depth numbers toward the eye."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 class DepthSlope(NamedTuple):
-    """What a view's depth number q grows by over the length of a pixel toward the eye: per_depth · q + constant."""
+    """Growth of a view's depth number q over the length of a pixel toward the eye: per_depth · q + constant."""
 
     per_depth: np.float32
     """Tangent of the angle that a pixel next to the view's axis spans; 0 for an orthographic view."""
@@ -16,7 +16,7 @@ class DepthSlope(NamedTuple):
     """0 for a perspective view."""
     axis_x: np.float32
     axis_y: np.float32
-    """Pixel that the view's axis goes through."""
+    """Pixel on the view's axis."""
 
 
 FLAT = DepthSlope(np.float32(0), np.float32(0), np.float32(0), np.float32(0))

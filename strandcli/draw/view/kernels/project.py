@@ -40,15 +40,15 @@ STRANDS = 64
 """Strands a task."""
 VERTICES = 64
 ROW = VERTICES + 16
-# Rows of numbers, one a vertex: place on the screen and depth number, from the vertex before these to the one after
-# them; width. Before they are projected, their place in the view.
+# Rows of numbers, one a vertex: screen position and depth number, including the vertices before and after a chunk;
+# width. Before projection the first three are view coordinates.
 X, Y, NUMBER, WIDE = (i * ROW for i in range(4))
 ROWS = 4
 
 
 @device
 def into(x, y, z, view):
-    """World to view: right, up, and depth along the view direction."""
+    """Return view coordinates of a point: right, up, and depth along the view direction."""
     return (
         view[RIGHT_X] * x + view[RIGHT_Y] * y + view[RIGHT_Z] * z + view[RIGHT_SHIFT],
         view[UP_X] * x + view[UP_Y] * y + view[UP_Z] * z + view[UP_SHIFT],
@@ -58,9 +58,11 @@ def into(x, y, z, view):
 
 @parallel
 def widths(first, screen, view, thickness, taper, scale, aside, least, out):
-    """Widths of lines on the screen, pixels: thickness (metres at the root) loses `taper` of itself toward the tip;
-    scale (S,): factor of each strand's, or None; aside: 1 to have them wider aside of the view's axis, as `wider` says,
-    else 0; never under `least`. first, screen, view as in `points`; out (V,) float32."""
+    """Write the widths of strands on the screen to out (V,) float32, pixels, at least `least`.
+
+    thickness: metres at the root; taper: share by which it is smaller at the tip; scale (S,): factor of each strand's
+    width, or None; aside: 1 to apply the perspective widening of `wider`, else 0; first, screen, view: as in `points`.
+    """
     aslant = view[PERSPECTIVE] * aside > ZERO
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
@@ -81,7 +83,8 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
 
 @device
 def beside(screen, begin, end, v, count, work):
-    """Vertices from number v on, with one before and one after them, whose depth number is 0 where the strand ends."""
+    """Load `count` vertices from number v on, and those before and after them, whose depth number is 0 beyond the
+    strand's ends."""
     low = max(v - 1, begin)
     deinterleave(half_width_pointer(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
     if v == begin:
@@ -92,7 +95,7 @@ def beside(screen, begin, end, v, count, work):
 
 @device
 def widen(work, count, past, view, thickness, per, scale, aslant, least):
-    """Widths of so many vertices, the first of which is number `past` of its strand."""
+    """Store the widths of `count` vertices; past: number of the first one within its strand."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
@@ -116,12 +119,13 @@ def widen(work, count, past, view, thickness, per, scale, aslant, least):
 
 @device
 def wider(x, y, dx, dy, focal):
-    """How many times wider on the screen than in the middle, at the same depth, a thin cylinder is at (x, y) pixels
-    from the view's axis whose picture goes along (dx, dy).
+    """Return how many times wider a thin cylinder appears at (x, y) pixels from the view's axis than at the centre, at
+    the same depth; (dx, dy): its direction on the screen.
 
-    The planes through the eye that touch a cylinder are the one through its axis turned by ± radius / distance. On the
-    screen that one is a line, δ pixels from the middle; turned, it moves by √(1 + δ² / focal²) times as much as in the
-    middle. A strand that points at the middle is no wider; one across has all of the 1 / cos of its angle from there.
+    The planes through the eye that are tangent to a cylinder are the plane through its axis, rotated by ± radius /
+    distance. On the screen that plane is a line, δ pixels from the centre; the rotation moves it by √(1 + δ² / focal²)
+    times as much as a line through the centre. A strand that points at the centre is not widened; one perpendicular to
+    that is widened by 1 / cos of its angle from the axis.
     """
     size = math.sqrt(dx * dx + dy * dy)
     off = (dx * y - dy * x) / (max(size, TINY) * focal)
@@ -152,7 +156,7 @@ def points(first, world, stride, view, screen):
                 fetch(world, low, stride, count, work)
                 if turn(work, count, view):
                     clip(world, low, stride, count, begin, end, view, work)
-                throw(work, count, view)
+                to_screen(work, count, view)
                 for k in range(np.uint64(count)):
                     v = np.uint64(at) + k
                     screen[v, 0] = work[np.uint64(X) + k]
@@ -163,7 +167,7 @@ def points(first, world, stride, view, screen):
 
 @device
 def fetch(world, low, stride, count, work):
-    """So many vertices, from number `low` on."""
+    """Load `count` vertices, `stride` apart, from number `low` on."""
     points = half_width_pointer(world)
     if stride == 1:
         deinterleave(points, 3 * low, count, work, X, ROW)
@@ -177,7 +181,7 @@ def fetch(world, low, stride, count, work):
 
 @device
 def turn(work, count, view):
-    """From the world to the view; returns whether any vertex lies behind its near plane."""
+    """Transform vertices from world to view coordinates; return whether any lies behind the near plane."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     behind = False
@@ -192,20 +196,20 @@ def turn(work, count, view):
 
 @device
 def clip(world, low, stride, count, begin, end, view, work):
-    """Move vertices behind the near plane to it where a neighbour is in front, and others to where nothing is seen."""
+    """Move vertices behind the near plane onto it if a neighbour is in front, and make the others invisible."""
     for k in range(count):
         x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
         if z < view[NEAR_PLANE]:
-            front, x, y = forward(world, view, low + k * stride, stride, begin, end, x, y, z)
+            front, x, y = cross_near_plane(world, view, low + k * stride, stride, begin, end, x, y, z)
             work[X + k] = x
             work[Y + k] = y
             work[NUMBER + k] = view[NEAR_PLANE] if front else -INF
 
 
 @device
-def throw(work, count, view):
-    """From the view to the screen. A vertex so far off that pixels can no longer be told apart is left out, as is what
-    is not a number."""
+def to_screen(work, count, view):
+    """Project vertices from view coordinates to the screen. Vertices too far off the screen for single precision, and
+    NaN, become invisible."""
     rows = half_width_pointer(work)
     focal = view[FOCAL]
     far = ONE / view[DEPTH_RANGE]
@@ -226,9 +230,9 @@ def throw(work, count, view):
 
 
 @device
-def forward(world, view, v, stride, begin, end, x, y, z):
-    """Whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it; and where the piece between
-    them crosses that plane."""
+def cross_near_plane(world, view, v, stride, begin, end, x, y, z):
+    """Return whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it, and where the
+    segment between them crosses the plane."""
     near = view[NEAR_PLANE]
     for w in (v - stride, v + stride):
         if begin <= w < end:

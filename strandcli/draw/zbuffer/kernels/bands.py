@@ -1,4 +1,4 @@
-"""Bands of rows of the screen, and lists of the strands that touch each."""
+"""Bands of screen rows, and lists of the strands that overlap each."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ ZERO = np.float32(0.0)
 
 
 class Bands(NamedTuple):
-    """Strands listed by the band of rows of the screen that they touch."""
+    """Lists of strands by the band of screen rows that they overlap."""
 
     begin: NDArray[np.int64]
-    """(bands + 1,) where each band's list begins in `members`."""
+    """(bands + 1,) first index in `members` of each band's list."""
     members: NDArray[np.int32]
     """(M,) strands, band by band, ascending in each."""
     rows: int
@@ -27,7 +27,7 @@ class Bands(NamedTuple):
 
 @function
 def find(first, screen, height, rows, margin, out):
-    """The bands of rows that each strand touches.
+    """Find the bands of rows that each strand overlaps.
 
     first (S + 1,) int64 vertex offsets; screen (V, 3) float32 pixels and inverse depth; bands are `rows` high; margin:
     half the greatest width of a line, in pixels;
@@ -51,8 +51,7 @@ def find(first, screen, height, rows, margin, out):
 
 @function
 def count(ranges, out):
-    """Strands in each band: ranges (S, 2) as from `find`; out (bands + 1,) int64 becomes where each band's list
-    begins."""
+    """Write the first index of each band's list to out (bands + 1,) int64; ranges (S, 2): from `find`."""
     out[:] = 0
     for s in range(ranges.shape[0]):
         for b in range(ranges[s, 0], ranges[s, 1] + 1):
@@ -63,8 +62,8 @@ def count(ranges, out):
 
 @function
 def scatter(ranges, cursor, members):
-    """List the strands band by band, in their own order. cursor (bands,) int64 holds where each list begins and is used
-    up; members (M,) int32."""
+    """List the strands band by band, in ascending order. cursor (bands,) int64: first index of each list, changed;
+    members (M,) int32 out."""
     for s in range(ranges.shape[0]):
         for b in range(ranges[s, 0], ranges[s, 1] + 1):
             members[cursor[b]] = s

@@ -214,12 +214,12 @@ def reach(width, ma, mb, da, db, is_round):
 
 @device
 def near_by(x, y, wide):
-    """Whether a place is within half a width."""
+    """Return whether (x, y) is within half a width of the origin."""
     return x * x + y * y <= HALF * HALF * wide * wide
 
 
 @device
 def deposit(q, identity, pixel, keys):
-    """Keep the nearer of a pixel's key and this one. Rounding may take q below zero, whose bits would pass for near."""
+    """Keep the nearer of a pixel's key and this one. Rounding may make q negative, and its bits would count as near."""
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
-    keys[pixel] = min(key, keys[pixel])  # a store always: which is nearer cannot be predicted
+    keys[pixel] = min(key, keys[pixel])  # an unconditional store, since a branch could not be predicted
