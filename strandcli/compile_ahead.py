@@ -33,7 +33,7 @@ def begin(scene: Scene, threads: int | None) -> None:
 
 def end() -> None:
     """End what is still compiled ahead."""
-    service.rest()
+    service.stop_ahead()
 
 
 def compile_parts(scene: Scene, parts: Sequence[str]) -> None:

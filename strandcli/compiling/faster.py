@@ -65,12 +65,12 @@ def _set_environment(name: str, environment: Any) -> None:
         (ctypes.c_void_p * 1).from_address(address)[0] = ctypes.c_void_p(id(environment))
 
 
-def _collect_seldom() -> None:
+def _raise_gc_threshold() -> None:
     """Collect garbage seldom: Numba's trees are large, and next to nothing of them is garbage before the end."""
     gc.set_threshold(100_000, 50, 1000)
 
 
-def _time_no_locks() -> None:
+def _unregister_lock_callbacks() -> None:
     """Unregister llvmlite's lock callbacks, which time each of a hundred thousand calls."""
     from llvmlite.binding import ffi
 
@@ -79,7 +79,8 @@ def _time_no_locks() -> None:
 
 
 PATCHES = (
-    "emit_whole_kernels", "remember_calls", "run_passes", "ask_late_for_lives", "collect_seldom", "time_no_locks"
+    "emit_whole_kernels", "memoise_call_types", "run_passes_untimed", "compute_liveness_lazily", "raise_gc_threshold",
+    "unregister_lock_callbacks",
 )  # fmt: skip
 """Without the first, kernels take 40 % longer to compile, without any other one 9 to 15 %; without all, 80 %."""
 
@@ -129,7 +130,7 @@ def _emit_whole_kernels() -> None:
         self._linking_libraries = [one for one in self._linking_libraries if one not in self._loops]
         link(self)
 
-    def finish_whole(self: Any) -> None:
+    def emit_unless_part(self: Any) -> None:
         # what comes from the cache may be called by Python whoever asked for it, and its machine code is there
         if getattr(self, "_compiled_object", None) or not kernel.is_part(self):
             finish(self)
@@ -137,33 +138,33 @@ def _emit_whole_kernels() -> None:
         self._finalize_dynamic_globals()
         self._finalized = True
 
-    def optimise_once(self: Any) -> None:
+    def optimise_module(self: Any) -> None:
         if kernel.depth == 0 or not self.name.startswith(_LOOP[1:]):
             optimise(self)
         for loop in getattr(self, "_loops", ()):
             self._reload_init.update(loop._reload_init)
             self._final_module.link_in(loop._get_module_for_linking(), preserve=True)
 
-    def note_or_wait(self: Any, name: str, environment: Any) -> None:
+    def set_environment_or_wait(self: Any, name: str, environment: Any) -> None:
         if kernel.depth == 0 or self._engine.get_global_value_address(name):
             note(self, name, environment)
         else:
             kernel.environments.append((name, environment))
 
     CPUCodeLibrary.finalize = link_loops_last  # type: ignore[method-assign]
-    CPUCodeLibrary._finalize_final_module = finish_whole  # type: ignore[method-assign]
-    CPUCodeLibrary._optimize_final_module = optimise_once  # type: ignore[method-assign]
-    JITCPUCodegen.set_env = note_or_wait  # type: ignore[method-assign]
+    CPUCodeLibrary._finalize_final_module = emit_unless_part  # type: ignore[method-assign]
+    CPUCodeLibrary._optimize_final_module = optimise_module  # type: ignore[method-assign]
+    JITCPUCodegen.set_env = set_environment_or_wait  # type: ignore[method-assign]
 
 
-def _remember_calls() -> None:
+def _memoise_call_types() -> None:
     """Resolve a call of a Numba function once for each function that is compiled, not at each call and type pass."""
     from numba.core.targetconfig import ConfigStack
     from numba.core.types import Function
 
     ask = Function.get_call_type
 
-    def ask_once(self: Any, context: Any, args: Any, kws: Any) -> Any:
+    def call_type_once(self: Any, context: Any, args: Any, kws: Any) -> Any:
         flags = ConfigStack.top_or_none()
         if kernel.depth == 0 or kws or flags is None:
             return ask(self, context, args, kws)
@@ -176,17 +177,17 @@ def _remember_calls() -> None:
         self._impl_keys[signature.args] = lowered_by  # other settings may have put theirs there
         return signature
 
-    Function.get_call_type = ask_once  # type: ignore[method-assign]
+    Function.get_call_type = call_type_once  # type: ignore[method-assign]
 
 
-def _run_passes() -> None:
+def _run_passes_untimed() -> None:
     """Run passes without timers, without descriptions for listeners, and without checks of Numba's own rules."""
     from numba.core import errors
     from numba.core.compiler_machinery import PassManager
 
     run = PassManager._runPass
 
-    def run_alone(self: Any, index: int, one: Any, state: Any) -> None:
+    def run_untimed(self: Any, index: int, one: Any, state: Any) -> None:
         if kernel.depth == 0 or self._ENFORCING:
             run(self, index, one, state)
             return
@@ -196,10 +197,10 @@ def _run_passes() -> None:
             one.run_pass(state)
             one.run_finalizer(state)
 
-    PassManager._runPass = run_alone  # type: ignore[method-assign]
+    PassManager._runPass = run_untimed  # type: ignore[method-assign]
 
 
-def _ask_late_for_lives() -> None:
+def _compute_liveness_lazily() -> None:
     """Compute the lifetimes of variables when they are asked for, not after each pass, and the variables that are alive
     at the entry of blocks only where generators and object mode ask for them."""
     from numba.core import analysis, transforms
@@ -208,7 +209,7 @@ def _ask_late_for_lives() -> None:
 
     run, ask = PostProcessor.run, FunctionIR.get_block_entry_vars
 
-    def run_lazily(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+    def run_without_liveness(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
         function = self.func_ir
         if kernel.depth == 0 or function.is_generator:
             run(self, emit_dels, extend_lifetimes)
@@ -220,7 +221,7 @@ def _ask_late_for_lives() -> None:
         if emit_dels:
             self._insert_var_dels(extend_lifetimes=extend_lifetimes)
 
-    def ask_late(self: Any, block: Any) -> Any:
+    def entry_variables(self: Any, block: Any) -> Any:
         if block not in self.block_entry_vars:
             lives = VariableLifetime(self.blocks)
             alive = analysis.compute_live_variables(
@@ -229,5 +230,5 @@ def _ask_late_for_lives() -> None:
             self.block_entry_vars.update((one, alive[place]) for place, one in self.blocks.items())
         return ask(self, block)
 
-    PostProcessor.run = run_lazily  # type: ignore[method-assign]
-    FunctionIR.get_block_entry_vars = ask_late  # type: ignore[method-assign]
+    PostProcessor.run = run_without_liveness  # type: ignore[method-assign]
+    FunctionIR.get_block_entry_vars = entry_variables  # type: ignore[method-assign]

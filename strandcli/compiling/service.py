@@ -103,7 +103,7 @@ class Service:
             self._misses += 1
             if self._pending is not None and self._misses >= MISSES:
                 self.ahead(*self._pending)
-            worker = self._asked()
+            worker = self._worker_on_demand()
             if worker is None:
                 return False
             try:
@@ -129,13 +129,13 @@ class Service:
                 return
             try:
                 data = pickle.dumps(scene)
-                self._asked(preload=True)
+                self._worker_on_demand(preload=True)
                 for number in range(min(others, len(parts))):
                     worker = Worker(folder.cache.path, preload=True)
                     self._ahead.append(worker)
                     worker.send("ahead", data, list(parts[number::others]))
             except Exception:  # a scene with rules of this process alone
-                self.rest()
+                self.stop_ahead()
 
     def ahead_if_missing(self, scene: Scene, parts: Sequence[str], most: int) -> None:
         """The same, once kernels have been asked for that are not in the cache."""
@@ -143,7 +143,7 @@ class Service:
             self._misses = 0
             self._pending = scene, parts, most
 
-    def rest(self) -> None:
+    def stop_ahead(self) -> None:
         """End the workers that compile ahead."""
         with self._lock:
             self._pending = None
@@ -155,7 +155,7 @@ class Service:
     def stop(self) -> None:
         """End all workers."""
         with self._lock:
-            self.rest()
+            self.stop_ahead()
             if self._first is not None:
                 if self._process == os.getpid():
                     self._first.stop()
@@ -163,7 +163,7 @@ class Service:
                     self._first.forget()
             self._first = None
 
-    def _asked(self, preload: bool = False) -> Worker | None:
+    def _worker_on_demand(self, preload: bool = False) -> Worker | None:
         """The worker that compiles what is asked for; None where there can be none."""
         if not self._usable():
             return None

@@ -72,7 +72,7 @@ def test_a_worker_compiles_what_a_process_of_its_own_compiles_without_patches(pl
 def test_workers_compile_ahead_once_several_kernels_are_missing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one, begun = mine(), []
     monkeypatch.setattr(one, "ahead", lambda *what: begun.append(what))
-    monkeypatch.setattr(one, "_asked", lambda: None)
+    monkeypatch.setattr(one, "_worker_on_demand", lambda: None)
     one.ahead_if_missing("scene", ["light"], 2)
     for kernel, expected in ((approximations.asin, 0), (approximations.exp, 0), (approximations.log, 1)):
         assert np.isfinite(fresh(kernel)(np.float32(0.5)))
@@ -121,7 +121,7 @@ from strandcli.compiling import folder
 from strandcli.compiling.service import service
 folder.cache.use(Path(sys.argv[1]))
 service.ahead(None, ["light"], 2)
-workers = [service._asked(), *service._ahead]
+workers = [service._worker_on_demand(), *service._ahead]
 print(*(one._process.pid for one in workers), flush=True)
 if sys.argv[2] == "waits": time.sleep(600)
 """
@@ -178,7 +178,7 @@ def test_an_entry_is_claimed_by_one_process_until_it_ends(tmp_path: Path) -> Non
 
 def test_a_forked_process_leaves_its_parents_workers_alone(place: Path) -> None:
     one = mine()
-    worker = one._asked()
+    worker = one._worker_on_demand()
     assert worker is not None
     child = os.fork()
     if child == 0:
