@@ -40,11 +40,12 @@ def guess(points: Points) -> int:
 
 
 def jumps(points: Points) -> Offsets:
-    """The points after which... before which the step is a jump."""
+    """The points before which there is a jump."""
     found = []
     for begin in range(0, points.shape[0], CHUNK):
         low, high = max(0, begin - 1), min(points.shape[0], begin + CHUNK + 2)
-        step = np.linalg.norm(np.diff(points[low:high].astype(np.float64), axis=0), axis=1)
+        with np.errstate(invalid="ignore"):  # of points that are not finite
+            step = np.linalg.norm(np.diff(points[low:high].astype(np.float64), axis=0), axis=1)
         jump = np.flatnonzero((step[1:-1] > JUMP * step[:-2]) & (step[1:-1] > JUMP * step[2:])) + low + 2
         found.append(jump[(jump >= begin) & (jump < begin + CHUNK)])
     return np.concatenate(found) if found else np.zeros(0, np.int64)

@@ -179,6 +179,13 @@ def test_shares_have_their_size() -> None:
     assert subsample.every(strands, 3)[0].count == 1334
 
 
+def test_dice_of_neighbours_do_not_know_each_other() -> None:
+    for seed in range(5):
+        found = subsample.dice(4000, seed)
+        for apart in (1, 2, 3, 5, 8):
+            assert abs(np.corrcoef(found[apart:], found[:-apart])[0, 1]) < 5 / 4000**0.5
+
+
 def test_lengths_are_bounds() -> None:
     strands = kit.of([np.array([[0, 0, 0], [x, 0, 0]], np.float32) for x in range(5)])
     new, change = lengths.between(strands, 1, 3)
