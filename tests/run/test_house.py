@@ -31,9 +31,7 @@ FOR_KERNELS = (
 
 KNOWN: dict[str, set[str]] = {
     "files": set(),
-    "functions": {
-        "strandcli.simulate.rules.collision_segments:capsule",
-    },
+    "functions": set(),
     "arguments": set(),
     "packages": set(),
     "kernels": set(),

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numba.extending import register_jitable
 
 from ...constants import W
 
@@ -63,6 +64,30 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 x[2 * W + k] = parent[2 * W + k] + nz * keep if out > ZERO else x[2 * W + k]
 
 
+@register_jitable(error_model="numpy")  # rules are run as plain Python, too, where `blame` looks for a culprit
+def in_reach(x: Any, parent: Any, p: Any, s: int) -> int:
+    """Number of lanes whose segment may touch the ball about capsule s, by (a + b)² <= 2 (a² + b²)."""
+    bx = p[s, 3]
+    by = p[s, 4]
+    bz = p[s, 5]
+    mx = p[s, 0] + HALF * bx
+    my = p[s, 1] + HALF * by
+    mz = p[s, 2] + HALF * bz
+    reach = HALF * math.sqrt(bx * bx + by * by + bz * bz) + p[s, 6]
+    reach *= reach
+    near = 0
+    for k in range(W):
+        dx = x[k] - mx
+        dy = x[W + k] - my
+        dz = x[2 * W + k] - mz
+        ex = x[k] - parent[k]
+        ey = x[W + k] - parent[W + k]
+        ez = x[2 * W + k] - parent[2 * W + k]
+        square = ex * ex + ey * ey + ez * ez
+        near += 1 if dx * dx + dy * dy + dz * dz <= TWO * (reach + square) else 0
+    return near
+
+
 def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
     """p (m, 9): first end, vector to the other end, radius, 1 / its squared length, tiny.
 
@@ -76,23 +101,7 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
         per = p[s, 7]
         tiny = p[s, 8]
         bb = bx * bx + by * by + bz * bz
-        # a ball about the capsule, and (a + b)² <= 2 (a² + b²): where no segment can touch it, there is nothing to do
-        mx = p[s, 0] + HALF * bx
-        my = p[s, 1] + HALF * by
-        mz = p[s, 2] + HALF * bz
-        reach = HALF * math.sqrt(bb) + r
-        reach *= reach
-        near = 0
-        for k in range(W):
-            dx = x[k] - mx
-            dy = x[W + k] - my
-            dz = x[2 * W + k] - mz
-            ex = x[k] - parent[k]
-            ey = x[W + k] - parent[W + k]
-            ez = x[2 * W + k] - parent[2 * W + k]
-            square = ex * ex + ey * ey + ez * ez
-            near += 1 if dx * dx + dy * dy + dz * dz <= TWO * (reach + square) else 0
-        if near == 0:
+        if in_reach(x, parent, p, s) == 0:
             continue
         for _ in range(SWEEPS):
             for k in range(W):
