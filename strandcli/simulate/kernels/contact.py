@@ -26,87 +26,23 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from .contact_circle import STEEP, contact_circle, intersection_of_circles, perpendicular
 from .contact_place import CARRIED, CENTRE, ROUND, SIZE
-from .contact_shapes import LEAST, TINY, edges_of, nearest
+from .contact_search import PARTICLE, STARTS, direction, segment_depth
+from .contact_shapes import TINY, edges_of, nearest
 from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH, MOBILITY, PACK
 from .vectors import add_scaled, dot, select
 
 SLACK = 1e-6
 """Depth, as a share of an edge, up to which it counts as rounding; far from the origin that of coordinates is more."""
-STEEP = 0.01
-"""Square of an edge's share across an axis below which what rounding adds along the axis is taken out."""
 ROUNDS = 3
 """Turns out of solids that overlap; twice as many where whole edges are kept out, and then as many of the end alone."""
+DEEP = 0.01
+"""Depth of a segment, as a share of it, from which on other directions are tried."""
 UNBOUND = 1e18
 """Limit of d·axis where no solid has turned an edge yet."""
 LEAST_MOBILITY = 1e-6
 """Least share of its own mobility that a particle is taken to have."""
-
-
-@inlined
-def contact_circle(s, found, q, inverse_length):
-    """The circle on which an edge of length 1 from q ends at the surface of the solid in slot ``found``: its axis,
-    which leads to a ball's centre or straight into a flat face; 1 over the axis's square; where along the axis the
-    circle's centre is, as a share; the square of its radius. Where there is no circle, the point nearest to it, with a
-    radius of 0 or less."""
-    o = load3(s, found + CENTRE, 1)
-    size = load(s, found + SIZE)
-    round = load(s, found + ROUND) > 0.0
-    toward = inverse_length * (o[0] - q[0]), inverse_length * (o[1] - q[1]), inverse_length * (o[2] - q[2])
-    axis = select(round, toward, (-o[0], -o[1], -o[2]))
-    square = max(dot(axis, axis), TINY)
-    inverse = 1.0 / square
-    height = inverse_length * (dot(q, o) - size)
-    size *= inverse_length
-    share = where(round, 0.5 + 0.5 * (square - size * size), height) * inverse
-    high = share * share * square
-    beyond = high > 1.0
-    if any_lane(beyond):  # a share may be more than numbers can tell; at a ball's very centre any direction is as good
-        least = sqrt(inverse)
-        share = where(beyond, where(share > 0.0, least, -least), share)
-        high = where(beyond, where(square > TINY, broadcast(high, 1.0), 0.0), high)
-    return axis, inverse, share, 1.0 - high
-
-
-@inlined
-def perpendicular(d, axis, inverse, square):
-    """What of d is across an axis, brought to a length whose square is ``square``; ``inverse`` is 1 over |axis|²."""
-    p = add_scaled(d, -(dot(d, axis) * inverse), axis)
-    left = dot(p, p)
-    steep = left < STEEP
-    if any_lane(steep):
-        p = select(steep, add_scaled(p, -(dot(p, axis) * inverse), axis), p)
-        left = dot(p, p)
-        lost = left < LEAST * LEAST
-        if any_lane(lost):  # d is parallel to the axis: any direction across it will do
-            one = where(axis[0] * axis[0] * inverse > 0.25, broadcast(left, 0.0), 1.0)
-            two = 1.0 - one
-            f = (one * axis[0] + two * axis[1]) * inverse
-            p = select(lost, (one - f * axis[0], two - f * axis[1], -f * axis[2]), p)
-            left = dot(p, p)
-    f = sqrt(square / max(left, TINY))
-    return f * p[0], f * p[1], f * p[2]
-
-
-@inlined
-def intersection_of_circles(d, one, one_inverse, one_limit, two, two_inverse, two_limit):
-    """The unit vector nearest to d with d·one = one_limit and d·two = two_limit, and whether there is any.
-
-    d = α one + β two ± γ one × two, where α and β solve the two equations and γ is left for the length; `one_inverse`
-    and `two_inverse` are 1 over the squares of the two axes."""
-    share = dot(one, two) * one_inverse
-    # of the second axis what is across the first, and what d has to have along it
-    p = add_scaled(two, -share, one)
-    square = dot(p, p)
-    independent = square * two_inverse > LEAST  # else the axes are parallel
-    along_one = one_limit * one_inverse
-    along_two = (two_limit - share * one_limit) / max(square, TINY)
-    left = 1.0 - along_one * one_limit - along_two * along_two * square
-    c = one[1] * p[2] - one[2] * p[1], one[2] * p[0] - one[0] * p[2], one[0] * p[1] - one[1] * p[0]
-    size = sqrt(max(left, 0.0) / max(dot(c, c), TINY))
-    size = where(dot(d, c) < 0.0, -size, size)
-    in_plane = add_scaled((along_one * one[0], along_one * one[1], along_one * one[2]), along_two, p)
-    return add_scaled(in_plane, size, c), independent & (left >= 0.0)
 
 
 @inlined
@@ -115,29 +51,41 @@ def turn_out_of_solids(s, segment, q, d, positions, contact):
 
     One solid after the other turns it, the deepest first. Where whole edges are kept out, turns to and fro may never
     end: what one solid asks for, another forbids. So an edge that would be turned back into the solid before goes to
-    the intersection of the two circles. Whatever that leaves, the end is turned out alone: no segment is kept out at
-    the price of its particle."""
+    the intersection of the two circles, and then its end is turned out alone: no segment is kept out at the price of
+    its particle. Where that leaves an end inside, or much of the segment, it is tried again from other directions."""
     length, whole = segment.length, contact.segments
     # without slack, short edges would be turned for the rounding of where they begin, again and again
     slack = max(SLACK * length, contact.rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
-    rounds = 3 * ROUNDS if whole else ROUNDS
+    enough = DEEP * length
     at = positions, segment.position
     zero = broadcast(length, 0.0)
     last, last_inverse, limit = (zero, zero, zero), zero, broadcast(length, UNBOUND)
-    end_alone = False  # whether all that is left to do is to turn the end out alone
-    best, least = d, broadcast(length, UNBOUND)
-    for k in range(rounds):
-        with_edges = whole and not end_alone and k < 2 * ROUNDS
+    with_edges, left, start = whole, 2 * ROUNDS, 0
+    begin, best, least = d, d, broadcast(length, UNBOUND)
+    for _ in range((STARTS + 1) * (3 * ROUNDS + 2) if whole else ROUNDS):
         edges = edges_of(s, segment.scratch, d, length, with_edges, segment.first)
         depth, found = nearest(s, add_scaled(q, length, d), edges, at, -slack, contact.solids)
         inside = depth > slack
-        if whole and not with_edges:
-            best, least = select(depth < least, d, best), min(depth, least)
-        if not any_lane(inside) or (whole and k == rounds - 1):
+        if whole:
             if not with_edges:
-                break
-            end_alone = True
-            continue
+                edge = length * d[0], length * d[1], length * d[2]
+                cost = segment_depth(q, edge, segment.first, contact.solids) + where(inside, PARTICLE * depth, 0.0)
+                best, least = select(cost < least, d, best), min(cost, least)
+            lost = least > enough
+            inside = inside & lost
+            if left == 0 or not any_lane(inside):
+                if not with_edges:
+                    if start == STARTS or not any_lane(lost):
+                        break
+                    d = select(lost, direction(begin, start), best)
+                    start += 1
+                with_edges = not with_edges and start > 1
+                left = 2 * ROUNDS if with_edges else ROUNDS
+                limit = broadcast(length, UNBOUND)
+                continue
+        elif not any_lane(inside):
+            break
+        left -= 1
         axis, inverse, share, square = contact_circle(s, found, q, load(s, INVERSE_LENGTH))
         turned = add_scaled(perpendicular(d, axis, inverse, square), share, axis)
         if whole:
@@ -152,9 +100,9 @@ def turn_out_of_solids(s, segment, q, d, positions, contact):
         if not any_lane(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
             if not whole:
                 break
-            end_alone = True
-    if whole:  # overlapping solids may leave no way out: then the direction of the least depth
-        d = select(least < UNBOUND, best, d)
+            left = 0
+    if whole:
+        d = best
     return d
 
 

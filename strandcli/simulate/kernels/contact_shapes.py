@@ -124,19 +124,23 @@ def nearest_on_edges(x, y, z, edge, next, half):
 @inlined
 def clearance_radius(away, radius, edges):
     """Radius that keeps a particle, ``away`` from a ball's centre, so far off that the halves of its edges are out of
-    the ball, and all of the first edge: there s is what is left of it beyond the tangent point."""
+    the ball, and all of the first edge: there s is what is left of it beyond the tangent point. A first edge that
+    begins inside is kept from going deeper than its root."""
     if not edges.whole:
         return broadcast(away[0], radius)
     dx, dy, dz = away
     edge, length = edges.edge, edges.length
     back, on = nearest_on_edges(dx, dy, dz, edge, edges.next, 0.5 * length)
+    reach = broadcast(length, radius)
     if edges.first:
         x = dx - length * edge[0]
         y = dy - length * edge[1]
         z = dz - length * edge[2]
-        back = max(length - sqrt(max(x * x + y * y + z * z - radius * radius, 0.0)), 0.0)
+        square = x * x + y * y + z * z
+        back = max(length - sqrt(max(square - radius * radius, 0.0)), 0.0)
+        reach = min(reach, sqrt(square))
     s = max(back, on)
-    return sqrt(s * s + radius * radius)
+    return max(sqrt(s * s + reach * reach), radius)
 
 
 @device
@@ -242,9 +246,13 @@ def nearest_capsule(s, slots, most, point, edges, at, capsules):
         dx, dy, dz = x - ox, y - oy, z - oz
         far = radius + edges.lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
+            r = broadcast(x, radius)
             if edges.whole:
-                ox, oy, oz = axis_point_near_edges(rows, m, point, (ox, oy, oz), edges)
-            r = clearance_radius((x - ox, y - oy, z - oz), radius, edges)
+                px, py, pz = axis_point_near_edges(rows, m, point, (ox, oy, oz), edges)
+                clear = clearance_radius((x - px, y - py, z - pz), radius, edges)
+                by_edge = sphere.under(x - px, y - py, z - pz, clear) > sphere.under(dx, dy, dz, radius)
+                ox, oy, oz = where(by_edge, px, ox), where(by_edge, py, oy), where(by_edge, pz, oz)
+                r = where(by_edge, clear, r)
             depth = sphere.under(x - ox, y - oy, z - oz, r)
             found, other = find(s, found, other, depth > most, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
             most = max(most, depth)
