@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..constants import W
 from ..groom.emit import emit
 from ..groom.record import Groom
-from .rules import Moment, Pass, idle, registry
+from .rules import Moment, Pass, passes_of
 
 SMALLER_STEPS = "use more time.substeps"
 REMEDIES = {
@@ -69,10 +69,8 @@ def guilty(solver: Any, frame: int, strand: int) -> tuple[str, str]:
             worst, kept = stretch, (past, at)
     if kept is None:
         return "", ""
-    uses = [use for use in scene.rules if not idle(use, scene)]
-    passes = [(use, one) for use in uses for one in registry()[use.name].passes(use.parameters, scene)]
     with np.errstate(all="ignore"):
-        return _slowly(kept[0][0], alone.rest[0], alone.lengths[0], passes, Moment(kept[1], dt, scene))
+        return _slowly(kept[0][0], alone.rest[0], alone.lengths[0], passes_of(scene), Moment(kept[1], dt, scene))
 
 
 def one_of(groom: Groom, strand: int) -> Groom:

@@ -76,16 +76,21 @@ def source(passes: Sequence[Pass]) -> str:
             loops.append(_loop(len(loops), lanes, arguments))
             lanes.clear()
 
+    compiled: dict[Callable[..., None], int] = {}
     for j, one in enumerate(passes):
         function = one.function
         where, what = function.__module__, function.__qualname__
         if where not in sys.modules or getattr(sys.modules[where], what, None) is not function:
             raise UsageError(f"rule function {where}.{what}: must be a plain function of a module that can be imported")
         digest = hashlib.sha256(inspect.getsource(sys.modules[where]).encode()).hexdigest()[:12]
-        imports.append(
-            f"from {where} import {what} as function_{j}  # {digest}\n"
-            f"pass_{j} = function(function_{j})\n"
-        )
+        if function in compiled:
+            imports.append(f"pass_{j} = pass_{compiled[function]}\n")
+        else:
+            imports.append(
+                f"from {where} import {what} as function_{j}  # {digest}\n"
+                f"pass_{j} = function(function_{j})\n"
+            )
+        compiled.setdefault(function, j)
         if one.stage == "lane":
             lanes.append((j, one))
         elif one.stage == "root":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from .. import runtime
 from ..groom.record import Groom
 from .compose import step_for
-from .rules import Moment, Pass, idle, registry
+from .rules import Moment, passes_of
 from .solver import Solver
 
 if TYPE_CHECKING:
@@ -23,19 +23,15 @@ class ThesisSolver(Solver):
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
         super().__init__(scene, groom)
-        self.passes: list[Pass] = [
-            one
-            for use in scene.rules
-            if not idle(use, scene)
-            for one in registry()[use.name].passes(use.parameters, scene)
-        ]
+        self.passes = [one for _, one in passes_of(scene)]
         self._step = step_for(tuple(self.passes), runtime.cache_folder()) if self.passes else None
 
     def step(self, time: float, dt: float) -> None:
         """One step of length ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
             moment = Moment(time, dt, self.scene)
-            self._step(self.positions, self.lengths, self.rest, *[one.prepare(moment) for one in self.passes])
+            prepared = {id(one): one.prepare(moment) for one in {id(one): one for one in self.passes}.values()}
+            self._step(self.positions, self.lengths, self.rest, *[prepared[id(one)] for one in self.passes])
 
     def place_roots(self, frame: int) -> None:
         """By the rules that move roots, as `advance` would have."""

@@ -11,8 +11,9 @@ A rule is a module or object with
 A `Pass` names a plain Python function that gives a particle its new place; the composer compiles it, and makes one loop
 of those that follow each other (see `strandcli.simulate.compose`).
 
-A rule may also have ``idle(parameters, scene)``, which says in words why it has nothing to do (or returns ""), and
-``check(parameters, scene)``, which yields (path, message) for faults that only the whole scene shows.
+A rule may also have ``idle(parameters, scene)``, which says in words why it has nothing to do (or returns ""),
+``check(parameters, scene)``, which yields (path, message) for faults that only the whole scene shows, and
+``closing(parameters, scene)``, passes that come after those of all rules.
 
 Rules from elsewhere are found by the entry-point group ``strandcli.rules``, or are added with `register`.
 """
@@ -30,7 +31,7 @@ from .rule import Moment, Pass
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-__all__ = ["Moment", "Pass", "idle", "register", "registry"]
+__all__ = ["Moment", "Pass", "idle", "passes_of", "register", "registry"]
 
 _registry: dict[str, Any] = {
     rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, collision, elasticity)
@@ -62,3 +63,12 @@ def registry() -> Mapping[str, Any]:
 def idle(use: Any, scene: Scene) -> str:
     """Why an entry of a scene's rules has nothing to do; "" where it has."""
     return str(getattr(registry()[use.name], "idle", lambda parameters, scene: "")(use.parameters, scene))
+
+
+def passes_of(scene: Scene) -> list[tuple[Any, Pass]]:
+    """The passes of a scene's step in their order, each with the rule's entry that it is of: of every rule that has
+    something to do, and then those that close the step."""
+    uses = [use for use in scene.rules if not idle(use, scene)]
+    found = [(use, one) for use in uses for one in registry()[use.name].passes(use.parameters, scene)]
+    closing = [(use, getattr(registry()[use.name], "closing", None)) for use in uses]
+    return found + [(use, one) for use, ask in closing if ask for one in ask(use.parameters, scene)]

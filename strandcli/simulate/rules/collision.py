@@ -3,24 +3,27 @@
 For a sphere p_i' = p_i + (r − |p_i − o|) n, n = (p_i − o) / |p_i − o|, when |p_i − o| < r; not the root. A particle at
 the very centre has no direction and leaves upward. Capsules, planes and boxes follow the same form: along the gradient
 of the distance to the surface. Point based as in the source, so a long segment can cut through a solid; with
-``segments: true`` the deepest point of the segment is found as well and the segment is turned until that point is out.
+``segments: true`` the deepest point of the segment is found as well and the segment is turned until that point is out,
+and at the end of the step particles are put out once more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import boolean, names
 from ...scene.touched import chosen
-from .rule import Pass
+from .rule import Moment, Pass
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
 name = "collision"
 order = 40.0
+ROUNDS = 8
+"""Times that particles are put out of solids at the end of a step, where one solid or rule may undo another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +31,7 @@ class Parameters:
     """Which solids stop the strands, and how closely they are looked at."""
 
     with_: tuple[str, ...] = names(doc="names of the solids; none given: all of them")
-    segments: bool = boolean(False, doc="also catch a segment that passes through between two particles")
+    segments: bool = boolean(False, doc="also keep segments out between two particles; particles have the last word")
 
 
 def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:
@@ -46,38 +49,81 @@ def idle(parameters: Parameters, scene: Scene) -> str:
 
 
 def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
-    """One pass for each kind of solid that is there, and one more for its segments where asked.
+    """One pass for each kind of solid that is there, after one for its segments where asked.
 
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
-    import numpy as np
-
-    from ...scene.motion import solid_pose
-    from ...solids import others, pack
-    from ...solids.kernels import box, capsule, plane, sphere
+    from ...solids import others
     from ...solids.shapes import other
     from . import collision_segments as segments
 
-    points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
+    ends = _ends(parameters, scene)
+    if not parameters.segments:
+        return ends
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
-
-    def prepare(kind: str) -> Any:
-        return lambda moment: pack(kind, chosen(parameters, moment.scene), moment.scene.emitter, moment.pose_time)
-
-    kinds = [kind for kind in points if any(solid.kind == kind for solid in chosen(parameters, scene))]
-    caught = [kind for kind in kinds if parameters.segments and kind in through]
-    ends = [Pass(points[kind], prepare(kind)) for kind in kinds]
-    if caught and len(chosen(parameters, scene)) > 1:  # a turned segment may have put its end into another solid
-        ends *= 2
-    found = [Pass(through[kind], prepare(kind)) for kind in caught] + ends
+    caught = [Pass(through[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene) if kind in through]
     foreign = others(chosen(parameters, scene))
     if foreign:
-        written = other.module_for(foreign)
+        caught.append(Pass(other.module_for(foreign).catch, _packed_others(parameters)))
+    return caught + ends
 
-        def rows(moment: Any) -> Any:
-            there = others(chosen(parameters, moment.scene))
-            poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
-            return other.pack(there, poses, np.float32)
 
-        found += [Pass(one, rows) for one in ([written.catch] if parameters.segments else []) + [written.collide]]
+def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
+    """With segments, particles once more at the end of a step: a turned segment may have put its end into another
+    solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns."""
+    from . import elasticity
+
+    if not parameters.segments:
+        return []
+    places = [k for k, use in enumerate(scene.rules) if use.parameters is parameters]
+    later = scene.rules[places[0] + 1 :] if places else ()
+    ends = _ends(parameters, scene)
+    lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
+    if lengths:
+        return (ends + lengths[:1]) * ROUNDS
+    if len(chosen(parameters, scene)) > 1:
+        return ends * ROUNDS
+    return ends if later else []
+
+
+def _kinds(parameters: Parameters, scene: Scene) -> list[str]:
+    """Kinds of the solids that have kernels of their own, in the order of their passes."""
+    there = {solid.kind for solid in chosen(parameters, scene)}
+    return [kind for kind in ("sphere", "capsule", "plane", "box") if kind in there]
+
+
+def _ends(parameters: Parameters, scene: Scene) -> list[Pass]:
+    """One pass a kind of solid, for particles alone."""
+    from ...solids import others
+    from ...solids.kernels import box, capsule, plane, sphere
+    from ...solids.shapes import other
+
+    points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
+    found = [Pass(points[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene)]
+    foreign = others(chosen(parameters, scene))
+    if foreign:
+        found.append(Pass(other.module_for(foreign).collide, _packed_others(parameters)))
     return found
+
+
+def _packed(parameters: Parameters, kind: str) -> Callable[[Moment], Any]:
+    """What packs the solids of a kind at a moment."""
+    from ...solids import pack
+
+    return lambda moment: pack(kind, chosen(parameters, moment.scene), moment.scene.emitter, moment.pose_time)
+
+
+def _packed_others(parameters: Parameters) -> Callable[[Moment], Any]:
+    """The same for those of other packages."""
+    import numpy as np
+
+    from ...scene.motion import solid_pose
+    from ...solids import others
+    from ...solids.shapes import other
+
+    def rows(moment: Moment) -> Any:
+        there = others(chosen(parameters, moment.scene))
+        poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
+        return other.pack(there, poses, np.float32)
+
+    return rows
