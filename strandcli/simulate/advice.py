@@ -29,7 +29,8 @@ COARSE = 0.01
 LOOKED_AT = 1000
 """Roots that are looked at in every frame, evenly chosen; a solid swallows many at once."""
 GRAZED = 0.02
-"""Share of the roots from which on a moving solid counts as swallowing them; below, it only brushes the emitter."""
+"""Share of the roots from which on a moving solid counts as swallowing them; below, it only brushes the emitter and
+sets them free again. Of roots that are held to the end, one is enough."""
 RETURNED = 1e-6
 """Metres, and parts of a rotation matrix, by which a motion that repeats may end off where it began."""
 SMALL = 0.5
@@ -65,9 +66,20 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
         elif solid.kind in ("sphere", "capsule") and not whole and solid.radius < SMALL * segment.max():
             found.append(
                 f"{name}: its radius of {solid.radius:g} m is less than half a segment of {segment.max():.3g} m, so it "
-                "passes between two particles unnoticed; set collision.segments: true, or use more emitter.particles"
+                f"passes between two particles unnoticed; {_catching(scene)}, or use more emitter.particles"
             )
     return found + _broken_loops(scene) + softness(scene, groom)
+
+
+def _catching(scene: Scene) -> str:
+    """What has segments caught. Rules of the source's solver move particles one after the other, so those that come
+    after collision pull segments back in."""
+    places = [k for k, use in enumerate(scene.rules) if use.name == "collision"]
+    later = [use.path for use in scene.rules[places[-1] + 1 :] if use.name != "emitter_motion"]
+    if scene.solver == "rod" or not later:
+        return "set collision.segments: true"
+    after = " and ".join(later)
+    return f"list collision last (what comes after it, {after}, moves particles back) and set its segments: true"
 
 
 def _broken_loops(scene: Scene) -> list[str]:
@@ -130,7 +142,8 @@ def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str |
 
 
 def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int | None:
-    """The first frame in which a solid swallows roots: any at the start, a share of `GRAZED` later."""
+    """The first frame in which a solid swallows roots: any at the start, later a share of `GRAZED` or any that it does
+    not set free before the end."""
     if (depth(_roots(scene, groom.roots, 1), solid, scene.emitter, 0.0) > DEEP * segment).any():
         return 1
     moves = bool(solid.keys) or (bool(scene.emitter.keys) and (solid.follow != "emitter" or not _carried(scene)))
@@ -146,7 +159,13 @@ def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int
             continue  # too far away to reach any
         if (depth(_roots(scene, roots, frame), solid, scene.emitter, time) > least).mean() >= GRAZED:
             return frame
-    return None
+    held = None
+    for frame in range(scene.time.frames, 1, -1):
+        under = depth(_roots(scene, groom.roots, frame), solid, scene.emitter, _time(scene, frame))
+        if not (under > DEEP * segment).any():
+            break
+        held = frame
+    return held
 
 
 def _time(scene: Scene, frame: int) -> float:

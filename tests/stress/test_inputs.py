@@ -170,6 +170,38 @@ def test_a_ball_smaller_than_a_segment_is_named_unless_segments_are_looked_at() 
     assert advice.warnings(scene_of(text.replace("SEG", "false").replace("0.2", "0.3")), groom_of(scene)) == []
 
 
+@pytest.mark.parametrize(
+    ("solver", "rules", "advice_given"),
+    [
+        ("thesis", "elasticity, collision", "set collision.segments: true, or use more emitter.particles"),
+        ("thesis", "collision, elasticity", "list collision last (what comes after it, elasticity, moves"),
+        ("thesis", "collision, gravity, elasticity", "list collision last (what comes after it, gravity and"),
+        ("thesis", "collision, emitter_motion", "set collision.segments: true, or use more emitter.particles"),
+        ("rod", "collision, gravity", "set collision.segments: true, or use more emitter.particles"),
+    ],
+)
+def test_segments_are_advised_where_nothing_comes_after_collision(solver: str, rules: str, advice_given: str) -> None:
+    text = f"solver: {solver}\nemitter: {{strands: 9, particles: 3}}\nrules: [{rules}]\n"
+    scene = scene_of(text + "solids: [{kind: sphere, radius: 0.2, position: [0, 3, 0]}]\n")
+    (words,) = advice.warnings(scene, groom_of(scene))
+    assert f"unnoticed; {advice_given}" in words
+
+
+def test_a_single_root_that_is_held_to_the_end_is_told_and_one_that_is_set_free_is_not() -> None:
+    """A thin ball, in which one of 300 roots stays, or has been."""
+    scene = scene_of(LATER.replace("KEYS", "").replace("RULES", "emitter_motion").replace("KEYED", COMES))
+    root = groom_of(scene).roots[7]
+    away = "{time: 0, position: [2, 0, 0], ease: step}"
+    there = f"time: 0.2, position: [{root[0]}, {root[1]}, {root[2]}], ease: step"
+    text = LATER.replace("radius: 0.15", "radius: 0.0501").replace("KEYS", "").replace("RULES", "emitter_motion")
+    scene = scene_of(text.replace("KEYED", f"keys: [{away}, {{{there}}}]"))
+    (words,) = (words for words in advice.warnings(scene, groom_of(scene)) if "swallows" in words)
+    assert words.startswith("solids.0 (ball): from frame 6 on swallows the roots of 1 of 300 strands")
+    leaves = "{time: 0.4, position: [2, 0, 0], ease: step}"
+    scene = scene_of(text.replace("KEYED", f"keys: [{away}, {{{there}}}, {leaves}]"))
+    assert not any("swallows" in words for words in advice.warnings(scene, groom_of(scene)))
+
+
 def test_strands_too_far_away_for_single_precision_are_told() -> None:
     text = "emitter: {strands: 9, particles: 11, position: [0, -FAR, 5]}\n"
     scene = scene_of(text.replace("FAR", "1000000"))
