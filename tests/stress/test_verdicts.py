@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from strandcli.scene.model import SphereSolid
+from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
 from strandcli.study.stress import drive, expected, physics, run, scenes, verdicts
 from strandcli.study.stress.axes import Case, case_named
@@ -44,6 +45,20 @@ def test_what_is_measured_is_what_was_made() -> None:
     assert np.isnan(one.metrics(slice(None))["residual"])
     assert one.metrics(slice(None))["stopped"] == one.metrics(slice(1, 2))["stopped"] == 1
     assert one.metrics(slice(0, 1))["residual"] == 0.25
+
+
+def test_whole_segments_are_judged_where_a_scene_keeps_them_out() -> None:
+    """A strand across a ball between two particles: .05 deep; of its first segment only what its root is not."""
+    scene = meter().scene
+    whole = registry()["collision"].Parameters(segments=True)
+    rules = tuple(replace(use, parameters=whole) if use.name == "collision" else use for use in scene.rules)
+    one = drive.Meter(replace(scene, rules=rules), np.full(2, 0.5), 1.0, touching=True)
+    x = np.array([[(0, 0.1, 0), (0.25, 0.1, 0), (0.75, 0.1, 0)], [(0.5, 0.2, 0), (0.5, 0.6, 0), (0.9, 0.6, 0)]])
+    one.look(x.astype(np.float32), 0.0, None)
+    assert one.metrics(slice(0, 1))["segment_penetration"] == pytest.approx(0.05, abs=1e-6)
+    assert one.metrics(slice(1, 2))["segment_penetration"] == pytest.approx(0.1, abs=1e-6)
+    assert "segment_penetration" not in meter().metrics(slice(None))
+    assert verdicts.beyond("segment_penetration", 0.05)
 
 
 def test_rounding_of_coordinates_far_away_is_no_stretch_and_more_is() -> None:

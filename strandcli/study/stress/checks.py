@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from . import films, physics, sameness, shaking
+from . import films, kept, physics, sameness, shaking
 from .strand import Metrics
 
 Check = Callable[[str], Metrics]
@@ -79,7 +79,12 @@ SHAKING: dict[str, Check] = {
     for n in (10, 32)
     for kind in ("euler", "bdf2")
 }
-CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **FILMS}
+KEPT: dict[str, Check] = {
+    f"check=segments/contact={contact}/n={n}": partial(kept.check_segments, contact=contact, n=n)
+    for contact in kept.CONTACTS
+    for n in (3, 10)
+}
+CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **KEPT, **FILMS}
 """By the name that follows the solver's."""
 
 QUICK = (

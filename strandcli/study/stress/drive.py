@@ -73,12 +73,14 @@ class Meter:
 
     def __init__(self, scene: Scene, segments: NDArray[np.float64], length: float, touching: bool) -> None:
         """``segments`` (strands,) rest lengths of a segment, ``length`` that of a strand: depths are told in it, where
-        strands are ``touching`` the scene's spheres."""
+        strands are ``touching`` the scene's spheres; of whole segments where the scene keeps those out."""
         self.segments, self.length, self.scene = segments, length, scene
         self.spheres = [one for one in scene.solids if isinstance(one, SphereSolid) and touching]
         self.overlapping = len(self.spheres) > 1
+        self.whole = any(use.name == "collision" and use.parameters.segments for use in scene.rules)
         self.stretch = np.zeros(len(segments))
         self.depth = np.zeros(len(segments))
+        self.segment_depth = np.zeros(len(segments))
         self.bad = np.zeros(len(segments), np.int64)
         self.residual: NDArray[np.float64] | None = None
 
@@ -95,6 +97,9 @@ class Meter:
             centre = np.array(solid_pose(one, self.scene.emitter, time).translation)
             depth = one.radius - np.linalg.norm(x[:, 1:] - centre, axis=2).min(1) - rounding
             self.depth = np.maximum(self.depth, np.where(finite, depth / self.length, 0))
+            if self.whole:
+                along = _segment_depth(x - centre, one.radius) - rounding
+                self.segment_depth = np.maximum(self.segment_depth, np.where(finite, along / self.length, 0))
         if residuals is not None:
             past = np.zeros(len(self.segments)) if self.residual is None else self.residual
             self.residual = np.maximum(past, residuals)  # which keeps NaN
@@ -104,8 +109,20 @@ class Meter:
         found = {"nonfinite": float(self.bad[strands].sum()), "stretch": float(self.stretch[strands].max())}
         if self.spheres:
             found["overlap" if self.overlapping else "penetration"] = float(self.depth[strands].max())
+            if self.whole and not self.overlapping:
+                found["segment_penetration"] = float(self.segment_depth[strands].max())
         if self.residual is not None:
             residual = float(self.residual[strands].max())
             found |= {"residual": residual, "stopped": float(not residual <= RESIDUAL_MOST)}
         return found
 
+
+def _segment_depth(x: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """(strands,) greatest depth in a sphere about the origin of the segments between particles (strands, n, 3); of the
+    first one, whose root no solver moves, what is deeper than its root."""
+    begin, edge = x[:, :-1], np.diff(x, axis=1)
+    square = np.maximum((edge**2).sum(-1), np.finfo(np.float64).tiny)
+    share = np.clip(-(begin * edge).sum(-1) / square, 0, 1)
+    depth = radius - np.linalg.norm(begin + share[..., None] * edge, axis=-1)
+    depth[:, 0] -= np.maximum(radius - np.linalg.norm(x[:, 0], axis=-1), 0)
+    return np.asarray(depth.max(1))

@@ -71,7 +71,7 @@ def perform(task: Task) -> Verdict:
         raise
     except Exception as error:  # whatever a solver raises is what is looked for here
         return judge(name, labels, {}, f"{type(error).__name__}: {error}")
-    told = {"penetration": DEPTH, **told_of(case)}
+    told = {"penetration": DEPTH, "segment_penetration": DEPTH, **told_of(case)}
     if task.solver == "thesis" and not any(use.name == "elasticity" for use in scene.rules):
         told["stretch"] = STRETCHES
     return judge(name, labels, metrics, unjudged=told)
