@@ -24,10 +24,11 @@ from types import FrameType
 
 import numpy as np
 
+import abc_kit
 import exchange_kit as kit
 from strandcli.errors import StrandError
 from strandcli.exchange.facts import facts
-from strandcli.exchange.files import ReadOptions, read
+from strandcli.exchange.files import ReadOptions, format_of, read
 
 MEMORY = Path("/dev/shm")
 """Where files are written fastest."""
@@ -72,6 +73,7 @@ def seeds() -> dict[str, list[bytes]]:
             npz(False, positions=np.asfortranarray(positions), root_uv=np.ones((6, 2))),
             npz(True, points=kit.of(uneven).points, first=kit.of(uneven).first, words=np.array(["a"])),
         ],
+        ".abc": [abc_kit.rich(even), abc_kit.archive(uneven), abc_kit.rich(uneven), abc_kit.FROM_BLENDER.read_bytes()],
     }  # fmt: skip
 
 
@@ -146,6 +148,10 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
         sound = strands.first[0] == 0 and strands.first[-1] == strands.points.shape[0]
         if not sound or (strands.counts() < 2).any():
             return "strands that are none"
+        driver = format_of(path)
+        moments = driver.moments(path, ReadOptions(lenient=True)) if hasattr(driver, "moments") else ()
+        if any(one.points.shape != strands.points.shape for one in moments):
+            return "moments of other strands"
         return "read"
     except StrandError as error:
         text = str(error)

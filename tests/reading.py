@@ -37,7 +37,7 @@ def make(folder: Path) -> list[Path]:
     uneven = kit.of(np.split(points.reshape(-1, 3), np.cumsum(counts)[:-1]))
     paths = []
     for name, strands in (("a", even), ("uneven", uneven)):
-        for suffix in (".hair", ".data", ".bin", ".ply", ".npz"):
+        for suffix in (".hair", ".data", ".bin", ".ply", ".npz", ".abc"):
             paths.append(folder / f"{name}{suffix}")
             write(paths[-1], strands)
     paths.append(folder / "packed.npz")

@@ -6,7 +6,8 @@ A format is a module in `formats/`, or an entry point of another package (group 
 - ``sniff(head, size)``: whether the first bytes of a file, of so many bytes in all, say that it is one;
 - ``read(path, options) -> Strands``;
 - ``write(path, strands, samples) -> lines``, where it can be written: the file whole or not at all, and a line for what
-  it cannot hold. ``moving``: whether it takes ``samples``, the points at several times.
+  it cannot hold. ``moving``: whether it takes ``samples``, the points at several times;
+- ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds.
 """
 
 from __future__ import annotations

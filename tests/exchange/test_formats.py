@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import abc_kit
 import exchange_kit as kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import FORMATS, ReadOptions, read, write
@@ -53,6 +54,7 @@ WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "ply of edges": (".ply", lambda strands: kit.ply(strands, told="edge")),
     "ply of edges as text": (".ply", lambda strands: kit.ply(strands, "", told="edge")),
     "npz": (".npz", lambda strands: npz(points=kit.of(strands).points, first=kit.of(strands).first)),
+    "abc": (".abc", abc_kit.archive),
 }
 EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),
@@ -81,7 +83,7 @@ def test_strands_of_equal_lengths_are_read(kind: str, count: int, points: int, s
     check(read_bytes(written(strands), suffix), strands)
 
 
-@pytest.mark.parametrize("suffix", [".hair", ".data", ".bin", ".ply", ".npz"])
+@pytest.mark.parametrize("suffix", [".hair", ".data", ".bin", ".ply", ".npz", ".abc"])
 @settings(max_examples=40, deadline=None)
 @given(strands=kit.lists_of_strands)
 def test_what_is_written_is_read_again(suffix: str, strands: list[kit.Strand]) -> None:
@@ -233,7 +235,7 @@ def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> No
 
 
 def test_several_moments_need_a_format_that_takes_them(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="holds one moment only"):
+    with pytest.raises(UsageError, match=r"holds one moment only; write \.abc"):
         write(tmp_path / "a.hair", kit.of(EQUAL), [])
 
 

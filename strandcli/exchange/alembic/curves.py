@@ -1,0 +1,222 @@
+"""Curves of an Alembic archive, each object as it is told; `joined` makes strands of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..strands import Attribute, Domain, Offsets, Points
+from . import layout
+from .archive import CLOSE, Archive, Object, Property
+from .xform import Matrix, Transform, chain, moved, turned, world
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """An object of curves: its path, properties of its geometry by name, and the transforms that hold it."""
+
+    path: str
+    geometry: dict[str, Property]
+    transforms: list[Transform]
+
+    @property
+    def points(self) -> Property:
+        """The positions."""
+        return self.geometry["P"]
+
+    @property
+    def counts(self) -> Property:
+        """Points of each curve."""
+        return self.geometry["nVertices"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """What an object of curves holds: points of each curve (S,), points (P, 3), attributes by our names, names of
+    those that are none here, and what the curves are."""
+
+    counts: Offsets
+    points: Points
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+    unread: list[str] = field(default_factory=list)
+    basis: str = ""
+
+
+def all_curves(archive: Archive) -> list[Curves]:
+    """The objects of curves of an archive. Raises `UsageError` where there are none."""
+    found, others = [], set()
+    for one in archive.objects():
+        schema = one.metadata.get("schema", "")
+        if schema.startswith("AbcGeom_Curve_"):
+            found.append(_curves(archive, one))
+        else:
+            others.add(schema or "no schema")
+    if not found:
+        there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
+        raise archive.file.fault(f"holds no curves{there}", archive.container.root.at)
+    return found
+
+
+def _curves(archive: Archive, one: Object) -> Curves:
+    geometry = archive.properties(one).get(".geom")
+    if geometry is None or geometry.kind != layout.COMPOUND:
+        raise archive.file.damaged(f"{one.path}: has no .geom", one.group.begin)
+    told = archive.compound(geometry)
+    for name, extent, kinds in (("P", 3, "f"), ("nVertices", 1, "iu")):
+        found = told.get(name)
+        if found is None or found.kind == layout.COMPOUND:
+            raise archive.file.damaged(f"{geometry.path}: has no {name}", geometry.child.at)
+        if found.extent != extent or np.dtype(found.dtype or "S").kind not in kinds:
+            kind = layout.TYPES[found.type].name
+            raise archive.file.damaged(f"{found.path}: {found.extent} {kind} an element", found.child.at)
+    return Curves(one.path, told, chain(archive, one))
+
+
+def counts_of(archive: Archive, one: Curves, seconds: float | None = None) -> Offsets:
+    """Points of each curve (S,), at a time or in the first sample."""
+    told = one.counts
+    found = archive.values(told, 0 if seconds is None else archive.index(told, seconds)).reshape(-1)
+    if found.size and (int(found.min()) < 0 or int(found.max()) > np.iinfo(np.int32).max):
+        worst = int(np.argmin(found) if int(found.min()) < 0 else np.argmax(found))
+        raise archive.file.damaged(f"{told.path}: curve {worst:,} has {found[worst]:,} points", told.child.at)
+    return found.astype(np.int64)
+
+
+def points_of(archive: Archive, one: Curves, seconds: float | None = None) -> Points:
+    """The points (P, 3) of curves where their transforms put them, at a time or in the first sample."""
+    index = 0 if seconds is None else archive.index(one.points, seconds)
+    found = archive.values(one.points, index).astype(np.float32, copy=False)
+    return moved(found, world(archive, one.transforms, seconds))
+
+
+def part_of(archive: Archive, one: Curves) -> Part:
+    """What curves are in the first sample. Raises `UsageError` where their counts do not fit their points."""
+    counts = counts_of(archive, one)
+    points = points_of(archive, one)
+    if int(counts.sum()) != points.shape[0]:
+        raise archive.file.damaged(
+            f"{one.path}: {points.shape[0]:,} points, the curves have {int(counts.sum()):,}", one.points.child.at
+        )
+    matrix = world(archive, one.transforms, None)
+    attributes: dict[str, Attribute] = {}
+    unread = []
+    for name, told in _attributes(archive, one).items():
+        found = None if name in attributes else _attribute(archive, told, counts.shape[0], points.shape[0])
+        if found is None:
+            unread.append(name)
+        else:
+            attributes[name] = found if matrix is None else _moved(name, found, matrix)
+    return Part(counts, points, attributes, unread, _basis(archive, one))
+
+
+def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:
+    """Properties that may be attributes, by our names: curves' own go before those that are added to them."""
+    found = {layout.NAMES.get(name, name): one.geometry[name] for name in ("width", "uv", "N") if name in one.geometry}
+    added = one.geometry.get(".arbGeomParams")
+    if added is not None and added.kind == layout.COMPOUND:
+        for name, told in archive.compound(added).items():
+            found.setdefault(layout.NAMES.get(name, name), told)
+    return found
+
+
+def _attribute(archive: Archive, told: Property, strands: int, points: int) -> Attribute | None:
+    """A property's first sample, None where it has no row for each point or strand or for all."""
+    indices = None
+    if told.kind == layout.COMPOUND:
+        both = archive.compound(told)
+        if ".vals" not in both or ".indices" not in both:
+            return None
+        indices, values_of = both[".indices"], both[".vals"]
+    else:
+        values_of = told
+    if not values_of.dtype or not values_of.samples or values_of.kind == layout.COMPOUND:
+        return None
+    values: Any = archive.values(values_of)
+    if indices is not None:
+        values = _expanded(archive, indices, values)
+    scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
+    domain = _domain(layout.SCOPES.get(scope, ""), values.shape[0], strands, points)
+    if domain is None:
+        return None
+    if values_of.dtype == "?":
+        values = (values != 0).astype(np.int8)
+    elif values.dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            values = values.astype(np.float32, copy=False)
+    return Attribute(domain, values[:, 0] if values.shape[1] == 1 else values)
+
+
+def _expanded(archive: Archive, indices: Property, values: Any) -> Any:
+    """Values by index: a row for each."""
+    if not indices.dtype or indices.extent != 1 or np.dtype(indices.dtype).kind not in "iu":
+        raise archive.file.damaged(f"{indices.path}: are no indices", indices.child.at)
+    rows = archive.values(indices).reshape(-1)
+    if rows.size and not 0 <= int(rows.min()) <= int(rows.max()) < values.shape[0]:
+        raise archive.file.damaged(f"{indices.path}: not all are below {values.shape[0]:,}", indices.child.at)
+    archive.container.spend(indices.path, rows.size * values.itemsize * values.shape[1], indices.child.at)
+    return values[rows]
+
+
+def _domain(told: str, rows: int, strands: int, points: int) -> Domain | None:
+    """What has a row: as the scope tells it if that fits, else what does."""
+    counts: dict[Domain, int] = {"point": points, "strand": strands, "groom": 1}
+    fits: list[Domain] = [domain for domain, count in counts.items() if count == rows]
+    return next((domain for domain in fits if domain == told), fits[0] if fits else None)
+
+
+def _moved(name: str, one: Attribute, matrix: Matrix) -> Attribute:
+    """An attribute as a transform leaves it: widths are scaled, normals turned."""
+    if name == "width" and one.values.dtype == np.float32:
+        with np.errstate(over="ignore", invalid="ignore"):
+            scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1 / 3)
+            return Attribute(one.domain, (one.values * scale).astype(np.float32))
+    if name == "normal" and one.values.shape[1:] == (3,) and one.values.dtype == np.float32:
+        return Attribute(one.domain, turned(one.values, matrix))
+    return one
+
+
+def _basis(archive: Archive, one: Curves) -> str:
+    """What the points mean, in words."""
+    told = one.geometry.get("curveBasisAndType")
+    if told is None or told.kind == layout.COMPOUND or told.extent < 3 or not told.samples or not told.dtype:
+        return "linear"
+    curve, periodic, basis = archive.values(told).reshape(-1).tolist()[:3]
+    words = "linear"
+    if curve == layout.CUBIC:
+        words = f"cubic {layout.BASES[int(basis)] if 0 <= basis < len(layout.BASES) else 'unknown'}"
+    elif curve != layout.LINEAR:
+        words = "NURBS"
+    return f"{words}, periodic" if periodic else words
+
+
+def times_of(archive: Archive, all_of: list[Curves]) -> list[float]:
+    """Seconds at which points change, rising."""
+    change = [one.points for one in all_of]
+    transforms = {one.values.path: one.values for curves in all_of for one in curves.transforms if one.values}
+    change += [one for one in transforms.values() if one.last]
+    found = sorted(time for one in change for time in archive.times(one))
+    return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
+
+
+def at_times(archive: Archive, all_of: list[Curves], times: list[float]) -> Iterator[tuple[float, list[Points]]]:
+    """At each time the points of each object. Raises `UsageError` where curves come or go with time."""
+    first = [counts_of(archive, one) for one in all_of]
+    for seconds in times:
+        archive.container.renew()
+        found = []
+        for one, counts in zip(all_of, first, strict=True):
+            points = points_of(archive, one, seconds)
+            if one.counts.last and not np.array_equal(counts_of(archive, one, seconds), counts):
+                raise archive.file.fault(
+                    f"{one.path}: at {seconds:g} s it has other curves than at first", one.counts.child.at
+                )
+            if points.shape[0] != int(counts.sum()):
+                raise archive.file.damaged(
+                    f"{one.path}: {points.shape[0]:,} points at {seconds:g} s, the curves have {int(counts.sum()):,}",
+                    one.points.child.at,
+                )  # fmt: skip
+            found.append(points)
+        yield seconds, found

@@ -1,0 +1,189 @@
+"""Write strands as curves of Alembic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import UsageError
+from ...output.files import atomic
+from ..strands import CHUNK, Attribute, Domain, Strands, TimeSample
+from . import layout
+from .writer import Kind, Member, Sample, Writer, sampling
+
+NAME = "strands"
+"""Of the object; the curves in it are its ``strandsShape``."""
+EVEN = 1e-6
+"""Seconds by which times may be off that are told as even."""
+SCOPES: dict[Domain, str] = {"point": "vtx", "strand": "uni", "groom": "con"}
+ADDED = {ours: theirs for theirs, ours in layout.NAMES.items() if ours in ("root_uv", "colour")}
+"""Names of attributes that are added to curves where they differ from ours."""
+OWN = {"width": ("width", 1, ""), "uv": ("uv", 2, "vector"), "normal": ("N", 3, "normal")}
+"""Attributes that curves have themselves: name, numbers an element, interpretation."""
+TYPES_OF = {one.dtype.replace("?", "|b1"): one.name for one in layout.TYPES if one.dtype}
+"""Alembic's names of numpy's types."""
+LARGEST_EXTENT = 255
+"""Numbers an element."""
+
+
+def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+    """Write strands as one object of linear curves; ``samples``: their points at several times, rising. Returns lines
+    for what is left out."""
+    with atomic(path) as file:
+        writer = Writer(file)
+        points, boxes, times = _moments(path, writer, strands, samples)
+        moving = int(samples is not None)
+        writes = _Properties(writer, len(times), moving)
+        geometry, lost = _geometry(writes, strands, points, boxes)
+        geom = writer.compound(".geom", {"schema": layout.CURVES, "schemaBaseType": layout.BASE}, geometry)
+        shape = writer.object(f"{NAME}Shape", layout.CURVES, [geom], [], layout.BASE)
+        place = writer.compound(".xform", {"schema": layout.XFORM}, [])
+        holder = writer.object(NAME, layout.XFORM, [place], [shape])
+        top = writer.objects([], [holder])
+        cycle, stored = _cycle(times)
+        samplings = sampling(0 if moving else 1, 1.0, [0.0])
+        if moving:
+            samplings += sampling(len(times), cycle, stored)
+        told = {"_ai_Application": "strandcli"}
+        if moving and len(stored) == 1 and cycle != 1.0:
+            told["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
+        writer.close(top, told, samplings)
+    return [f".abc does not hold {', '.join(lost)}: left out"] if lost else []
+
+
+class _Properties:
+    """Writes properties that are the same at all times."""
+
+    def __init__(self, writer: Writer, count: int, moving: int) -> None:
+        self.writer, self.count, self.moving = writer, count, moving
+
+    def array(self, name: str, kind: Kind, values: npt.NDArray[Any]) -> Member:
+        return self.writer.array(name, kind, [self.writer.sample(values)], self.count, self.moving)
+
+    def scalar(self, name: str, kind: Kind, values: npt.NDArray[Any]) -> Member:
+        return self.writer.scalar(name, kind, [self.writer.sample(values)], self.count, self.moving)
+
+
+def _moments(
+    path: Path, writer: Writer, strands: Strands, samples: Iterable[TimeSample] | None
+) -> tuple[list[Sample], list[Sample], list[float]]:
+    """Write points and their boxes as they come; returns both, and the times."""
+    points: list[Sample] = []
+    boxes: list[Sample] = []
+    times: list[float] = []
+    for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
+        if one.points.shape != strands.points.shape:
+            raise UsageError(
+                f"{path}: {one.points.shape[0]:,} points at {one.seconds:g} s, the strands have "
+                f"{strands.points.shape[0]:,}; .abc is written of strands that stay the same in number"
+            )
+        if times and not one.seconds > times[-1]:
+            raise UsageError(f"{path}: {one.seconds:g} s comes after {times[-1]:g} s; times must rise")
+        points.append(writer.sample(one.points.astype("<f4", copy=False)))
+        boxes.append(writer.sample(_box(one.points)))
+        times.append(one.seconds)
+    if not times:
+        raise UsageError(f"{path}: there is no moment to be written")
+    return _once(points), _once(boxes), times
+
+
+def _once(samples: list[Sample]) -> list[Sample]:
+    """One sample where all are the same."""
+    return samples[:1] if len({one.word for one in samples}) == 1 else samples
+
+
+def _cycle(times: list[float]) -> tuple[float, Sequence[float]]:
+    """Seconds a cycle, and the times in it: one where they are even, else all."""
+    if len(times) == 1:
+        return 1.0, times
+    cycle = (times[-1] - times[0]) / (len(times) - 1)
+    even = np.abs(times[0] + cycle * np.arange(len(times)) - times).max() <= min(EVEN, cycle / 100)
+    return (cycle, times[:1]) if even else (float(layout.ACYCLIC), times)
+
+
+def _box(points: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """The box (1, 6) of points; of none, the empty one."""
+    largest = np.finfo(np.float64).max
+    low, high = np.full(3, largest), np.full(3, -largest)
+    for begin in range(0, points.shape[0], CHUNK):
+        part = points[begin : begin + CHUNK]
+        low, high = np.fmin(low, part.min(axis=0)), np.fmax(high, part.max(axis=0))
+    return np.concatenate([low, high]).reshape(1, 6)
+
+
+def _geometry(
+    writes: _Properties, strands: Strands, points: list[Sample], boxes: list[Sample]
+) -> tuple[list[Member], list[str]]:
+    """The properties of the curves, and the names of attributes that are left out."""
+    writer, count, moving = writes.writer, writes.count, writes.moving
+    box = Kind("float64_t", 6, {"interpretation": "box"})
+    place = Kind("float32_t", 3, {"geoScope": "vtx", "interpretation": "point"})
+    basis = np.array([layout.LINEAR, 0, 0, 0], np.uint8)
+    found = [
+        writer.scalar(".selfBnds", box, boxes, count, moving),
+        writer.array("P", place, points, count, moving),
+        writes.array("nVertices", Kind("int32_t", 1, {}), strands.counts().astype("<i4")),
+        writes.scalar("curveBasisAndType", Kind("uint8_t", 4, {}), basis),
+    ]
+    own, added, lost = _attributes(writes, strands)
+    found += own
+    if added:
+        found.append(writer.compound(".arbGeomParams", {}, added))
+    return found, lost
+
+
+def _attributes(writes: _Properties, strands: Strands) -> tuple[list[Member], list[Member], list[str]]:
+    """Attributes that curves have themselves, those that are added to them, and the names of others."""
+    own, lost = [], []
+    added: dict[str, Member] = {}
+    for attribute, one in strands.attributes.items():
+        told = _curves_own(attribute, one, strands)
+        if told is not None:
+            own.append(writes.array(*told))
+            continue
+        name, numbers = ADDED.get(attribute, attribute), _numbers(one)
+        if numbers is None or not name or "/" in name or name in added:
+            lost.append(attribute)
+        else:
+            added[name] = writes.array(name, _kind(one.domain, numbers, attribute == "colour"), numbers)
+    return own, list(added.values()), lost
+
+
+def _curves_own(attribute: str, one: Attribute, strands: Strands) -> tuple[str, Kind, npt.NDArray[Any]] | None:
+    """Name, kind and values (rows, numbers) of an attribute that curves have themselves; None of others. Widths of
+    strands become those of their points: Blender takes no others."""
+    if attribute not in OWN or one.values.dtype.kind != "f":
+        return None
+    name, extent, interpretation = OWN[attribute]
+    if one.values.size != extent * one.values.shape[0]:
+        return None
+    values, domain = one.values.astype("<f4", copy=False).reshape(-1, extent), one.domain
+    if name == "width" and domain == "strand":
+        values, domain = np.repeat(values, strands.counts(), axis=0), "point"
+    return name, _kind(domain, values, False, interpretation), values
+
+
+def _numbers(one: Attribute) -> npt.NDArray[Any] | None:
+    """Values as (rows, numbers), None where Alembic has no such."""
+    rows = one.values.shape[0]
+    values = one.values.reshape(rows, -1) if one.values.size else one.values.reshape(0, 1)
+    dtype = values.dtype.newbyteorder("<").str
+    return values if dtype in TYPES_OF and 0 < values.shape[1] <= LARGEST_EXTENT else None
+
+
+def _kind(domain: Domain, values: npt.NDArray[Any], colour: bool, interpretation: str = "") -> Kind:
+    """What the values (rows, numbers) of a domain are, as Alembic's parameters of geometry tell it."""
+    extent = values.shape[1]
+    told = interpretation
+    if not told and values.dtype.kind == "f":
+        told = {3: "rgb", 4: "rgba"}.get(extent, "") if colour else "vector" if extent in (2, 3) else ""
+    name = TYPES_OF[values.dtype.newbyteorder("<").str]
+    metadata = {
+        "arrayExtent": "1", "geoScope": SCOPES[domain], "interpretation": told, "isGeomParam": "true",
+        "podExtent": str(extent), "podName": name,
+    }  # fmt: skip
+    return Kind(name, extent, metadata)

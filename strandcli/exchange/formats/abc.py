@@ -1,0 +1,71 @@
+"""`.abc`, curves of Alembic in the Ogawa back end, with their points at several times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..alembic import layout
+from ..alembic.archive import Archive
+from ..alembic.curves import all_curves, at_times, counts_of, part_of, times_of
+from ..alembic.export import write_curves
+from ..alembic.joined import joined
+from ..bounded import opened
+from ..files import ReadOptions
+from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
+
+name = ".abc"
+suffixes = (".abc",)
+moving = True
+
+WHAT = ".abc file"
+MOST_NAMES = 20
+"""Objects that are told by name."""
+
+
+def sniff(head: bytes, size: int) -> bool:
+    """Whether it begins with Ogawa."""
+    return head.startswith(layout.MAGIC)
+
+
+def read(path: Path, options: ReadOptions) -> Strands:
+    """The strands of a file, of all its objects of curves in their first sample. Of other than linear curves the
+    points are control points; they are kept as they are."""
+    with opened(path, WHAT, options.lenient) as file:
+        archive = Archive(file)
+        curves = all_curves(archive)
+        parts = [part_of(archive, one) for one in curves]
+        times = times_of(archive, curves)
+        facts: dict[str, Any] = {
+            "objects": [one.path for one in curves[:MOST_NAMES]], "basis": sorted({one.basis for one in parts}),
+            "times": len(times), "begin": times[0], "end": times[-1],
+        }  # fmt: skip
+        if len(curves) > MOST_NAMES:
+            facts["objects_in_all"] = len(curves)
+        if archive.metadata.get("_ai_Application"):
+            facts["application"] = archive.metadata["_ai_Application"]
+        strands, lost = joined(parts, Source(name, archive.version, facts))
+    if lost:
+        facts["attributes_not_read"] = lost
+    return without_short(strands)
+
+
+def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
+    """The points of the strands that `read` finds, at each time of the file. Raises `UsageError` where strands come or
+    go with time."""
+    with opened(path, WHAT, options.lenient) as file:
+        archive = Archive(file)
+        curves = all_curves(archive)
+        counts = np.concatenate([counts_of(archive, one) for one in curves])
+        keep = np.repeat(counts >= SHORTEST, counts)
+        for seconds, points in at_times(archive, curves, times_of(archive, curves)):
+            all_points = points[0] if len(points) == 1 else np.concatenate(points)
+            yield TimeSample(seconds, all_points if keep.all() else all_points[keep])
+
+
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+    """Write a file: one object of linear curves, its attributes, and the points at several times."""
+    return write_curves(path, strands, samples)

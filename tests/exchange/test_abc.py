@@ -1,0 +1,418 @@
+"""Curves of Alembic: archives written from the description alone are read, and what is written is taken apart again."""
+
+from __future__ import annotations
+
+import math
+import struct
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import abc_kit
+import exchange_kit as kit
+from abc_kit import DATA, EVERY_SECOND, FROM_BLENDER, Builder, Tree
+from strandcli.errors import UsageError
+from strandcli.exchange.files import ReadOptions, read, write
+from strandcli.exchange.formats import abc
+from strandcli.exchange.strands import Attribute, Strands, TimeSample
+
+STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) + 100 * i for i in range(3)]
+POINTS = np.concatenate(STRANDS)
+COUNTS = [4, 4, 4]
+
+
+def read_bytes(content: bytes, lenient: bool = False) -> Strands:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "a.abc")
+        path.write_bytes(content)
+        return read(path, ReadOptions(lenient=lenient))
+
+
+def moments(path: Path) -> list[TimeSample]:
+    return list(abc.moments(path, ReadOptions()))
+
+
+def attributes(strands: int, points: int) -> dict[str, Attribute]:
+    """One of each kind."""
+    generator = np.random.default_rng(strands + points)
+    return {
+        "width": Attribute("point", generator.random(points, np.float32)),
+        "uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "normal": Attribute("point", generator.random((points, 3), np.float32)),
+        "root_uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "colour": Attribute("point", generator.integers(0, 255, (points, 3), np.uint8)),
+        "clump": Attribute("strand", np.arange(strands, dtype=np.int32)),
+        "number": Attribute("strand", np.arange(strands) - 2**40),
+        "transparency": Attribute("groom", np.array([0.5], np.float32)),
+        "frame": Attribute("point", generator.random((points, 9), np.float32)),
+    }
+
+
+@settings(max_examples=40, deadline=None)
+@given(strands=kit.lists_of_strands, frames=st.integers(1, 4), fps=st.sampled_from([1.0, 23.976, 24.0, 60.0]))
+def test_points_at_several_times_are_read_again(strands: list[kit.Strand], frames: int, fps: float) -> None:
+    held = kit.of(strands)
+    held = Strands(held.first, held.points, attributes(held.count, held.points.shape[0]))
+    told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
+    with tempfile.TemporaryDirectory() as folder:
+        path, again = Path(folder, "a.abc"), Path(folder, "b.abc")
+        assert write(path, held, iter(told)) == []
+        found = read(path)
+        assert found.points.tobytes() == told[0].points.tobytes()
+        assert found.first.tolist() == held.first.tolist()
+        assert found.attributes.keys() == held.attributes.keys()
+        for name, one in found.attributes.items():
+            other = held.attributes[name]
+            assert (one.domain, one.values.dtype) == (other.domain, other.values.dtype)
+            assert one.values.tobytes() == other.values.tobytes()
+            assert one.values.shape == other.values.shape
+        seen = moments(path)
+        assert [one.points.tobytes() for one in seen] == [one.points.tobytes() for one in told]
+        np.testing.assert_allclose([one.seconds for one in seen], [one.seconds for one in told], rtol=1e-14)
+        write(again, found, iter(told))
+        assert again.read_bytes() == path.read_bytes()
+        assert Tree(path.read_bytes()).whole()
+
+
+def test_what_is_written_has_the_layout_of_alembic(tmp_path: Path) -> None:
+    path = tmp_path / "a.abc"
+    held = kit.of(STRANDS)
+    held = Strands(held.first, held.points, attributes(3, 12))
+    write(path, held, [TimeSample(i / 25, held.points + np.float32(i)) for i in range(3)])
+    tree = Tree(path.read_bytes())
+    assert tree.objects == {"/strands": abc_kit.XFORM, "/strands/strandsShape": abc_kit.CURVES}
+    assert tree.metadata == "_ai_Application=strandcli;_ai_DCC_FPS=25"
+    assert tree.samplings == struct.pack("<IdId", 0, 1.0, 1, 0.0) + struct.pack("<IdId", 3, 1 / 25, 1, 0.0)
+    geom = "/strands/strandsShape/.geom"
+    told = {path.removeprefix(geom): one for path, one in tree.properties.items()}
+    assert told[""].metadata == "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1"
+    # kind 2, array; type 10, float32_t; bit 8 a time sampling; bit 10 one size; three numbers an element
+    assert told["/P"].info & 0xFFFFF == 2 | 10 << 4 | 1 << 8 | 1 << 10 | 3 << 12
+    assert told["/P"].metadata == "geoScope=vtx;interpretation=point"
+    assert told["/P"].stored == [(held.points + np.float32(i)).tobytes() for i in range(3)]
+    # type 6, int32_t; bit 11, the same at all times
+    assert told["/nVertices"].info & 0xFFFFF == 2 | 6 << 4 | 1 << 8 | 1 << 10 | 1 << 11 | 1 << 12
+    assert told["/nVertices"].stored == [np.array(COUNTS, "<i4").tobytes()]
+    assert told["/nVertices"].samples == 3
+    # kind 1, a scalar; type 1, uint8_t: linear, not periodic, no basis
+    assert told["/curveBasisAndType"].info & 0xFFFFF == 1 | 1 << 4 | 1 << 8 | 1 << 10 | 1 << 11 | 4 << 12
+    assert told["/curveBasisAndType"].stored == [bytes([1, 0, 0, 0])]
+    assert told["/.selfBnds"].metadata == "interpretation=box"
+    boxes = [struct.unpack("<6d", one) for one in told["/.selfBnds"].stored]
+    assert boxes == [(i, 1.0 + i, 2.0 + i, 209.0 + i, 210.0 + i, 211.0 + i) for i in range(3)]
+    parameter = "arrayExtent=1;geoScope={};interpretation={};isGeomParam=true;podExtent={};podName={}"
+    assert told["/width"].metadata == parameter.format("vtx", "", 1, "float32_t")
+    assert told["/uv"].metadata == parameter.format("uni", "vector", 2, "float32_t")
+    assert told["/N"].metadata == parameter.format("vtx", "normal", 3, "float32_t")
+    assert told["/.arbGeomParams/groom_root_uv"].metadata == parameter.format("uni", "vector", 2, "float32_t")
+    assert told["/.arbGeomParams/number"].metadata == parameter.format("uni", "", 1, "int64_t")
+    assert told["/.arbGeomParams/transparency"].metadata == parameter.format("con", "", 1, "float32_t")
+
+
+def test_times_that_are_not_even_are_told_each(tmp_path: Path) -> None:
+    path = tmp_path / "a.abc"
+    held = kit.of(STRANDS)
+    times = [0.25, 0.5, 1.5]
+    write(path, held, [TimeSample(time, held.points * np.float32(time)) for time in times])
+    assert [one.seconds for one in moments(path)] == times
+    assert Tree(path.read_bytes()).samplings[24:] == struct.pack("<IdI3d", 3, np.finfo(float).max / 32, 3, *times)
+
+
+def test_what_stands_still_is_stored_once(tmp_path: Path) -> None:
+    held = kit.of(STRANDS)
+    write(tmp_path / "a.abc", held, [TimeSample(i / 24, held.points) for i in range(9)])
+    tree = Tree((tmp_path / "a.abc").read_bytes())
+    told = tree.properties["/strands/strandsShape/.geom/P"]
+    assert (told.samples, len(told.stored)) == (9, 1)
+    assert told.info & 1 << 11
+    back = [held.points, held.points + np.float32(1), held.points]
+    write(tmp_path / "b.abc", held, [TimeSample(i / 24, one) for i, one in enumerate(back)])
+    assert [one.points.tobytes() for one in moments(tmp_path / "b.abc")] == [one.tobytes() for one in back]
+    assert (tmp_path / "b.abc").read_bytes().count(held.points.tobytes()) == 1
+
+
+def test_widths_of_strands_become_those_of_their_points(tmp_path: Path) -> None:
+    """Blender takes no others."""
+    held = kit.of([STRANDS[0], STRANDS[1][:2]])
+    widths = {"width": Attribute("strand", np.array([0.5, 0.25], np.float32))}
+    write(tmp_path / "a.abc", Strands(held.first, held.points, widths))
+    found = read(tmp_path / "a.abc").attributes["width"]
+    assert (found.domain, found.values.tolist()) == ("point", [0.5] * 4 + [0.25] * 2)
+
+
+def test_no_strands_are_strands_too(tmp_path: Path) -> None:
+    write(tmp_path / "a.abc", kit.of([]))
+    assert read(tmp_path / "a.abc").first.tolist() == [0]
+    assert Tree((tmp_path / "a.abc").read_bytes()).whole()
+
+
+def test_times_that_do_not_rise_and_other_strands_are_refused(tmp_path: Path) -> None:
+    held = kit.of(STRANDS)
+    for samples, message in (
+        ([TimeSample(1.0, held.points), TimeSample(1.0, held.points)], "times must rise"),
+        ([TimeSample(1.0, held.points[1:])], "11 points at 1 s, the strands have 12"),
+        ([], "no moment"),
+    ):
+        with pytest.raises(UsageError, match=message):
+            write(tmp_path / "a.abc", held, samples)
+    assert not list(tmp_path.iterdir())
+
+
+def rows(*lines: Sequence[float]) -> Any:
+    return np.array(lines, float)
+
+
+TURN = math.sqrt(0.5)
+TRANSFORMS = [
+    ([1], [2, 3, 5], rows([1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 5])),
+    ([0], [2, 3, 5], rows([2, 0, 0], [0, 3, 0], [0, 0, 5], [0, 0, 0])),
+    ([6], [90], rows([0, 1, 0], [-1, 0, 0], [0, 0, 1], [0, 0, 0])),
+    ([4], [90], rows([1, 0, 0], [0, 0, 1], [0, -1, 0], [0, 0, 0])),
+    ([2], [0, 3, 0, 90], rows([0, 0, -1], [0, 1, 0], [1, 0, 0], [0, 0, 0])),
+    ([2], [1, 1, 1, 120], rows([0, 1, 0], [0, 0, 1], [1, 0, 0], [0, 0, 0])),
+    ([5], [45], rows([TURN, 0, -TURN], [0, 1, 0], [TURN, 0, TURN], [0, 0, 0])),
+    ([3], range(16), rows([0, 1, 2], [4, 5, 6], [8, 9, 10], [12, 13, 14])),
+    # what is told last is done first: scaled, then turned, then moved
+    ([1, 6, 0], [1, 0, 0, 90, 2, 2, 2], rows([0, 2, 0], [-2, 0, 0], [0, 0, 2], [1, 0, 0])),
+]
+
+
+@pytest.mark.parametrize(("codes", "values", "matrix"), TRANSFORMS)
+def test_points_are_where_transforms_put_them(codes: list[int], values: Any, matrix: Any) -> None:
+    made = Builder()
+    width = made.array("width", np.ones(12, "<f4"))
+    content = made.finish(made.xform("a", codes, [values], [made.curves("b", POINTS, COUNTS, [width])]))
+    found = read_bytes(content)
+    np.testing.assert_allclose(found.points, POINTS @ matrix[:3] + matrix[3], rtol=1e-6, atol=1e-4)
+    scale = np.cbrt(abs(np.linalg.det(matrix[:3])))
+    np.testing.assert_allclose(found.attributes["width"].values, scale, rtol=1e-6, atol=1e-4)
+
+
+def test_normals_turn_as_planes_do() -> None:
+    """A normal of a plane stays one: at right angles to what was in the plane."""
+    made = Builder()
+    matrix = np.array([[-4.0, 1, 0, 0], [0, 1, 3, 0], [1, 0, 1, 0], [5, 5, 5, 1]])
+    along = np.random.default_rng(1).normal(size=(12, 3))
+    normals = np.cross(along, [1.0, 2.0, 3.0]).astype("<f4")
+    told = made.array("N", normals, meta="geoScope=vtx")
+    curves = made.curves("b", POINTS, COUNTS, [told])
+    found = read_bytes(made.finish(made.xform("a", [3], [matrix.reshape(-1)], [curves])))
+    turned = found.attributes["normal"].values
+    np.testing.assert_allclose(np.einsum("ij,ij->i", turned, along @ matrix[:3, :3]), 0, atol=2e-5)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), np.linalg.norm(normals, axis=1), rtol=1e-6)
+    inverse = normals @ np.linalg.inv(matrix[:3, :3]).T
+    assert (np.einsum("ij,ij->i", turned, inverse) > 0).all()
+
+
+def test_a_transform_may_leave_those_that_hold_it() -> None:
+    made = Builder()
+    inner = made.xform("b", [1], [[1, 0, 0]], [made.curves("c", POINTS, COUNTS)], inherits=False)
+    assert read_bytes(made.finish(made.xform("a", [1], [[0, 9, 0]], [inner]))).points.tolist() == (
+        (POINTS + np.float32([1, 0, 0])).tolist()
+    )
+
+
+def test_transforms_and_points_that_move_are_seen_at_all_their_times(tmp_path: Path) -> None:
+    made = Builder()
+    samplings = EVERY_SECOND + struct.pack("<IdId", 2, 0.5, 1, 1.0)
+    still = made.curves("b", POINTS, COUNTS)
+    moving = made.xform("a", [1], [[0, 0, 0], [0, 7, 0]], [still], sampling=1)
+    points = made.array("P", POINTS, POINTS + np.float32(1), POINTS + np.float32(2))
+    told = [points, made.array("nVertices", np.array(COUNTS, "<i4"))]
+    content = made.finish(moving, made.object("c", abc_kit.CURVES, [made.compound(".geom", told)]), samplings=samplings)
+    (tmp_path / "a.abc").write_bytes(content)
+    found = {one.seconds: one.points for one in moments(tmp_path / "a.abc")}
+    assert list(found) == [0.0, 1.0, 1.5, 2.0]
+    for seconds, (up, step) in {0.0: (0, 0), 1.0: (0, 1), 1.5: (7, 1), 2.0: (7, 2)}.items():
+        assert found[seconds][:12].tolist() == (POINTS + np.float32([0, up, 0])).tolist()
+        assert found[seconds][12:].tolist() == (POINTS + np.float32(step)).tolist()
+    assert read(tmp_path / "a.abc").source.facts["times"] == 4
+
+
+def test_samples_that_repeat_are_not_stored(tmp_path: Path) -> None:
+    """Of eight samples only the third to the fifth are stored beside the first."""
+    made = Builder()
+    stored = [POINTS + np.float32(i) for i in range(4)]
+    points = made.array("P", *stored, changes=(3, 5), count=8)
+    told = [points, made.array("nVertices", np.array(COUNTS, "<i4"))]
+    (tmp_path / "a.abc").write_bytes(
+        made.finish(made.object("c", abc_kit.CURVES, [made.compound(".geom", told)]))
+    )
+    found = moments(tmp_path / "a.abc")
+    assert [one.seconds for one in found] == [0.0, 3.0, 4.0, 5.0]
+    assert [one.points.tolist() for one in found] == [one.tolist() for one in stored]
+
+
+def test_objects_of_curves_follow_one_another() -> None:
+    made = Builder()
+    ones = np.ones(12, "<f4")
+    first = [made.array("width", ones, meta="geoScope=vtx"), made.array("uv", np.ones((3, 2), "<f4"))]
+    second = [made.array("width", ones[:1] * 2), made.array("N", np.ones((1, 3), "<f4"))]
+    content = made.finish(
+        made.object("mesh", "schema=AbcGeom_PolyMesh_v1"), made.curves("a", POINTS, COUNTS, first),
+        made.curves("b", POINTS[:5].astype("<f8"), [2, 1, 2], second),
+    )  # fmt: skip
+    found = read_bytes(content)
+    assert found.counts().tolist() == [4, 4, 4, 2, 2]
+    assert found.points.tolist() == np.concatenate([POINTS, POINTS[:2], POINTS[3:5]]).tolist()
+    assert {name: one.domain for name, one in found.attributes.items()} == {"width": "point"}
+    assert found.attributes["width"].values.tolist() == [1.0] * 12 + [2.0] * 4
+    assert found.source.facts["objects"] == ["/a", "/b"]
+    assert found.source.facts["attributes_not_read"] == ["normal", "uv"]
+    assert found.source.skipped == {"fewer than two points": 1}
+    assert found.source.version == "1.7.9"
+
+
+def test_attributes_by_index_and_of_many_types() -> None:
+    made = Builder()
+    values, indices = np.array([[1, 2], [3, 4]], "<f4"), np.array([1, 0, 1], "<u4")
+    indexed = [made.array(".vals", values), made.array(".indices", indices)]
+    added = [
+        made.array("half", np.arange(12).astype("<f2"), meta="geoScope=var", width=2),
+        made.array("yes", np.array([True, False, True]), meta="geoScope=uni"),
+        made.array("none", np.zeros(7, "<f4")), made.array("long" * 90, np.arange(3, dtype="<i8"), width=1),
+    ]  # fmt: skip
+    more = [made.compound("uv", indexed, "geoScope=uni"), made.compound(".arbGeomParams", added)]
+    found = read_bytes(made.finish(made.curves("a", POINTS, COUNTS, more)))
+    assert found.attributes["uv"].values.tolist() == [[3, 4], [1, 2], [3, 4]]
+    assert found.attributes["uv"].domain == found.attributes["yes"].domain == "strand"
+    assert found.attributes["half"].values.dtype == np.float32
+    assert found.attributes["half"].values.tolist() == list(range(12))
+    assert found.attributes["yes"].values.tolist() == [1, 0, 1]
+    assert found.attributes["long" * 90].values.tolist() == [0, 1, 2]
+    assert found.source.facts["attributes_not_read"] == ["none"]
+
+
+@pytest.mark.parametrize(
+    ("told", "basis"),
+    [((1, 0, 0, 0), "linear"), ((0, 0, 1, 1), "cubic bezier"), ((0, 1, 2, 2), "cubic b-spline, periodic"),
+     ((2, 0, 0, 0), "NURBS"), ((0, 0, 77, 0), "cubic unknown")],
+)  # fmt: skip
+def test_points_of_other_curves_are_kept_and_told(told: tuple[int, ...], basis: str) -> None:
+    made = Builder()
+    more = [made.array("curveBasisAndType", np.array([told], "u1"), scalar=True)]
+    found = read_bytes(made.finish(made.curves("a", POINTS, COUNTS, more)))
+    assert found.source.facts["basis"] == [basis]
+    assert found.points.tolist() == POINTS.tolist()
+
+
+def test_what_blender_writes_is_read() -> None:
+    """Made by `test_blender.export`, whose points are told there; Blender's z axis is up, the archive's y."""
+    found = read(FROM_BLENDER)
+    place = np.arange(12, dtype=np.float32)
+    points = np.stack([place, place**2 / 8, 1 / (place + 1)], axis=1)
+    there = np.concatenate([points, 2 * points[:4] + np.float32([1, 2, 3])])
+    order = abc_kit.rows_from_blender(found.counts())
+    np.testing.assert_allclose(found.points[order], there[:, [0, 2, 1]] * [1, 1, -1], rtol=2e-7, atol=2e-7)
+    assert sorted(found.source.facts["objects"]) == ["/a/a", "/b/b"]
+    assert found.source.facts["application"] == "Blender"
+    widths = np.concatenate([(place + 1) / 8, (place[:4] + 1) / 4])
+    np.testing.assert_allclose(found.attributes["width"].values[order], widths, rtol=2e-7)
+    seen = moments(FROM_BLENDER)
+    np.testing.assert_allclose([one.seconds for one in seen], [1 / 24, 2 / 24, 3 / 24], rtol=1e-6)
+    end = np.concatenate([points, 2 * points[:4] + np.float32([5, 2, 3])])
+    np.testing.assert_allclose(seen[-1].points[order], end[:, [0, 2, 1]] * [1, 1, -1], rtol=2e-7, atol=1e-6)
+
+
+def with_word(content: bytes, at: int, word: int) -> bytes:
+    return content[:at] + struct.pack("<Q", word) + content[at + 8 :]
+
+
+WHOLE = abc_kit.archive(STRANDS)
+NOT_FINITE = np.where(POINTS == 5, np.nan, POINTS).astype("<f4")
+
+
+def circle() -> bytes:
+    """An object that holds itself."""
+    made = Builder()
+    content = made.finish(made.object("a", "", (), [made.object("b", "")]))
+    holder = content.rindex(struct.pack("<Q", 3))  # the group of a: properties, b, headers
+    inner = struct.unpack_from("<Q", content, holder + 16)[0]
+    return with_word(content, holder + 16, holder) if inner < DATA else content
+
+
+def tower() -> bytes:
+    """Objects in one another."""
+    made = Builder()
+    one = made.object("a", "")
+    for _ in range(200):
+        one = made.object("a", "", (), [one])
+    return made.finish(one)
+
+
+def shared() -> bytes:
+    """Many objects whose points are the same megabyte."""
+    made = Builder()
+    header, word = made.curves("a", np.zeros((100_000, 3), "<f4"), [100_000])
+    copies = []
+    for number in range(100):
+        name = f"{number:02}".encode()
+        geometry = struct.unpack_from("<3Q", made.content, word)
+        group = made.group(*geometry[1:])
+        copies.append((struct.pack("<I", 2) + name + header[5:], group))
+    return made.finish(*copies)
+
+
+def curves(points: Any, counts: Any, *basis: Any) -> bytes:
+    made = Builder()
+    more = [made.array("curveBasisAndType", one, scalar=True) for one in basis]
+    return made.finish(made.curves("a", points, counts, more))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (WHOLE[:10], "byte 0: header: needs 16 bytes, the file holds 10 bytes there"),
+        (b"Ogawa\0" + WHOLE[6:], "byte 5: header: the program that wrote it did not finish"),
+        (b"Ogawa\xff\0\2" + WHOLE[8:], "byte 6: header: version 0x0200 of Ogawa is not known"),
+        (b"\x89HDF\r\n\x1a\n" + bytes(60), "HDF5 back end; convert it with abcconvert -toOgawa"),
+        (with_word(WHOLE, 8, 1 << 50), "byte 8: archive: begins at byte 1,125,899,906,842,624, the file holds"),
+        (with_word(WHOLE, 8, DATA | 16), "byte 8: archive: data are told where a group should be"),
+        (with_word(WHOLE, 8, 7), "byte 8: archive: begins at byte 7, in the header"),
+        (with_word(WHOLE, 8, 0), "byte 8: archive: has 0 parts, 6 are needed"),
+        (with_word(WHOLE, 16, 1 << 40), "byte 16: /hair/.geom/P: 1,099,511,627,776 need 1.1 TB, the file holds"),
+        (with_word(WHOLE, 16, 16 + 143), "byte 24: /hair/.geom/P: 143 bytes are no whole number of 12 bytes each"),
+        (with_word(WHOLE, 16, 16 + 132), "/hair: 11 points, the curves have 12"),
+        (curves(POINTS, [4, 9, -1]), "/a/.geom/nVertices: curve 2 has -1 points"),
+        (curves(POINTS[:, :2], COUNTS), "/a/.geom/P: 2 float32_t an element"),
+        (curves(NOT_FINITE, COUNTS), "byte 52: /a/.geom/P: number 1 is not finite"),
+        (Builder().finish(), "holds no curves"),
+        (circle(), "is held twice, or holds itself"),
+        (tower(), "is held by 128 objects in one another"),
+        (shared(), "parts that are shared make more than is believed of a file of"),
+        (curves(POINTS, COUNTS, np.ones((2, 4), "u1")), "/a/.geom/curveBasisAndType: 2 values of a scalar"),
+    ],
+)  # fmt: skip
+def test_bad_archives_are_refused_by_field_and_byte(content: bytes, message: str) -> None:
+    with pytest.raises(UsageError) as error:
+        read_bytes(content)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_points_that_are_not_finite_are_let_in_where_that_is_asked_for() -> None:
+    assert np.isnan(read_bytes(curves(NOT_FINITE, COUNTS), lenient=True).points[1, 2])
+
+
+def test_strands_that_come_and_go_are_refused_over_time(tmp_path: Path) -> None:
+    made = Builder()
+    points = made.array("P", POINTS, POINTS)
+    counts = made.array("nVertices", np.array(COUNTS, "<i4"), np.array([6, 6], "<i4"))
+    (tmp_path / "a.abc").write_bytes(
+        made.finish(made.object("c", abc_kit.CURVES, [made.compound(".geom", [points, counts])]))
+    )
+    assert read(tmp_path / "a.abc").count == 3
+    with pytest.raises(UsageError, match="at 1 s it has other curves than at first"):
+        moments(tmp_path / "a.abc")
+
+
+def test_names_that_alembic_cannot_hold_are_left_out(tmp_path: Path) -> None:
+    held = kit.of(STRANDS)
+    wrong = {name: Attribute("strand", np.zeros((3, width), np.float32)) for name, width in (("a/b", 1), ("c", 300))}
+    assert write(tmp_path / "a.abc", Strands(held.first, held.points, wrong)) == [".abc does not hold a/b, c: left out"]
