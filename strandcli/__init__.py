@@ -29,7 +29,12 @@ def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any]
     from .scene import load as load_scene
     from .simulate.rules import registry
 
-    return load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {})
+    scene = load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {})
+    if all(one.emitter.groom is None for one in scene.panels or (scene,)):
+        return scene
+    from .groom_file import completed
+
+    return completed(scene)
 
 
 def render(scene: Scene, frames: Sequence[int] | None = None, *, threads: int | None = None) -> Iterator[Frame]:

@@ -47,6 +47,10 @@ def render(
     runtime.tell(notify, warn)
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
         raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
+    if any(one.emitter.groom is not None for one in scene.panels or (scene,)):
+        from .groom_file import completed
+
+        scene = completed(scene)
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))
     yield from _with_threads(count, _rendered(scene, wanted, positions, options))
 

@@ -17,6 +17,7 @@ from .groom.arrange import arranged
 from .groom.children import Children
 from .groom.combed import Combed
 from .groom.emit import emit
+from .groom.record import Groom
 from .plan import needed_strands
 from .scene.model import Scene
 
@@ -65,7 +66,7 @@ class SimulationStage:
         draw = options.draw
         self.scene = scene
         self.options = options
-        self.groom = arranged(emit(scene.emitter, scene.seed, needed_strands(scene, frames) if draw else None))
+        self.groom = self._at_rest(frames)
         self.children = Children(scene, self.groom) if draw and scene.children is not None else None
         self.combed = None
         if draw and scene.emitter.tie is not None:
@@ -79,6 +80,20 @@ class SimulationStage:
         if given is None:
             for words in warnings(scene, self.groom):
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
+
+    def _at_rest(self, frames: Sequence[int]) -> Groom:
+        """The strands that some frames need, neighbours together."""
+        scene = self.scene
+        if scene.emitter.groom is None:
+            return arranged(
+                emit(scene.emitter, scene.seed, needed_strands(scene, frames) if self.options.draw else None)
+            )
+        from .groom_file import from_file
+
+        found = from_file(scene.emitter.groom, scene.seed)
+        for words in found.notes:
+            self._warn(words)
+        return found.groom
 
     def begin(self, number: int) -> MovedStrands:
         """Move on to a frame. Raises `SimulationError` where it has gone wrong."""

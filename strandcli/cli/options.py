@@ -99,6 +99,7 @@ def folder(default: str | None = None) -> Callable[[F], F]:
 
 
 preset = click.argument("preset")
+drawn = click.argument("preset", metavar="PRESET|FILE")
 frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
 size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
 strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
@@ -184,7 +185,25 @@ def load_scene(
         "image.aovs": None if aovs is None else list(aovs),
     }
     settings = {path: value for path, value in chosen.items() if value is not None}
+    if is_groom(preset):
+        if strands is not None:
+            settings["emitter.groom.strands"] = settings.pop("emitter.strands")
+        return strandcli.load(GROOM, overrides=overrides, settings={**settings, "emitter.groom.file": preset})
     return strandcli.load(preset, overrides=overrides, settings=settings)
+
+
+GROOM = "groom"
+"""The preset that files of strands are drawn with."""
+
+
+def is_groom(given: str) -> bool:
+    """Whether what is given in a preset's place is a file of strands, by the end of its name."""
+    suffix = Path(given).suffix.lower()
+    if suffix in ("", ".yaml", ".yml"):
+        return False
+    from ..exchange.files import drivers
+
+    return any(suffix in one.suffixes for one in drivers())
 
 
 def frame_numbers(frames: FrameRange | None, scene: Scene, from_cache: Path | None = None) -> tuple[int, ...]:
@@ -224,7 +243,7 @@ def preset_name(preset: str) -> str:
 
 
 def _stem(preset: str) -> str:
-    return Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset
+    return Path(preset).stem if preset.endswith((".yaml", ".yml")) or is_groom(preset) else preset
 
 
 def default_folder(preset: str) -> Path:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options.preset
+@options.drawn
 @options.frames
 @options.scene_options
 @options.quality
@@ -56,12 +56,16 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates; of panels with their labels."""
     from ..groom.emit import emit
+    from ..groom_file import from_file
     from ..plan import needed_strands
     from ..simulate.advice import warnings
 
     found = []
     for one in scene.panels or (scene,):
-        lines = warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
+        if one.emitter.groom is not None:
+            lines = list(from_file(one.emitter.groom, one.seed).notes)
+        else:
+            lines = warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found
 

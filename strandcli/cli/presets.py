@@ -19,6 +19,11 @@ def command(ctx: click.Context) -> None:
         ctx.invoke(list_all)
 
 
+def belonging(preset: Path) -> list[Path]:
+    """Files that a shipped preset reads: those that begin with its name."""
+    return sorted(path for path in preset.parent.glob(f"{preset.stem}-*") if path.suffix not in (".yaml", ".yml"))
+
+
 @command.command("list")
 @options.as_json
 @options.debug
@@ -63,6 +68,10 @@ def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
     if not path.parent.is_dir():
         raise UsageError(f"{path.parent}: no such folder")
     options.refuse_existing(path, overwrite)
-    write_pieces(path, [source.read_bytes()])
+    beside = [] if path.parent.samefile(source.parent) else belonging(source)
+    for one in beside:
+        options.refuse_existing(path.parent / one.name, overwrite)
+    for one in (source, *beside):
+        write_pieces(path if one == source else path.parent / one.name, [one.read_bytes()])
     if not quiet:
         say(f"{path}: copied from {name}; draw it with 'strandcli render {path}'", err=True)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options.preset
+@options.drawn
 @options.folder("out/PRESET")
 @options.frames
 @options.scene_options
@@ -63,7 +63,8 @@ def command(
     no_progress: bool,
     **scene_settings: Any,
 ) -> None:
-    """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them).
+    """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
+    strands (.hair, .data, .bin, .tfx, .ply, .npz) as it is.
 
     Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
     wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its

@@ -15,7 +15,7 @@ from .say import say
 
 
 @click.command()
-@options.preset
+@options.drawn
 @options.folder()
 @options.frames
 @options.scene_options

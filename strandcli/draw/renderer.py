@@ -60,6 +60,8 @@ class Renderer:
         if combed is None and scene.emitter.tie is not None:
             combed = Combed(scene, groom if children is None else children.every)
         self.combed = combed
+        self._uneven = combed is not None or groom.points is not None
+        """Whether segments of a strand differ in length."""
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -185,7 +187,7 @@ class Renderer:
             positions = self.combed.join(positions, at, count, scratch, ids)
             drawing.lap("combed")
         level = level_of(scene, at, positions, count, self.ids, self._thins)
-        return Strands(positions, None if self.combed is not None else lengths, count, level)
+        return Strands(positions, None if self._uneven else lengths, count, level)
 
     def _plan_shadows(
         self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None

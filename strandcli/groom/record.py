@@ -28,6 +28,10 @@ class Groom:
     """(strands,) of each its place in the order of emission; None: they stand in it."""
     grown: NDArray[np.float64] | None = None
     """(strands, 3) metres: where strands grow that are tied, whose `roots` are where they are bound; else None."""
+    points: NDArray[np.float32] | None = None
+    """(blocks, n + 1, 3 W) metres: strands that are given point by point, as `strandcli.blocks` has them; else None."""
+    widths: NDArray[np.float32] | None = None
+    """(strands,) factor of each strand's width; None: 1."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """(strands, 3) unit vectors: the direction at the middle of edge j of so many, root to tip. Curled strands are

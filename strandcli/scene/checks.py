@@ -47,7 +47,8 @@ class Finding(NamedTuple):
 
 def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
-    yield from _spacing(scene.emitter)
+    if scene.emitter.groom is None:
+        yield from _spacing(scene.emitter)
     yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
     yield from _fringe(scene.children, scene.emitter)

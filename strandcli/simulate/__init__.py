@@ -11,6 +11,10 @@ if TYPE_CHECKING:
 
 def solver_of(scene: Scene) -> type[Solver]:
     """The class of the solver that a scene asks for; imports no other."""
+    if scene.emitter.groom is not None:
+        from .still import StillSolver
+
+        return StillSolver
     if scene.solver == "rod":
         from .rod import RodSolver
 

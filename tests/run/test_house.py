@@ -21,6 +21,8 @@ ROOMS = ("common", "view", "geometry", "zbuffer", "solids", "coverage", "fibre",
 APART = (
     ("draw", "simulate"), ("simulate", "draw"), ("draw", "output"), ("simulate", "output"), ("groom", "output"),
     ("draw", "exchange"), ("simulate", "exchange"), ("groom", "exchange"), ("solids", "exchange"),
+    ("draw", "groom_file"), ("simulate", "groom_file"), ("groom", "groom_file"), ("scene", "groom_file"),
+    ("exchange", "groom_file"), ("groom_file", "draw"), ("groom_file", "simulate"),
     ("exchange", "draw"), ("exchange", "simulate"), ("exchange", "groom"), ("exchange", "scene"),
 )  # fmt: skip
 """Packages of which the first may import nothing of the second."""

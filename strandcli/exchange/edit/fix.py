@@ -14,9 +14,9 @@ from ..ends import ends
 from ..strands import Attribute, Mask, Strands
 
 
-def fixed(strands: Strands) -> tuple[Strands, Change]:
-    """Strands without those that are not finite, have no length or repeat another; the ones that clearly begin at the
-    tip turned around; attributes that are not finite left out."""
+def fixed(strands: Strands, turn: bool = True) -> tuple[Strands, Change]:
+    """Strands without those that are not finite, have no length or repeat another; with ``turn`` the ones that clearly
+    begin at the tip turned around; attributes that are not finite left out."""
     counts: dict[str, Any] = {}
     for name, found in (
         ("not_finite", faults.not_finite), ("without_length", faults.without_length), ("repeated", faults.repeated)
@@ -29,7 +29,7 @@ def fixed(strands: Strands) -> tuple[Strands, Change]:
         kept = {name: one for name, one in strands.attributes.items() if name not in bad}
         strands = replace(strands, attributes=kept)
     counts["attributes_left_out"] = bad
-    known = ends(strands)
+    known = ends(strands) if turn else None
     back = np.zeros(strands.count, np.bool_)
     if known is not None and known.root != "unknown":
         back = known.others if known.root == "first" else ~known.others

@@ -32,6 +32,11 @@ class Camera:
     fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
     height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
     near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
+    fit: float | None = number(
+        None, above=0, high=10,
+        doc="share of the picture that the strands of emitter.groom fill at first: the camera keeps its direction and "
+        "moves so; absent: it stays where it is",
+    )  # fmt: skip
     aperture: float = number(
         0.0, low=0, high=1000, unit="m", doc="diameter of the lens (perspective); 0: a pinhole, sharp everywhere"
     )

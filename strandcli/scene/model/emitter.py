@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Vector, choice, integer, items, names, number, optional, union, vector
+from ..fields import Vector, boolean, choice, file, integer, items, names, number, optional, text, union, vector
 from .pose import PoseKey
 
 
@@ -70,6 +70,55 @@ class Tie:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
+class GroomFile:
+    """Strands of another program, from a file: all their points are drawn. They are in the emitter's frame, so that its
+    position, rotation and keys carry them. Their number, particles and lengths are those of the file."""
+
+    file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply or .npz")
+    up: str = choice(
+        "auto",
+        ("auto", "x", "y", "z", "-x", "-y", "-z"),
+        doc="up axis of the file, which becomes y. auto: as the file says, or a clear guess, else y",
+    )
+    root: str = choice(
+        "auto",
+        ("auto", "first", "last"),
+        doc="which point of a strand is its root. auto: the first, but with `fix` where the other is clearly it",
+    )
+    fix: bool = boolean(
+        False,
+        doc="leave out strands that are not finite, have no length or repeat another. false: what cannot be drawn is "
+        "refused",
+    )
+    scale: float = number(1.0, above=0, unit="1", doc="metres a unit of the file")
+    size: float | None = number(
+        None, above=0, unit="m", doc="longest side of the box about all strands, in place of `scale`; absent: by scale"
+    )
+    place: str = choice(
+        "file",
+        ("file", "origin", "ground"),
+        doc="file: where they are in the file; origin: the middle of their box at the origin; ground: above it, the "
+        "lowest point at y = 0",
+    )
+    strands: int | None = integer(
+        None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all"
+    )
+    cover: float | None = number(
+        None, above=0, high=1000,
+        doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
+        "seen before so many times; absent: lines one pixel wide",
+    )  # fmt: skip
+    stride: int | None = integer(
+        None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone"
+    )
+    array: str = text("", doc="array of the points, where an .npz file has several")
+
+
+FILE_LEAVES = ("groom", "position", "rotation", "keys")
+"""Settings of an emitter that hold where its strands are those of a file."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
 
@@ -100,6 +149,9 @@ class Emitter:
     )
     tie: Tie | None = optional(
         Tie, doc="strands are combed to one place and hang from there; absent: they hang from their roots"
+    )
+    groom: GroomFile | None = optional(
+        GroomFile, doc="strands are those of a file, beside which only position, rotation and keys hold; absent: grown"
     )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(

@@ -1,0 +1,104 @@
+"""How much of the view strands take up, and where a camera stands that sees them all."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exchange.strands import Strands
+from ..scene.motion import emitter_pose
+
+if TYPE_CHECKING:
+    from ..scene.model import Camera, Scene
+
+Floats = NDArray[np.float64]
+LOOKED_AT = 200_000
+"""Points, at most, evenly chosen."""
+CELLS = 32
+"""Of a grid along the longest side of the box, by which the area is told."""
+NEAR = 0.01
+"""Greatest share of its distance from what it sees at which a camera has its near plane."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What strands look like as a whole, in the emitter's frame."""
+
+    points: NDArray[np.float32]
+    """(k, 3) metres: some of their points, tips and roots among them."""
+    area: float
+    """Square metres that they are seen before, on average over views along the three axes."""
+    length: float
+    """Metres of all strands together."""
+
+
+def seen_of(strands: Strands) -> Seen:
+    """The same of strands."""
+    step = max(strands.points.shape[0] // LOOKED_AT, 1)
+    ends_step = max(strands.count // (LOOKED_AT // 4), 1)
+    few = np.concatenate([strands.points[::step], strands.roots()[::ends_step], strands.tips()[::ends_step]])
+    return Seen(few, area_of(few), float(strands.lengths().sum()))
+
+
+def area_of(points: NDArray[np.float32]) -> float:
+    """Square metres that points (k, 3) are seen before, the mean of three views: cells of a grid that hold any."""
+    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+    cell = max(float((high - low).max()) / CELLS, 1e-30)
+    places = np.minimum(((points - low) / cell).astype(np.int64), CELLS - 1)
+    found = [np.unique(places[:, a] * CELLS + places[:, b]).size for a, b in ((0, 1), (1, 2), (2, 0))]
+    return float(np.mean(found)) * cell * cell
+
+
+def width_for(seen: Seen, times: float) -> float:
+    """Metres that strands are wide who cover the area so many times."""
+    return times * seen.area / seen.length
+
+
+def fitted(scene: Scene, seen: Seen) -> Camera:
+    """The scene's camera, moved along and across its direction so that the strands fill the share `fit` of the
+    picture."""
+    camera = scene.camera
+    assert camera.fit is not None
+    pose = emitter_pose(scene.emitter, 0.0)
+    points = seen.points.astype(np.float64) @ np.array(pose.rotation).T + np.array(pose.translation)
+    ahead = _unit(np.subtract(camera.target, camera.position))
+    right = _unit(np.cross(ahead, camera.up))
+    above = np.cross(right, ahead)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    x, y, z = ((points - middle) @ axis for axis in (right, above, ahead))
+    width, height = scene.image.size
+    if camera.kind == "orthographic":
+        across, tall = np.ptp(x), np.ptp(y)
+        view = max(float(tall), float(across) * height / width, 1e-6) / camera.fit
+        away = 2 * view - float(z.min())
+        moved = middle + 0.5 * (x.min() + x.max()) * right + 0.5 * (y.min() + y.max()) * above
+    else:
+        steep = math.tan(math.radians(camera.fov) / 2) * camera.fit
+        (aside, back), (lifted, off) = _framed(x, z, steep * width / height), _framed(y, z, steep)
+        away, view = max(back, off, 1e-6 - float(z.min())), camera.height
+        moved = middle + aside * right + lifted * above
+    near = min(camera.near, NEAR * max(away + float(z.min()), 1e-3 * away))
+    eye = moved - away * ahead
+    return replace(
+        camera, position=_plain(eye), target=_plain(moved), height=view, near=near, fit=None,
+    )  # fmt: skip
+
+
+def _framed(x: Floats, z: Floats, slope: float) -> tuple[float, float]:
+    """Where a camera stands across its axis, and how far before the origin of z along it, whose view of that slope just
+    holds all points: |x − aside| ≤ slope (away + z)."""
+    one, other = float((x - slope * z).max()), float((-x - slope * z).max())
+    return 0.5 * (one - other), 0.5 * (one + other) / slope
+
+
+def _unit(vector: Floats) -> Floats:
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+def _plain(vector: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in vector)
+    return x, y, z

@@ -1,0 +1,73 @@
+"""Strands of a file in blocks of lanes, all with as many points: shorter ones get points on their segments."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import aligned
+from ..constants import W
+from ..exchange.strands import Offsets, Points
+
+
+def packed(first: Offsets, points: Points, order: NDArray[np.int32], most: int) -> NDArray[np.float32]:
+    """(blocks, most + 1, 3 W): strands in an ``order`` (S,), row 0 a segment before the root, as `strandcli.blocks` has
+    it. Of strands with fewer points than ``most`` each point keeps its bits; between them others are put, on the
+    straight segments, so many to each as its length asks for."""
+    strands = order.shape[0]
+    blocks = -(-strands // W)
+    out = aligned((blocks, most + 1, 3 * W))
+    for block in range(blocks):
+        some = order[block * W : (block + 1) * W]
+        here = filled(first, points, some, most)
+        wide = out[block].reshape(most + 1, 3, W)
+        wide[1:, :, : some.shape[0]] = here.transpose(1, 2, 0)
+        wide[1:, :, some.shape[0] :] = here[-1, :, :, None]
+    out.reshape(blocks, most + 1, 3, W)[:, 0] = _before(out)
+    return out
+
+
+def _before(packed_rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(blocks, 3, W): a segment before the roots of (blocks, n + 1, 3 W)."""
+    wide = packed_rows.reshape(*packed_rows.shape[:2], 3, W)
+    return np.asarray(2 * wide[:, 1] - wide[:, 2])
+
+
+def filled(first: Offsets, points: Points, some: NDArray[np.int32], most: int) -> Points:
+    """(k, most, 3): the strands ``some`` (k,), with ``most`` points each."""
+    counts = first[some + 1] - first[some]
+    if (counts == most).all():
+        return points[first[some][:, None] + np.arange(most)]
+    out = np.empty((some.shape[0], most, 3), np.float32)
+    for count in np.unique(counts):
+        rows = np.flatnonzero(counts == count)
+        out[rows] = lengthened(points[first[some[rows]][:, None] + np.arange(count)], most)
+    return out
+
+
+def lengthened(points: Points, most: int) -> Points:
+    """Strands (k, n, 3) with ``most`` points each, those that they have among them in every bit.
+
+    After point j of n the share of its arc length of the points that are added has been placed, rounded.
+    """
+    strands, n, _ = points.shape
+    if n == most:
+        return points
+    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
+    along = np.concatenate([np.zeros((strands, 1)), np.cumsum(steps, axis=1)], axis=1)
+    whole = along[:, -1:]
+    share = np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1))
+    own = np.arange(n) + np.rint(share * (most - n)).astype(np.int64)
+    """(k, n): the row of each point."""
+    rows = np.arange(most)
+    segment = np.empty((strands, most), np.int64)
+    for s in range(strands):
+        segment[s] = np.searchsorted(own[s], rows, side="right") - 1
+    segment = np.minimum(segment, n - 2)
+    begin, end = np.take_along_axis(own, segment, 1), np.take_along_axis(own, segment + 1, 1)
+    t = ((rows - begin) / (end - begin))[..., None]
+    a = np.take_along_axis(points, segment[..., None], 1).astype(np.float64)
+    b = np.take_along_axis(points, segment[..., None] + 1, 1).astype(np.float64)
+    out = (a + t * (b - a)).astype(np.float32)
+    out[np.arange(strands)[:, None], own] = points
+    return out

@@ -1,0 +1,73 @@
+"""Strands of a file: nothing moves them but their emitter, which carries them as one rigid thing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import lanes, pack
+from ..constants import W
+from ..groom.record import Groom
+from ..scene.motion import Pose, emitter_pose
+from .solver import Solver
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+NOWHERE = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
+
+
+class StillSolver(Solver):
+    """Strands whose points are given. Where the emitter stands at the origin, each keeps its bits. ``lengths`` are the
+    means of a strand's segments."""
+
+    def __init__(self, scene: Scene, groom: Groom) -> None:
+        assert groom.points is not None
+        self.scene = scene
+        self.groom = groom
+        self.strands = groom.strands
+        self.given = groom.points
+        self.positions = groom.points
+        self.lengths = lanes(groom.lengths[:, None] / np.float32(groom.points.shape[1] - 2))
+        self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self._pose = NOWHERE
+        self.advance(1)
+
+    def step(self, time: float, dt: float) -> None:
+        """Nothing: strands have no motion of their own."""
+
+    def place_roots(self, frame: int) -> None:
+        """Put all of the strands where they are at a frame."""
+        self.advance(frame)
+
+    def advance(self, frame: int) -> None:
+        """Put all of the strands where they are at a frame."""
+        time = self.scene.time.pose_time((frame - 1) / self.scene.time.fps) if self._carried else 0.0
+        pose = emitter_pose(self.scene.emitter, time)
+        if pose == self._pose:
+            return
+        if self.positions is self.given:
+            self.positions = np.empty_like(self.given)
+        turn, shift = np.array(pose.rotation), np.array(pose.translation)
+        for block, out in zip(self.given, self.positions, strict=True):
+            moved = np.einsum("ij,rjk->rik", turn, block.reshape(-1, 3, W)) + shift[:, None]
+            out.reshape(-1, 3, W)[...] = moved
+        self._pose = pose
+
+    def take(self, frame: int, particles: NDArray[np.floating]) -> None:
+        """Set the particles of a frame, (strands or more, particles, 3) metres."""
+        rows = self.groom.placed(particles[: self.strands])
+        before = 2 * rows[:, :1] - rows[:, 1:2]
+        self.positions = pack(np.concatenate([before, rows], axis=1))
+
+    def errors(self, frame: int) -> dict[str, float | None]:
+        """None: nothing is simulated."""
+        return {
+            "stretch_max": 0.0,
+            "penetration_max": None,
+            "segment_penetration_max": None,
+            "residual_max": None,
+            "nonfinite": 0,
+        }

@@ -1,0 +1,250 @@
+"""Strands of a file: drawn point by point, placed, fitted into the picture; what does not go with them is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from cli_runs import Runner
+from groom_file_kit import SMALL, Strand, hanging, scene, write
+from strandcli import pipeline
+from strandcli.blocks import unpack
+from strandcli.errors import UsageError
+from strandcli.groom_file import from_file
+from strandcli.scene.model import Scene
+from strandcli.scene.motion import emitter_pose
+from strandcli.stages import RunOptions, SimulationStage
+from thread_runs import Drawer
+
+UNEQUAL = [2, 3, 17, 9, 9, 5, 17, 2] * 20
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def drawn(given: Scene, frame: int = 1) -> list[npt.NDArray[np.float32]]:
+    """What is drawn of each strand, in the order of the file, (points, 3)."""
+    stage = SimulationStage(given, [frame], None, RunOptions())
+    moved = stage.begin(frame)
+    rows = unpack(moved.positions, stage.groom.strands)[:, 1:]
+    return list(stage.groom.emitted(rows))
+
+
+def image(given: Scene, frame: int = 1, **options: Any) -> npt.NDArray[np.uint8]:
+    (found,) = pipeline.render(given, [frame], **options)
+    assert found.image is not None
+    return found.image
+
+
+def off(points: npt.NDArray[np.floating], line: Strand) -> float:
+    """Greatest distance of points from a polyline."""
+    a, b = line[:-1].astype(float), line[1:].astype(float)
+    way = b - a
+    t = np.einsum("psk,sk->ps", points[:, None] - a, way) / np.maximum((way * way).sum(1), 1e-30)
+    near = a + np.clip(t, 0, 1)[..., None] * way
+    return float(np.linalg.norm(points[:, None] - near, axis=2).min(1).max())
+
+
+def test_equal_strands_are_drawn_in_every_bit(tmp_path: Path) -> None:
+    strands = hanging([12] * 300)
+    for own, found in zip(strands, drawn(scene(write(tmp_path / "a.data", strands))), strict=True):
+        assert own.tobytes() == found.tobytes()
+
+
+def test_all_points_of_shorter_strands_are_drawn_and_others_lie_between(tmp_path: Path) -> None:
+    strands = hanging(UNEQUAL)
+    for own, found in zip(strands, drawn(scene(write(tmp_path / "a.data", strands))), strict=True):
+        assert len(found) == 17
+        rows = [int(np.flatnonzero((found == point).all(1))[0]) for point in own]
+        assert rows == sorted(rows)
+        assert (rows[0], rows[-1]) == (0, 16)
+        assert off(found.astype(float), own) < 1e-6
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(found.astype(float), axis=0), axis=1))])
+        assert (np.diff(along) > 0).all()
+
+
+def test_points_that_are_added_go_where_segments_are_long(tmp_path: Path) -> None:
+    uneven = np.array([[0, 0, 0], [0, 1, 0], [0, 10, 0]], np.float32)
+    even = np.array([[x, 0, 1] for x in range(13)], np.float32)
+    found = drawn(scene(write(tmp_path / "a.data", [uneven, even, even + 1])))[0]
+    assert np.flatnonzero((found == uneven[1]).all(1)).tolist() == [2]  # one of ten falls to a tenth of the length
+
+
+def test_strands_that_repeat_a_point_are_drawn(tmp_path: Path) -> None:
+    strands = hanging([8] * 40)
+    for one in strands:
+        one[3:6] = one[3]
+    given = scene(write(tmp_path / "a.data", strands))
+    assert [own.tobytes() for own in strands] == [found.tobytes() for found in drawn(given)]
+    assert image(given).std() > 1
+
+
+def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging(UNEQUAL))
+    settings = {**SMALL, "emitter.groom.file": str(path), "image.aovs": ["strand_id", "depth"]}
+    with Drawer() as drawer:
+        hashes = drawer.hashes(preset="groom", overrides=[], settings=settings, shadow_size=64)
+    assert hashes == hashes[:1] * 3
+
+
+@pytest.mark.parametrize(
+    ("up", "turn"),
+    [("y", "x y z"), ("z", "x z -y"), ("x", "-y x z"), ("-y", "")],
+)
+def test_the_up_axis_becomes_y(up: str, turn: str, tmp_path: Path) -> None:
+    strands = hanging([6] * 30)
+    path = write(tmp_path / "a.data", strands)
+    found = drawn(scene(path, emitter__groom__up=up))
+    heights = np.concatenate([one[:, 1] for one in found])
+    sign = -1 if up.startswith("-") else 1
+    assert (heights == sign * np.concatenate(strands)[:, "xyz".index(up[-1])]).all()
+    for own, one in zip(strands, found, strict=True):  # a rotation: no mirror image
+        a, b = np.diff(own[:4].astype(float), axis=0), np.diff(one[:4].astype(float), axis=0)
+        assert np.linalg.det(a) == pytest.approx(np.linalg.det(b), rel=1e-3, abs=1e-9)
+    if turn:
+        columns = [("-" in part, "xyz".index(part[-1])) for part in turn.split()]
+        for own, one in zip(strands, found, strict=True):
+            assert (one == np.stack([-own[:, c] if minus else own[:, c] for minus, c in columns], 1)).all()
+
+
+def test_scale_size_and_place(tmp_path: Path) -> None:
+    strands = hanging([6] * 30)
+    path = write(tmp_path / "a.data", strands)
+    every = np.concatenate(strands).astype(float)
+    found = np.concatenate(drawn(scene(path, emitter__groom__scale=0.25)))
+    assert (found == np.float32(0.25) * np.concatenate(strands)).all()
+    found = np.concatenate(drawn(scene(path, emitter__groom__size=3.0, emitter__groom__place="ground")))
+    assert float(np.ptp(found, axis=0).max()) == pytest.approx(3, rel=1e-6)
+    assert found[:, 1].min() == pytest.approx(0, abs=1e-6)
+    assert 0.5 * (found.min(0) + found.max(0))[[0, 2]] == pytest.approx([0, 0], abs=1e-6)
+    found = np.concatenate(drawn(scene(path, emitter__groom__place="origin")))
+    assert found - (every - 0.5 * (every.min(0) + every.max(0))) == pytest.approx(0, abs=1e-6)
+
+
+def test_the_last_point_may_be_the_root(tmp_path: Path) -> None:
+    strands = hanging(UNEQUAL)
+    path = write(tmp_path / "a.data", strands)
+    found = drawn(scene(path, emitter__groom__root="last"))
+    assert all((one[0] == own[-1]).all() and (one[-1] == own[0]).all() for own, one in zip(strands, found, strict=True))
+
+
+def test_strands_that_cannot_be_drawn_are_told_of(tmp_path: Path) -> None:
+    strands = hanging([6] * 40)
+    bald = [one[:1] for one in strands[:3]]
+    path = write(tmp_path / "a.data", [*bald, *strands])
+    heard: list[str] = []
+    list(pipeline.render(scene(path), draw=False, warn=heard.append))
+    assert any("3 strands of fewer than two points, skipped" in words for words in heard)
+    strands[7][2, 1] = np.nan
+    strands[9][:] = strands[9][0]
+    path = write(tmp_path / "b.data", strands)
+    heard.clear()
+    assert scene(path, emitter__groom__fix=True).emitter.strands == 38
+    list(pipeline.render(scene(path, emitter__groom__fix=True), draw=False, warn=heard.append))
+    assert any("1 strand not finite, 1 without length" in words for words in heard)
+    with pytest.raises(UsageError, match=r"b\.data: .*byte"):
+        scene(path, emitter__groom__fix=False)
+    strands[7][2, 1] = 0
+    path = write(tmp_path / "c.data", strands)
+    with pytest.raises(UsageError, match=r"c\.data: 1 strand without length \(strand 9 for one\); set emitter\.groom"):
+        scene(path, emitter__groom__fix=False)
+
+
+def test_some_of_the_strands(tmp_path: Path) -> None:
+    strands = hanging([6] * 40)
+    path = write(tmp_path / "a.data", strands)
+    few, more = (drawn(scene(path, emitter__groom__strands=count)) for count in (10, 20))
+    own = {one.tobytes() for one in strands}
+    assert len(few) == 10
+    assert {one.tobytes() for one in few} < {one.tobytes() for one in more} < own
+
+
+@pytest.mark.parametrize("size", [(64, 48), (48, 64), (200, 20)])
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_the_camera_sees_all_strands_and_comes_as_near_as_asked(
+    kind: str, size: tuple[int, int], tmp_path: Path
+) -> None:
+    strands = hanging([6] * 200)
+    given = scene(
+        write(tmp_path / "a.data", strands), camera__kind=kind, image__size=size, camera__fit=0.8,
+        camera__position=(3.0, 1.0, 2.0), emitter__position=(5.0, 0.0, 0.0), emitter__rotation=(0.0, 30.0, 0.0),
+    )  # fmt: skip
+    camera, pose = given.camera, emitter_pose(given.emitter, 0.0)
+    points = np.concatenate(strands) @ np.array(pose.rotation).T + np.array(pose.translation) - camera.position
+    ahead = np.subtract(camera.target, camera.position)
+    ahead /= np.linalg.norm(ahead)
+    assert ahead == pytest.approx(-np.array([3, 1, 2]) / np.sqrt(14), abs=1e-6)
+    right = np.cross(ahead, camera.up)
+    right /= np.linalg.norm(right)
+    depth = points @ ahead
+    flat = np.full(len(points), camera.height / 2)
+    half = np.tan(np.radians(camera.fov) / 2) * depth if kind == "perspective" else flat
+    x, y = points @ right / (half * size[0] / size[1]), points @ np.cross(right, ahead) / half
+    assert depth.min() > camera.near
+    spans = [max(-values.min(), values.max()) for values in (x, y)]
+    assert max(spans) == pytest.approx(0.8, abs=2e-3)
+    for values in (x, y):
+        if kind == "orthographic" or np.abs(values).max() > 0.79:
+            assert values.min() == pytest.approx(-values.max(), abs=2e-3)
+
+
+def test_width_by_how_much_is_covered(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([20] * 200))
+    one, two = (scene(path, emitter__groom__cover=times).material.width for times in (2.0, 4.0))
+    assert two == pytest.approx(2 * one)
+    assert scene(path, emitter__groom__cover=None).material.width == 0
+    assert scene(path, material__width=0.125).material.width == 0.125
+    found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
+    assert two * found.seen.length == pytest.approx(4 * found.seen.area)
+
+
+def test_the_emitter_carries_the_strands(tmp_path: Path) -> None:
+    strands = hanging(UNEQUAL)
+    keys = ({"time": 0.0}, {"time": 1.0, "position": (1.0, 2.0, 3.0), "rotation": (0.0, 90.0, 0.0), "ease": "linear"})
+    path = write(tmp_path / "a.data", strands)
+    given = scene(path, time__frames=25, time__fps=24, emitter__keys=keys, rules=["emitter_motion"])
+    for own, found in zip(strands, drawn(given, 25), strict=True):
+        moved = np.stack([own[:, 2], own[:, 1], -own[:, 0]], 1) + np.array([1, 2, 3])
+        assert found[[0, -1]] == pytest.approx(moved[[0, -1]], abs=1e-5)
+    still = scene(path, time__frames=25, emitter__keys=keys)
+    assert all((a == b).all() for a, b in zip(drawn(still, 25), drawn(still, 1), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"emitter__strands": 7}, "take out strands, or set it to null; emitter.groom.strands draws fewer"),
+        ({"emitter__length": 7, "emitter__comb": (1, 0, 0)}, "take out length, comb, or set each to null"),
+        ({"children": {"count": 3}}, "grow about strands of the emitter"),
+        ({"rules": ["emitter_motion", "gravity", "wind"]}, "only emitter_motion carries them; take out gravity, wind"),
+        ({"emitter__groom__scale": 2.0, "emitter__groom__size": 1.0}, "clashes with emitter.groom.size"),
+        ({"emitter__groom": None}, "camera.fit: fits strands of a file"),
+        ({"camera__keys": [{"time": 0.0}]}, "a camera with keys stands where they say"),
+    ],
+)
+def test_what_does_not_go_with_a_file_is_refused(settings: dict[str, Any], words: str, tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([6] * 4))
+    with pytest.raises(UsageError, match=words.replace(".", r"\.")):
+        scene(path, **settings)
+
+
+def test_a_file_is_drawn_without_a_preset(tmp_path: Path, run: Runner) -> None:
+    path = write(tmp_path / "locks.data", hanging(UNEQUAL))
+    out = tmp_path / "out"
+    small = ["--size", "64x48", "--set", "ambient_occlusion=null", "--set", "lights=[]"]
+    assert run("render", str(path), "-o", str(out), *small).code == 0
+    assert (out / "frame_0001.png").is_file()
+    told = run("plan", str(path), "--strands", "7")
+    assert "7 strands" in told.out
+    damaged = tmp_path / "cut.data"
+    damaged.write_bytes(path.read_bytes()[:-5])
+    told = run("render", str(damaged))
+    assert told.code == 2
+    assert "byte" in told.error()
