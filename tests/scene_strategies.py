@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from hypothesis import strategies as st
@@ -11,6 +12,7 @@ from strandcli.scene import RuleUse, Scene
 from strandcli.scene.checks import findings
 from strandcli.scene.fields import settings_of
 from strandcli.scene.look import settle
+from strandcli.scene.model import Emitter
 from strandcli.scene.specs import (
     LARGEST,
     SMALLEST,
@@ -109,6 +111,19 @@ def rule_uses() -> st.SearchStrategy[tuple[RuleUse, ...]]:
     return st.lists(one, max_size=4).map(with_paths)
 
 
+def with_file_alone(scene: Scene) -> Scene:
+    """The scene without what does not go with strands from a file, where it has such, and without what needs one."""
+    emitter, given, camera = scene.emitter, scene.emitter.groom, scene.camera
+    if given is None or camera.keys:
+        camera = replace(camera, fit=None)
+    if given is None:
+        return replace(scene, camera=camera)
+    given = replace(given, file=__file__, scale=given.scale if given.size is None else 1.0)
+    emitter = Emitter(groom=given, position=emitter.position, rotation=emitter.rotation, keys=emitter.keys)
+    rules = tuple(use for use in scene.rules if use.name == "emitter_motion")
+    return replace(scene, emitter=emitter, camera=camera, rules=rules, children=None)
+
+
 def single_scenes() -> st.SearchStrategy[Scene]:
     """Valid scenes without panels."""
     settings = {
@@ -116,5 +131,7 @@ def single_scenes() -> st.SearchStrategy[Scene]:
         for setting in settings_of(Scene).values()
         if setting.key != "panels"
     }
-    scenes = st.fixed_dictionaries({}, optional=settings).map(lambda chosen: settle(Scene(**chosen), ())[0])
+    scenes = st.fixed_dictionaries({}, optional=settings).map(
+        lambda chosen: settle(with_file_alone(Scene(**chosen)), ())[0]
+    )
     return scenes.filter(lambda scene: not list(findings(scene)))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from .checks_of_file import clashes
 from .faults import hint, shown
 from .fields import Vector
 from .model import (
@@ -49,6 +50,8 @@ def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
     if scene.emitter.groom is None:
         yield from _spacing(scene.emitter)
+    for paths, message in clashes(scene):
+        yield Finding(paths, message, paths)
     yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
     yield from _fringe(scene.children, scene.emitter)

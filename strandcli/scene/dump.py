@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from .checks_of_file import grown
 from .fields import settings_of
 from .model import RuleUse, Scene
 
@@ -23,19 +24,27 @@ def plain(value: Any) -> Any:
 def to_dict(scene: Scene) -> dict[str, Any]:
     """``scene`` with every setting written out. A panel holds only the top-level settings in which it differs,
     or all where its quality does."""
-    base: dict[str, Any] = plain(dataclasses.replace(scene, panels=()))
-    del base["panels"]
+    base = _alone(scene)
     if scene.panels:
         base["panels"] = []
     for panel in scene.panels:
-        own = plain(panel)
-        del own["panels"]
+        own = _alone(panel)
         label = own.pop("label")
         # another quality would change what is the same: then everything is written beside it
         whole = own["quality"] != base["quality"]
         changes = {key: value for key, value in own.items() if whole or value != base[key]}
         base["panels"].append({"label": label, "set": changes})
     return base
+
+
+def _alone(scene: Scene) -> dict[str, Any]:
+    """A scene without its panels; null for what it has of its file of strands."""
+    found: dict[str, Any] = plain(dataclasses.replace(scene, panels=()))
+    del found["panels"]
+    if scene.emitter.groom is not None:
+        for key in grown():
+            found["emitter"][key] = None
+    return found
 
 
 def dump(scene: Scene) -> str:

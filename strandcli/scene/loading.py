@@ -9,7 +9,6 @@ from typing import Any
 
 from .chain import chain_of, feed, locate
 from .checks import findings
-from .checks_of_file import clashes as clashes_of_file
 from .faults import Fault, Mark, SceneError, fault_at, hint
 from .look import settle
 from .model import Scene
@@ -177,8 +176,6 @@ def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
     scene: Scene = reader.model(Scene, root, "")
     scene, clashes = settle(scene, reader.marks)
     for path, message in clashes:
-        reader.refuse(reader.mark_near(path) or root.mark, path, message)
-    for path, message in clashes_of_file(scene, reader.marks):
         reader.refuse(reader.mark_near(path) or root.mark, path, message)
     reported = [fault.path for fault in reader.faults]
     for finding in findings(scene):
