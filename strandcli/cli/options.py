@@ -278,10 +278,10 @@ def refuse_existing(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path}: is there already; add --overwrite to replace it")
 
 
-def require_png(path: Path) -> None:
+def require_png(path: Path, option: str = "-o") -> None:
     """Raise ``UsageError`` for a name that promises another kind of image than the one that is written."""
     if path.suffix.lower() != ".png":
-        raise UsageError(f"-o {path}: is written as PNG; let its name end in .png")
+        raise UsageError(f"{option} {path}: is written as PNG; let its name end in .png")
 
 
 def exclusive(**flags: bool) -> None:

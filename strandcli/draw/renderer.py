@@ -62,6 +62,8 @@ class Renderer:
         self.combed = combed
         self._uneven = combed is not None or groom.points is not None
         """Whether segments of a strand differ in length."""
+        self._widths = groom.widths
+        """(strands,) factor of each strand's width, where they differ."""
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -187,6 +189,8 @@ class Renderer:
             positions = self.combed.join(positions, at, count, scratch, ids)
             drawing.lap("combed")
         level = level_of(scene, at, positions, count, self.ids, self._thins)
+        if self._widths is not None:
+            level = Level(np.ones(count, np.float32), self._widths, 1.0)
         return Strands(positions, None if self._uneven else lengths, count, level)
 
     def _plan_shadows(

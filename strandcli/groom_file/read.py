@@ -16,14 +16,14 @@ from ..exchange import faults
 from ..exchange.change import strands_of
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.subsample import some
-from ..exchange.edit.transform import scaled, turned
+from ..exchange.edit.transform import turned
 from ..exchange.ends import ends, up_axis
 from ..exchange.files import ReadOptions, read
 from ..exchange.strands import CHUNK, Strands
 from ..groom.arrange import near
 from ..groom.emit import stream
 from ..groom.record import Groom
-from .measure import Seen, seen_of
+from .measure import Seen, box_of, seen_of
 from .rows import packed
 from .widths import widths_of
 
@@ -65,9 +65,9 @@ def from_file(given: GroomFile, seed: int) -> FromFile:
 def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile:
     notes: list[str] = []
     strands = _read(given, seed, notes)
-    strands = _placed(_upright(strands, given, notes), given)
-    widths = widths_of(strands, notes)
+    strands, factor = _placed(_upright(strands, given, notes), given)
     roots, lengths = strands.roots(), strands.lengths()
+    widths = widths_of(strands, factor, lengths, notes)
     order = near(roots)
     counts = strands.counts()
     most = int(counts.max())
@@ -75,7 +75,7 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
         notes.append(
             f"{given.file}: strands have {counts.min():,} to {most:,} points; shorter ones get more on their segments"
         )
-    seen = seen_of(strands)
+    seen = seen_of(strands, lengths)
     points = packed(strands.first, strands.points, order, most)
     way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots
     groom = Groom(
@@ -106,6 +106,8 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
         strands, _ = some(strands, given.strands, seed)
     if not strands.count:
         raise UsageError(f"{path}: holds no strand that could be drawn")
+    if given.fix:
+        return strands
     bare = faults.without_length(strands)
     if bare.any():
         raise UsageError(
@@ -128,23 +130,30 @@ def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> Strands:
     return strands if up == UP else turned(strands, up, UP)[0]
 
 
-def _placed(strands: Strands, given: GroomFile) -> Strands:
-    """Strands in metres, where the scene wants them."""
-    low, high = strands.points.min(axis=0).astype(np.float64), strands.points.max(axis=0).astype(np.float64)
-    factor = given.scale
-    if given.size is not None:
-        factor = given.size / float((high - low).max())
-    if factor != 1:
-        strands, _ = scaled(strands, factor)
-    if given.place == "file":
-        return strands
-    middle = 0.5 * factor * (low + high)
-    if given.place == "ground":
-        middle[1] = factor * low[1]
+def _placed(strands: Strands, given: GroomFile) -> tuple[Strands, float]:
+    """Strands in metres, where the scene wants them, and the metres of a unit of the file. Raises `UsageError` where
+    single precision ends before that."""
+    factor, middle = given.scale, np.zeros(3)
+    if given.size is not None or given.place != "file":
+        low, high = box_of(strands.points)
+        if given.size is not None:
+            factor = given.size / float((high - low).max())
+        if given.place != "file":
+            middle = 0.5 * factor * (low + high)
+            if given.place == "ground":
+                middle[1] = factor * low[1]
+    if factor == 1 and not middle.any():
+        return strands, factor
     moved = np.empty_like(strands.points)
-    for begin in range(0, moved.shape[0], CHUNK):
-        moved[begin : begin + CHUNK] = strands.points[begin : begin + CHUNK] - middle
-    return replace(strands, points=moved)
+    with np.errstate(over="ignore"):
+        for begin in range(0, moved.shape[0], CHUNK):
+            part = strands.points[begin : begin + CHUNK].astype(np.float64)
+            part *= factor
+            part -= middle
+            moved[begin : begin + CHUNK] = part
+    if not np.isfinite(box_of(moved)).all():
+        raise UsageError(f"{given.file}: points are too far out for single precision; set emitter.groom.scale or size")
+    return replace(strands, points=moved), factor
 
 
 def _units(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

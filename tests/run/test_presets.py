@@ -30,7 +30,7 @@ SMALL = {"image.size": (64, 48), "image.supersample": 1}
 def small(name: str, **settings: Any) -> Scene:
     """A preset with few strands at 64 × 48; settings are written with `__` for dots."""
     given = {key.replace("__", "."): value for key, value in settings.items()}
-    fewer = {} if "/fig09" in name else {"emitter.strands": 2000 if name == "grass" else 400}
+    fewer = {} if "/fig09" in name or name == "groom" else {"emitter.strands": 2000 if name == "grass" else 400}
     return strandcli.load(name, settings={**SMALL, **fewer, **given})
 
 
@@ -73,7 +73,8 @@ def covered(scene: Scene, image: NDArray[np.uint8]) -> float:
     """Pixels of a scene's last picture that differ from the same one of strands that are too short to see, so that
     nothing needs to move them."""
     still = {"solver": "thesis", "rules": (), "time": dataclasses.replace(scene.time, preroll=0.0)}
-    bald = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, length=1e-6), **still)
+    gone = {"length": 1e-6} if scene.emitter.groom is None else {"position": (0.0, -1e4, 0.0)}
+    bald = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, **gone), **still)
     return float((np.abs(image - picture(bald)).max(-1) > 8).mean())
 
 
