@@ -20,6 +20,8 @@ LOOKED_AT = 200_000
 """Points, at most, evenly chosen."""
 CELLS = 32
 """Of a grid along the longest side of the box, by which the area is told."""
+WIDEST = 1 / 200
+"""Width of strands over the longest side of the box about all, at most: more of them would be noodles."""
 WIDE = 1024
 """Points that are compared at once."""
 NEAR = 0.01
@@ -65,8 +67,9 @@ def area_of(points: NDArray[np.float32]) -> float:
 
 
 def width_for(seen: Seen, times: float) -> float:
-    """Metres that strands are wide who cover the area so many times."""
-    return times * seen.area / seen.length
+    """Metres that strands are wide that cover the area so many times; where they are few, `WIDEST` of their box."""
+    low, high = box_of(seen.points)
+    return min(times * seen.area / seen.length, WIDEST * float((high - low).max()))
 
 
 def fitted(scene: Scene, seen: Seen) -> Camera:

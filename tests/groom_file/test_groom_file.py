@@ -197,7 +197,10 @@ def test_the_camera_sees_all_strands_and_comes_as_near_as_asked(
 
 
 def test_width_by_how_much_is_covered(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", hanging([20] * 200))
+    few = write(tmp_path / "b.data", hanging([20] * 3))
+    found = from_file(scene(few).emitter.groom, 0)  # type: ignore[arg-type]
+    assert scene(few).material.width == pytest.approx(np.ptp(found.seen.points, axis=0).max() / 200)
+    path = write(tmp_path / "a.data", hanging([20] * 2000))
     one, two = (scene(path, emitter__groom__cover=times).material.width for times in (2.0, 4.0))
     assert two == pytest.approx(2 * one)
     assert scene(path, emitter__groom__cover=None).material.width == 0

@@ -106,7 +106,7 @@ class GroomFile:
     cover: float | None = number(
         None, above=0, high=1000,
         doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
-        "seen before so many times; absent: lines one pixel wide",
+        "seen before so many times, at most 1/200 of the longest side of their box; absent: lines one pixel wide",
     )  # fmt: skip
     stride: int | None = integer(
         None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone"
