@@ -20,7 +20,7 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.detail import Level, level_of, needed
+from .geometry.detail import Level, level_of, needed, whole_of
 from .geometry.extent import Thickness, bounds_of, thickness_of
 from .geometry.spacing import STEADY, spacing_of
 from .lighting import occlusion
@@ -60,10 +60,8 @@ class Renderer:
         if combed is None and scene.emitter.tie is not None:
             combed = Combed(scene, groom if children is None else children.every)
         self.combed = combed
-        self._uneven = combed is not None or groom.points is not None
-        """Whether segments of a strand differ in length."""
-        self._widths = groom.widths
-        """(strands,) factor of each strand's width, where they differ."""
+        self._uneven = combed is not None or groom.points is not None  # segments of a strand differ in length
+        self._whole = None if groom.widths is None else whole_of(groom.widths)
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -188,9 +186,7 @@ class Renderer:
             ids = None if self.children is None else self.ids  # without children both stand as the groom does
             positions = self.combed.join(positions, at, count, scratch, ids)
             drawing.lap("combed")
-        level = level_of(scene, at, positions, count, self.ids, self._thins)
-        if self._widths is not None:
-            level = Level(np.ones(count, np.float32), self._widths, 1.0)
+        level = self._whole or level_of(scene, at, positions, count, self.ids, self._thins)
         return Strands(positions, None if self._uneven else lengths, count, level)
 
     def _plan_shadows(

@@ -40,6 +40,13 @@ class Level:
     """Strands that are drawn, faded ones in part, over all."""
 
 
+def whole_of(widths: NDArray[np.float32]) -> Level:
+    """All of strands whose widths have these factors (strands,)."""
+    import numpy as np
+
+    return Level(np.ones(len(widths), np.float32), widths, 1.0)
+
+
 def near_of(scene: Scene, time: float) -> tuple[float, bool]:
     """Distance from the camera up to which every strand is drawn, metres, and whether distance counts at all: under an
     orthographic camera the width of strands on the screen does not depend on it, and the first is k itself. Lines
