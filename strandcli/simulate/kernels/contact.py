@@ -37,8 +37,9 @@ SLACK = 1e-6
 """Depth, as a share of an edge, up to which it counts as rounding; far from the origin that of coordinates is more."""
 ROUNDS = 3
 """Turns out of solids that overlap; twice as many where whole edges are kept out, and then as many of the end alone."""
-DEEP = 0.01
-"""Depth of a segment, as a share of it, from which on other directions are tried."""
+DEEP = 0.05
+"""Depth of a segment, as a share of it, from which on other directions are tried. Two halves of an edge across a corner
+lie up to some hundredths deep when at rest; trying others there would move them at every step."""
 UNBOUND = 1e18
 """Limit of d·axis where no solid has turned an edge yet."""
 LEAST_MOBILITY = 1e-6
