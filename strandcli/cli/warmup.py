@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from . import options, signals
 from .progress import Progress
 from .say import say
 
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
 # Kernels depend on what a scene uses, not on how much of it: two frames of a small version compile all of them.
-SMALL = {"image.size": (64, 48), "emitter.strands": 128}
+SIZE: dict[str, Any] = {"image.size": (64, 48)}
+STRANDS = 128
 
 
 @click.command()
@@ -26,13 +32,11 @@ def command(
 ) -> None:
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once."""
     options.exclusive(quiet=quiet, verbose=verbose)
-    import strandcli
-
     from .. import runtime
     from ..scene import list_presets
 
     names = list(presets) or [name for name, _ in list_presets()]
-    scenes = [strandcli.load(name, settings=SMALL) for name in names]
+    scenes = [_small(name) for name in names]
     with Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from .. import pipeline
@@ -49,3 +53,12 @@ def command(
     if not quiet:
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
         say(f"warmup: {told}; kernels are in {runtime.cache_folder()}", err=True)
+
+
+def _small(name: str) -> Scene:
+    """A preset with few strands and pixels."""
+    import strandcli
+
+    scene = strandcli.load(name, settings=SIZE)
+    strands = "emitter.strands" if scene.emitter.groom is None else "emitter.groom.strands"
+    return strandcli.load(name, settings=SIZE | {strands: STRANDS})

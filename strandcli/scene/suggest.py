@@ -24,7 +24,9 @@ def hint_inside(key: str, known: Iterable[str], rules: Mapping[str, RuleType]) -
     found = key if key in paths else None if near(key, names) else near(key, paths)
     if found is None:
         return hint(key, names, "the keys are")
-    return f"did you mean {' or '.join(shown(path) for path in paths[found][:MOST_PATHS])}?"
+    level = paths[found][0].count(".")  # they come level by level; deeper ones are meant less often
+    nearest = [path for path in paths[found] if path.count(".") == level]
+    return f"did you mean {' or '.join(shown(path) for path in nearest[:MOST_PATHS])}?"
 
 
 def _paths(rules: Mapping[str, RuleType]) -> Iterator[str]:

@@ -53,7 +53,7 @@ def test_help_lists_every_command_and_each_has_help_of_its_own(run: Runner) -> N
     [
         (["rendr"], "no command 'rendr'; did you mean 'render'?"),
         (["zzz"], "commands are render, simulate"),
-        (["render"], "Missing argument 'PRESET'"),
+        (["render"], "Missing argument 'PRESET|FILE'"),
         (["render", "tiny.yaml", "--colour"], "No such option"),
         (["render", "tiny.yaml", "--strands", "0"], "0 is not in the range 1<=x<=100000000"),
         (["render", "tiny.yaml", "--strands", "-5"], "-5 is not in the range"),
