@@ -159,7 +159,8 @@ class Canvas:
                     grid.visibility(batch.lines, marks, batch.screen, row)
                 else:
                     shades = profiles.shades[number]
-                    grid.across(batch.lines, marks, batch.screen, row, view, profiles.slots, shown, shades)
+                    slots = profiles.slots
+                    grid.visibility_across(batch.lines, marks, batch.screen, row, view, slots, shown, shades)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, batch, marks, found)
         thick = self.lighting.scene.image.haze

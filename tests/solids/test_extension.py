@@ -127,12 +127,14 @@ def test_its_shadow_on_the_ground_is_a_ring_and_soft_in_a_wide_light() -> None:
         point = np.array([0.6 * off, -1.0, 0.8 * off], np.float32)
         hidden = abs(off - R) < THICK
         assert rays.lit(solids, *point, *up, FAR, SKIN) == (0 if hidden else 1)
-        share = float(penumbra.lit(solids, penumbra.LightRay(*point, *up, FAR), SKIN, np.float32(0.02), np.float32(0)))
+        ray = penumbra.LightRay(*point, *up, FAR)
+        share = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
         far = abs(abs(off - R) - THICK) > 0.03  # the light is .02 m wide there at the distance of a metre
         assert not far or share == pytest.approx(0 if hidden else 1, abs=1e-3)
         assert 0 <= share <= 1
     edge = np.array([R + THICK, -1.0, 0.0], np.float32)
-    half = float(penumbra.lit(solids, penumbra.LightRay(*edge, *up, FAR), SKIN, np.float32(0.02), np.float32(0)))
+    ray = penumbra.LightRay(*edge, *up, FAR)
+    half = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
     assert half == pytest.approx(0.5, abs=0.08)
 
 

@@ -21,6 +21,6 @@ def needs_shadow_maps(scene: Scene) -> bool:
 
 
 def needs_counts(scene: Scene) -> bool:
-    """Whether anything but light on strands reads shadow maps: solids, and what counts strands."""
+    """Whether visible solids, dual scattering or the layer `shadow` read shadow maps."""
     solid = any(solid.visible for solid in scene.solids)
     return solid or scene.material.scatter == "dual" or "shadow" in scene.image.aovs

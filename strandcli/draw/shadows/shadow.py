@@ -1,9 +1,9 @@
 """Shadow maps of all lights that have one: min/max maps, and deep opacity maps.
 
-The resolution of an opacity map follows from how far strands lie from each other (`spacing`). A texel much finer than
-that holds one strand or none, and shades what is behind it fully or not at all, where it should shade everything near
-it by a part; one much coarser blurs the groom's outline. `TEXEL` strand spacings were measured to be best: `strandcli
-study PRESET --axis shadow`.
+The distance between strands (`spacing`) sets the resolution of an opacity map. A texel much finer than that contains
+one strand or none, so it shades points behind it fully or not at all, where it should shade all of them partly; a texel
+much coarser blurs the groom's outline. `strandcli study PRESET --axis shadow` measured `TEXEL` strand spacings to be
+best.
 """
 
 from __future__ import annotations
@@ -29,26 +29,25 @@ from .kernels.shadow_arrays import ShadowArrays
 from .shadow_model import casts_map, model_of
 
 TEXEL = 1.5
-"""Strand spacings a texel of an opacity map."""
+"""Side of an opacity map's texel, in strand spacings."""
 LONE = 4.0
-"""Widths a texel has under a strand that is alone. A strand's own share is taken off a map as its mean over the
-places that a strand may have among the texels, from which it differs by up to an eighth of width / texel: with texels
-as wide as the strand it shaded itself by 2.2 % in the mean and 16 % at the most, so by .06 % and 2.8 %."""
+"""Side of a texel in strand widths, for a groom of a single strand. `opacity` subtracts a strand's own contribution
+as its mean over all positions among the texels; the error is up to an eighth of width / texel. With texels one width
+wide the strand shaded itself by 2.2 % (mean) and 16 % (maximum); with this value by .06 % and 2.8 %."""
 FALL = 9.0
-"""h of `kernels.opacity`, in lengths over which light falls to 1 / e among strands that are `spacing` apart: more than
-light takes to fall, for single strands stand off before the rest."""
+"""h of `kernels.opacity`, as a multiple of the length over which light falls to 1 / e among strands `spacing` apart.
+It is greater than 1 because single strands lie in front of the rest."""
 PLACES = 2**31 - 1
-"""Numbers of an opacity map: its kernel counts them in 32 bits (`simd.gather`)."""
+"""Greatest length of an opacity map in numbers: `simd.gather` takes 32-bit indices."""
 LEAST_FALL = 1 / 50
-"""Of the groom's size, what h is at least: before a bundle in which light falls within a millimetre stand hairs that
-are centimetres off, and layers that were even no farther than the former are coarse where the bundle begins."""
+"""Least h, as a share of the groom's size. Stray hairs may lie centimetres in front of a bundle in which light falls
+off within a millimetre; with a smaller h the layers would be coarse where the bundle begins."""
 TINY = 1e-9
 NO_MAPS = np.zeros(0, np.int64)
 NO_SHADOWS = ShadowArrays(
     np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
 )
-"""Arrays of scenes without maps. Empty arrays, not None: None would compile kernels once more for each kind of map that
-a scene does without."""
+"""Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
 
 NO_THICKNESS = Thickness()
 
@@ -61,29 +60,29 @@ class ShadowMaps:
     packed: NDArray[np.float32]
     """(M, `view_columns.SIZE`) the views packed."""
     starts: NDArray[np.int64]
-    """Where each map begins: in `texels`, or in `stacks` if it is an opacity map, as `divide` finds."""
+    """(M,) first row in `texels` of each min/max map; index in `stacks` of each opacity map, set by `divide`."""
     sizes: NDArray[np.int64]
     texels: NDArray[np.float32] | None
     """(T, 2) nearest and farthest depth, metres; None where all are opacity maps."""
     owners: list[tuple[int, int]]
-    """For each light its first map and how many it has."""
+    """For each light: index of its first map, and number of its maps."""
     stacks: NDArray[np.float32] | None = None
-    """Flat: opacity maps, from `divide` on; None where there are none."""
+    """(K,) all opacity maps; None before `divide` and where there are none."""
     layers: list[int] = field(default_factory=list)
-    """Layers of each map, 0 for a min/max map."""
+    """Number of layers of each map, 0 for a min/max map."""
     extents: list[NDArray[np.float32]] = field(default_factory=list)
-    """Nearest and farthest depth (n, 2) of each map's texels, or of an opacity map's cells, which is drawn first."""
+    """For each map (n, 2) nearest and farthest depth, metres, of each texel, or of each cell of an opacity map."""
     thickness: Thickness = NO_THICKNESS
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
     _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
-    """Where each opacity map ends in `stacks`."""
+    """(M,) end of each opacity map in `stacks`."""
     _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
-    """What was drawn last, in which map, and how its light sees it."""
+    """Cache of the last drawing: polylines, map number, vertex offsets, projected vertices, bands."""
 
     @property
     def deep(self) -> bool:
-        """Whether strands have to be drawn a second time, into layers."""
+        """Whether there are opacity maps, into whose layers strands must be drawn in a second pass."""
         return any(self.layers)
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
@@ -92,8 +91,8 @@ class ShadowMaps:
             self._draw(number, lines, workers, scratch, None)
 
     def divide(self, scratch: Scratch) -> None:
-        """Make empty layers between the nearest and the farthest depth of every opacity map's cells, when all strands
-        have been added. Raises `RefusedError` where a map would be too large."""
+        """Allocate empty layers between the nearest and farthest depth of each cell of every opacity map. Call it after
+        all strands have been added. Raises `RefusedError` if a map would be too large."""
         deep = [number for number, layers in enumerate(self.layers) if layers]
         if not deep:
             return
@@ -116,19 +115,19 @@ class ShadowMaps:
             opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
 
     def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw the same polylines into the layers of every opacity map, first of that which was drawn last."""
+        """Draw polylines into the layers of every opacity map, the last map first: `add` left its projection cached."""
         for number, layers in reversed(list(enumerate(self.layers))):
             if layers:
                 self._draw(number, lines, workers, scratch, self._stack(number))
 
     def finish(self) -> None:
-        """Sum the layers of every opacity map, when all strands have been drawn into them."""
+        """Sum the layers of every opacity map. Call it after all strands have been drawn into them."""
         for number, layers in enumerate(self.layers):
             if layers:
                 opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw and finish all maps from polylines that are all strands."""
+        """Run all passes on polylines that contain every strand."""
         self.add(lines, workers, scratch)
         self.divide(scratch)
         self.accumulate_layers(lines, workers, scratch)
@@ -172,9 +171,9 @@ def plan_maps(
     spacing: float = 0.0,
     counted: bool = True,
 ) -> ShadowMaps | None:
-    """Empty maps for the lights that cast one, fitted to the box ``bounds`` (2, 3), metres; None where none does.
+    """Return empty maps of the lights that need them, fitted to the box ``bounds`` (2, 3), metres, or None.
 
-    ``spacing``: metres between neighbouring strands, for the texels of opacity maps; ``counted``: as of
+    ``spacing``: metres between neighbouring strands, sets the texel size of opacity maps; ``counted``: see
     `ShadowModel.casts_map`.
     """
     views: list[View] = []
@@ -211,27 +210,26 @@ def plan_maps(
 def _views_of(
     light: Light, deep: bool, bounds: NDArray[np.float64], thickness: Thickness, spacing: float
 ) -> list[View]:
-    """The views of a light's maps; of opacity maps, where ``deep``, with texels as wide as strands lie apart."""
+    """Return the views of a light's maps; ``deep``: for opacity maps, whose texel size follows the strand spacing."""
     size = model_of(light).side_of(light.shadow)
     if not deep:
         return light_views(light, size, bounds)
-    size = max(size + size % 2, 4)  # of whole cells, two texels wide, two of which a point lies between
+    size = max(size + size % 2, 4)  # an even number, at least two cells of 2×2 texels for interpolation
     apart = max(TEXEL * spacing, thickness.width) if spacing > 0 else LONE * thickness.width
     return _coarser(light, size, bounds, light_views(light, size, bounds), light.shadow.texel or apart)
 
 
 def _fall_length(bounds: NDArray[np.float64], thickness: Thickness, spacing: float) -> float:
-    """h of `kernels.opacity`, metres."""
-    across = float(np.linalg.norm(bounds[1] - bounds[0]))
+    """Return h of `kernels.opacity`, metres."""
+    diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
     dense = spacing > 0 < thickness.mean
-    return max(FALL * spacing**2 / thickness.mean, LEAST_FALL * across) if dense else across
+    return max(FALL * spacing**2 / thickness.mean, LEAST_FALL * diagonal) if dense else diagonal
 
 
 def _room(
     sizes: NDArray[np.int64], deep: NDArray[np.bool_], scratch: Scratch
 ) -> tuple[NDArray[np.int64], NDArray[np.float32] | None, list[NDArray[np.float32]]]:
-    """Empty extents for all maps: where each min/max map begins in their texels, these texels (T, 2) or None, and the
-    extents (n, 2) of each map, as in `ShadowMaps`."""
+    """Allocate empty extents of all maps; return `starts`, `texels` and `extents` of `ShadowMaps`."""
     counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
     every = scratch.take("texels", (int(counts.sum()), 2), np.float32)
@@ -246,25 +244,25 @@ def _room(
 
 
 def light_views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:
-    """What a light sees of the box ``bounds``, ``size`` texels a side."""
+    """Return the views of a light that cover the box ``bounds``, ``size`` texels a side."""
     if isinstance(light, DirectionalLight):
         return [parallel_view(light.direction, size, bounds)]
     return point_views(light.position, size, bounds)
 
 
 def _coarser(light: Light, size: int, bounds: NDArray[np.float64], views: list[View], wanted: float) -> list[View]:
-    """The light's views with texels of ``wanted`` metres at the groom's middle, ``size`` a side at most."""
+    """Return the light's views with texels of ``wanted`` metres at the groom's centre, at most ``size`` a side."""
     texel = max(texel_of(view, bounds) for view in views)
     if texel >= wanted:
         return views
-    # as many cells as it takes and not a part of one more, so that maps do not jump with their number of texels
+    # the focal length is adjusted after rounding to whole cells, so that maps do not jump as the texel count changes
     views = light_views(light, 2 * max(math.ceil(size * texel / wanted / 2), 4), bounds)
     wider = max(wanted / max(texel_of(view, bounds) for view in views), 1.0)
     return [replace(view, focal=view.focal / wider) for view in views]
 
 
 def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
-    """Metres that a texel covers: at the middle of ``bounds``, or of the view."""
+    """Return the size of a texel, metres, at the centre of ``bounds``, or at the view's middle depth without them."""
     if not view.perspective:
         return 1.0 / view.focal
     if bounds is None:
@@ -274,8 +272,8 @@ def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
 
 
 def coarseness(lines: Polylines, view: View) -> int:
-    """How many pieces of a curve a map may draw as one line: a segment that turns by a radian then leaves the curve by
-    at most half a texel. A cubic's chords are off by length · turn / 8, which falls with the square of their number."""
+    """Return how many pieces of a curve a map may draw as one line, such that a segment that turns by a radian departs
+    from the curve by at most half a texel. A cubic's chords depart by length · turn / 8 / (number of chords)²."""
     nearest = view.near if view.perspective else 1.0
     texels = lines.segment * view.focal / nearest
     needed = 1
@@ -285,14 +283,14 @@ def coarseness(lines: Polylines, view: View) -> int:
 
 
 def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
-    """Depth that a strand covers within one texel: nearer than that to the first strand nothing is shaded."""
+    """Return the depth bias of a min/max map, metres: the size of a texel at the groom's centre."""
     centre, radius = ball(bounds)
     depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
     return depth / view.focal
 
 
 def map_arrays(maps: ShadowMaps | None) -> ShadowArrays:
-    """Maps as kernels read them, without rows where there are none."""
+    """Return the arrays that kernels read, with empty arrays where there are no maps."""
     if maps is None:
         return NO_SHADOWS
     texels = NO_SHADOWS.texels if maps.texels is None else maps.texels

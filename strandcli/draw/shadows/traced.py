@@ -1,11 +1,11 @@
-"""Lights with exact shadows of strands on strands (`shadow: {model: traced}`).
+"""Exact shadows of strands on strands (`shadow: {model: traced}`).
 
-A map blurs the shadows of single strands, which is right where a pixel shows many and seen where it shows few. Here
-each strand is held against all others; what is averaged is averaged over a part of a strand's length, no more than a
-sample of the picture shows or than lies between two of its lit vertices. A strand does not shade itself.
+A shadow map blurs the shadows of single strands: harmless where a pixel shows many strands, visible where it shows few.
+This model tests each strand against all others. It averages only along the strand, over one sample of the picture or
+the distance between two lit vertices, whichever is longer. A strand does not shade itself.
 
-A grid over each of a light's views lists the pieces of strands in each of its cells: some `LIST`, which was fastest,
-and more where the lists would take more than `GRID_BYTES`.
+A grid over each of a light's views lists the strand segments that overlap each cell: about `LIST`, which was measured
+to be fastest, and more where the lists would exceed `GRID_BYTES`.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ from .shadow import light_views, texel_of
 from .vertex_shadows import VertexShadows
 
 LIST = 64.0
-"""Pieces that touch a cell, about."""
+"""Target number of segments that overlap a cell."""
 COARSE = 64
-"""Cells along a side of the grid by which the area is found that strands cover,"""
+"""Cells along a side of the grid that estimates the area covered by strands."""
 SOME, MANY = 1000, 50_000
-"""from so many vertices; and strands whose pieces are measured."""
+"""Strands whose segments are measured, and vertices that estimate the covered area."""
 LISTED = 8 + 4 * cells.ROWS
-"""Bytes that a strand's piece takes in each cell it touches."""
+"""Bytes of one list entry."""
 PLACES = 2.0
-"""Along a strand, to its width, that are lit or dark."""
+"""Visibility samples along a strand, per strand width."""
 WORDS = 8
-"""Of 64 places along a piece of a strand, at most."""
+"""Greatest number of 64-bit words of visibility samples along a segment."""
 ALL_SHOWN = np.zeros((0, 0), np.uint64)
 APART = (float(STEEPEST) + 1) / 2
-"""Widths aside of itself, as the light sees it, within which a strand does not shade itself: as far as its surface lies
-from its middle, and a band reaches from its own."""
+"""Lateral distance in the light's view, in strand widths, within which a strand does not shade itself: the greatest
+distance of its visible surface from its axis, plus half the width of a band."""
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,19 @@ class Grid(VertexShadows):
 
     lists: OccluderLists
     words: int
-    """Of bits for the places along a piece."""
+    """64-bit words of visibility samples along a segment."""
     thickness: Thickness
 
     @property
     def nbytes(self) -> int:
-        """Bytes that it takes."""
+        """Bytes of the lists."""
         return self.lists.begin.nbytes + self.lists.keys.nbytes + self.lists.rows.nbytes
 
-    def across(
+    def visibility_across(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
         eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
     ) -> None:  # fmt: skip
-        """As `visibility`, with all that it may be given."""
+        """Compute visibility along and across strands: `visibility` with all its optional arguments."""
         self.visibility(lines, marks, screen, out, eye, slots, shown, shades)
 
     def visibility(
@@ -78,12 +78,14 @@ class Grid(VertexShadows):
         eye: View | None = None, slots: NDArray[np.int32] | None = None,
         shown: NDArray[np.uint64] | None = None, shades: NDArray[np.uint64] | None = None,
     ) -> None:  # fmt: skip
-        """Into out (V,): the share of the light that reaches the marked vertices of the grid's polylines, which a
-        camera sees at ``screen`` (V, 3). Across the strands at the vertices that have ``slots`` (V,), where ``eye``
-        sees them, into shades (n, LINES), as far as it is ``shown``: see `kernels.traced.WideStrands`."""
+        """Write the visibility of the light, 0 to 1, at the marked vertices of the grid's polylines to out (V,).
+
+        ``screen`` (V, 3): the vertices as a camera sees them. ``slots`` (V,): vertices whose shadows across the strand
+        are written to ``shades`` (n, LINES), for the camera ``eye`` and the places in ``shown``: see
+        `kernels.traced.WideStrands`."""
         longest = int(np.diff(lines.first).max(initial=1))
         width = np.float32(self.thickness.width)
-        lit = kernel.LitLines(
+        shaded = kernel.ShadedLines(
             lines.first, lines.world, lines.scale, marks, screen, lines.stride, longest, self.words,
             np.float32(APART * self.thickness.width),
         )  # fmt: skip
@@ -91,15 +93,16 @@ class Grid(VertexShadows):
             None if eye is None else eye.pack(), width, np.float32(self.thickness.taper), slots,
             ALL_SHOWN if shown is None else shown, shades,
         )  # fmt: skip
-        kernel.visibility(lit, self.lists, wide, out)
+        kernel.visibility(shaded, self.lists, wide, out)
 
 
 def grid_of(
     light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
     scratch: Scratch, number: int = 0, room: int = GRID_BYTES,
 ) -> Grid:  # fmt: skip
-    """A light's grid of all strands, which are within the box ``bounds`` (2, 3); ``number``: of the light among those
-    that have one."""
+    """Build a light's grid of all strands, which lie in the box ``bounds`` (2, 3), metres.
+
+    ``number``: index of the light among those with a grid; ``room``: greatest size of the lists, bytes."""
     piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
     margin = piece + thickness.width
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
@@ -137,7 +140,7 @@ def grid_of(
 
 
 def _mean_piece(lines: Polylines) -> float:
-    """Mean length of a piece, metres, of the first `SOME` strands."""
+    """Return the mean segment length of the first `SOME` strands, metres."""
     first = lines.first[: SOME + 1]
     steps = np.diff(lines.world[: int(first[-1])], axis=0)
     last = first[1:-1] - 1
@@ -147,9 +150,10 @@ def _mean_piece(lines: Polylines) -> float:
 
 
 def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> float:
-    """Side of cells that some `LIST` pieces touch, metres: of pieces of length l that begin evenly over an area, a cell
-    of side c is touched by those that begin in an area of c (c + 4 l / π). ``views``: of `COARSE` cells a side, which
-    are ``texel`` metres wide."""
+    """Return the side, metres, of cells that about `LIST` segments overlap.
+
+    Of segments of length l that begin uniformly over an area, those that begin in an area of c (c + 4 l / π) overlap a
+    cell of side c. ``views``: `COARSE` cells a side, each ``texel`` metres wide; ``piece``: l, metres."""
     points = lines.world[:: max(len(lines.world) // MANY, 1)].astype(np.float64)
     covered = 0
     for view in views:
@@ -165,7 +169,7 @@ def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> fl
 
 
 def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
-    """(V, 4) as in `kernels.grid.list_bands`."""
+    """Return bands (V, 4), as in `kernels.grid.list_bands`."""
     screen = to_screen(lines, view, scratch, "light_screen")
     packed, width, taper = view.pack(), np.float32(thickness.width), np.float32(thickness.taper)
     silhouette.rims(lines.first, lines.world, packed, width, taper, lines.scale, screen)

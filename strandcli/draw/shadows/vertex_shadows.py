@@ -1,4 +1,4 @@
-"""Shadows of strands on strands that are told vertex by vertex."""
+"""Interface of shadows that a model computes at strand vertices."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ EVENLY = np.array(
     ],
     np.uint64,
 )
-"""(`PLACES` + 1, LINES) words of which so many bits are set, evenly along each line and from line to line."""
+"""(`PLACES` + 1, LINES) words: row k has k bits set in each word, spread evenly along each line and between lines."""
 
 
 class StrandsInLight(NamedTuple):
-    """What a model knows when it is asked for the shadows in one light."""
+    """Input of `ShadowModel.vertex_shadows`."""
 
     lines: Polylines
     """All strands of the exposure."""
     thickness: Thickness
     opacity: float
-    """Of a strand, 0 to 1."""
+    """Opacity of a strand, 0 to 1."""
     bounds: NDArray[np.float64]
-    """(2, 3) the box about all strands, metres."""
+    """(2, 3) bounding box of all strands, metres."""
     workers: int
-    """Threads that may be used; what is found must not depend on them."""
+    """Number of threads; the result must not depend on it."""
     scratch: Scratch
     number: int
-    """Of the light among those whose model shades vertices."""
+    """Index of the light among those whose model shades vertices."""
 
 
 class VertexShadows:
@@ -48,22 +48,24 @@ class VertexShadows:
 
     @property
     def nbytes(self) -> int:
-        """Bytes that it takes."""
+        """Bytes of its arrays."""
         return 0
 
     def visibility(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32]
     ) -> None:
-        """Into out (V,): the share of the light, 0 to 1, that strands leave at the vertices with ``marks`` (V,), which
-        a camera sees at ``screen`` (V, 3), in samples. Others may be left as they are."""
+        """Write the visibility of the light, 0 to 1, at the vertices with non-zero ``marks`` (V,) to out (V,); other
+        entries are undefined. ``screen`` (V, 3): positions of the vertices in the camera's view, in samples."""
         raise NotImplementedError
 
-    def across(
+    def visibility_across(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
         eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
     ) -> None:  # fmt: skip
-        """As `visibility`, and into shades (n, LINES): what is dark across the pieces after the vertices that have
-        ``slots`` (V,) ≥ 0, a bit for each of `PLACES` places along each line. Here evenly."""
+        """Compute `visibility`, and write shadows across strands to shades (n, LINES).
+
+        The segment after each vertex with ``slots`` (V,) ≥ 0 has one row: a word for each line, a bit for each of
+        `PLACES` places along it, set where it is in shadow. This default spreads the shadow evenly."""
         wide = slots >= 0
         found = np.ones_like(out)
         self.visibility(lines, ((marks != 0) | wide).astype(np.uint8), screen, found)

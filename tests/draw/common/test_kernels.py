@@ -92,7 +92,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rim": (silhouette.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
     "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow line": (minmax.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
-    "through": (minmax.through, (ONE, ONE, ONE)),
+    "falloff": (minmax.falloff, (ONE, ONE, ONE)),
     "transmittance": (
         minmax.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
     ),
@@ -124,7 +124,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "plane": (plane.meet, (TABLE, 1, *[ONE] * 6)),
     "box": (box.meet, (TABLE, 1, *[ONE] * 6)),
     "normal": (rays.normal, (SOLIDS, 1, ONE, ONE, ONE)),
-    "penumbra": (penumbra.lit, (SOLIDS, RAY, ONE, ONE, ONE)),
+    "penumbra": (penumbra.soft_visibility, (SOLIDS, RAY, ONE, ONE, ONE)),
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, RAY, ONE, ONE)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.lit, (SOLIDS, *[ONE] * 8)),

@@ -71,9 +71,7 @@ def test_a_round_light_is_hidden_as_much_as_rays_find(name: str) -> None:
     found, right = [], []
     for x in np.linspace(-1.6, 1.6, 65):
         where = np.array([x, -1.2, 0.05])
-        one = penumbra.lit(
-            packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)
-        )
+        one = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0))
         found.append(float(one))
         right.append(by_rays(packed, where, middle, radius))
     assert min(right) < 0.5
@@ -95,7 +93,7 @@ def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
         middle -= where  # often enough toward the solid
         middle /= np.linalg.norm(middle)
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        tiny = penumbra.lit(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
+        tiny = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
         differ += abs(tiny - cast.lit(packed, *numbers)) > 0.01
     assert differ <= 2
 
@@ -109,7 +107,9 @@ def test_a_lamp_is_as_wide_as_it_is_near() -> None:
     where = np.array([0.0, 0.0, 0.0])
     reach = np.linalg.norm(lamp - where)
     way = (lamp - where) / reach
-    found = penumbra.lit(packed, ray_of(where, way, np.float32(reach)), SKIN, np.float32(radius), np.float32(1))
+    found = penumbra.soft_visibility(
+        packed, ray_of(where, way, np.float32(reach)), SKIN, np.float32(radius), np.float32(1)
+    )
     x = height / radius
     assert found == pytest.approx(1 - (math.acos(x) - x * math.sqrt(1 - x * x)) / math.pi, abs=1e-4)
 
@@ -149,7 +149,7 @@ def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
         middle = generator.normal(size=3) - 0.7 * where
         middle /= np.linalg.norm(middle)
         radius = math.sin(math.radians(generator.uniform(0.1, 30)))
-        clear = penumbra.lit(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)) == 1
+        clear = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)) == 1
         share = by_rays(packed, where, middle, radius, 60)
         assert share == 1 or not clear
         told += clear
@@ -180,7 +180,9 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
         soft_shadows.soft_shadows(work.reshape(-1), count, lights, 0, packed, SKIN)
         alone = [
-            penumbra.lit(packed, ray_of(where[k], ways[k], reach[k]), SKIN, lights[0, LIGHT_SIZE], lights[0, KIND])
+            penumbra.soft_visibility(
+                packed, ray_of(where[k], ways[k], reach[k]), SKIN, lights[0, LIGHT_SIZE], lights[0, KIND]
+            )
             for k in range(count)
         ]  # fmt: skip
         shares += alone

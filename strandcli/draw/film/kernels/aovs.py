@@ -251,7 +251,7 @@ def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
                 power = falloff * (RED * lights[i, POWER_R] + GREEN * lights[i, POWER_G] + BLUE * lights[i, POWER_B])
                 whole += power
                 ray = penumbra.LightRay(sx, sy, sz, lx, ly, lz, reach)
-                power *= penumbra.past(solids, ray, skin, lights, i, sized)
+                power *= penumbra.visibility(solids, ray, skin, lights, i, sized)
                 if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
                     power *= transmittance(px, py, pz, lights, i, texels, starts, sizes, views)
                 if power > ZERO and lights[i, MAP_LAYERS] > ZERO:

@@ -1,8 +1,8 @@
-"""The texels about points over which `percentage_closer` averages, and their weights.
+"""Filter windows of `percentage_closer`: the texels around each point, and their weights.
 
-The window of a point reaches R texels to each side. Where R is more than six texels only every second one is read,
-every fourth at more than twelve, and so on to every sixteenth at more than 48, so that no window costs more than one
-of six. The others fade out before, so that no step shows where they go.
+The window of a point has a radius of R texels. Where R exceeds 6 texels only every second texel is read, beyond 12
+every fourth, and so on to every sixteenth beyond 48, so that a window never costs more than one with R = 6. The weights
+of the skipped texels fade to zero before they are skipped, so that the transition does not show.
 """
 
 from __future__ import annotations
@@ -34,51 +34,51 @@ FOUR = np.float32(4.0)
 EIGHT = np.float32(8.0)
 SIXTEEN = np.float32(16.0)
 MOST = np.float32(6.0)
-"""Texels to each side that are read."""
+"""Greatest radius, in texels that are read."""
 WIDEST = SIXTEEN * MOST
-"""Texels to each side over which a light is averaged at the most."""
+"""Greatest radius, in texels of the map."""
 FADED = np.float32(0.75)
-"""Of `MOST`, from where on every other texel fades out."""
+"""Share of `MOST` at which every other texel begins to fade out."""
 
 
 @device
 def place_windows(work, n, step, least):
-    """Store the window of each point, and return the greatest number of columns and of rows that any has.
+    """Store the window of each of the first n points; return the greatest number of columns and of rows of any window.
 
-    Windows of points that the map does not hold, or whose radius is no more than `least` texels, are empty. Their
-    columns and rows are multiples of `step` texels, or of a multiple of that where the radius is large.
+    A window is empty if the point is outside of the map or the radius is at most `least` texels. Columns and rows are
+    `step` texels apart, or a power of two times that for a large radius.
     """
     for k in range(n):
         radius = work[RADIUS + k]
         u = work[U + k]
         v = work[V + k]
-        asked = (work[INSIDE + k] > ZERO) & (radius > least)
+        used = (work[INSIDE + k] > ZERO) & (radius > least)
         times = ONE if radius <= MOST else TWO if radius <= TWO * MOST else FOUR
         times = times if radius <= FOUR * MOST else EIGHT if radius <= EIGHT * MOST else SIXTEEN
         stride = step * times
         share = ONE / stride
-        left = -stride * below((radius - u) * share)
-        top = -stride * below((radius - v) * share)
+        left = -stride * floor((radius - u) * share)
+        top = -stride * floor((radius - v) * share)
         work[PER + k] = ONE / radius
         work[STRIDE + k] = stride
         work[FADE + k] = max((radius / (times * MOST) - FADED) * (ONE / (ONE - FADED)), ZERO)
         work[FIRST_U + k] = left
         work[FIRST_V + k] = top
-        work[LAST_U + k] = below(u + radius) if asked else left - stride
-        work[LAST_V + k] = below(v + radius) if asked else top - stride
+        work[LAST_U + k] = floor(u + radius) if used else left - stride
+        work[LAST_V + k] = floor(v + radius) if used else top - stride
     return widest(work, n, FIRST_U, LAST_U), widest(work, n, FIRST_V, LAST_V)
 
 
 @device
-def below(x):
-    """The greatest whole number that is no greater than x, in a form that LLVM vectorises."""
+def floor(x):
+    """Return the floor of x, in a form that LLVM vectorises."""
     whole = np.float32(np.int32(x))
     return whole - ONE if whole > x else whole
 
 
 @device
 def widest(work, n, first, last):
-    """The greatest number of columns, or of rows, of any window."""
+    """Return the greatest number of columns, or of rows, of any window."""
     out = ZERO
     for k in range(n):
         out = max(out, (work[last + k] - work[first + k]) / work[STRIDE + k] + ONE)
@@ -87,8 +87,9 @@ def widest(work, n, first, last):
 
 @device
 def place_texel(work, n, row, column, size):
-    """Store the place and weight of the texel in this row and column of each point's window, and add the weight to
-    `TOTAL`. row, column: counted from the window's first; size: texels a side of the map. All float32."""
+    """Store position and weight of the texel at this row and column of each point's window, and add the weight to
+    `TOTAL`; the row `ACROSS` is −1 outside of the map. row, column: from the window's first, float32; size: texels
+    along a side of the map, float32."""
     for k in range(n):
         stride = work[STRIDE + k]
         across = work[FIRST_U + k] + column * stride
@@ -111,5 +112,5 @@ def place_texel(work, n, row, column, size):
 
 @device
 def odd(half):
-    """1 where twice this number is odd, 0 where it is even."""
-    return TWO * (half - below(half))
+    """Return 1 where twice `half` is odd, 0 where it is even."""
+    return TWO * (half - floor(half))

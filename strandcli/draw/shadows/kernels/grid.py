@@ -1,7 +1,7 @@
-"""Strands as a light sees them, listed in the square cells of a grid that they touch, nearest first.
+"""Grid over a light's view that lists the strand segments overlapping each square cell, nearest first.
 
-A piece of a strand is a flat band there. Its key is the depth number, complemented so that nearer is smaller, above the
-index of the piece's first vertex.
+A segment of a strand is a flat band in this view. Its sort key has the complemented depth number, so that nearer is
+smaller, in the upper 32 bits, and the index of the segment's first vertex in the lower 32.
 """
 
 from __future__ import annotations
@@ -16,25 +16,26 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 BEHIND = np.float32(1 - 2e-6)
-"""What is as far away as a line, but for rounding, does not shade it."""
+"""Scales depth numbers of bands, so that rounding does not let a band shade a line at the same depth."""
 LOW = np.int64(0xFFFFFFFF)
 NEAREST = np.int64(0x7FFFFFFF)
-"""No less than the bits of any number that is not negative."""
+"""Greatest bit pattern of a non-negative float32."""
 SHIFT = np.int64(32)
-# Rows of numbers, one for each band of a cell: how far aside a point of the cell lies; how far along, in lengths; half
-# the width and the depth number at the band's beginning, and how much each grows to its end, evenly.
+# Rows of a cell's table, one entry a band. For a point (x, y) of the cell: signed distance from the band's axis
+# ASIDE_X x + ASIDE_Y y + ASIDE, and position along the axis, 0 to 1, ALONG_X x + ALONG_Y y + ALONG. Half width and
+# depth number at the band's beginning, and their linear growth to its end.
 ASIDE_X, ASIDE_Y, ASIDE, ALONG_X, ALONG_Y, ALONG, WIDTH, WIDENS, DEPTH, GROWS = range(10)
 ROWS = 10
 
 
 @parallel
 def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, keys):
-    """List in every cell the bands that touch it: how many there are, where `keys` is None, or else their keys.
+    """Count the bands that overlap each cell, if `keys` is None; otherwise store their keys.
 
-    first (S + 1,) int64; bands (V, 4): of each vertex x and y in cells, the depth number of `project.points`, half the
-    width in cells, which lines aside of the view's middle exceed up to `stretch` times; members, begin, rows, workers:
-    as in `minmax.fill`; at (size * size,) int64: counts, to be added to, or the place of each cell's next key; keys
-    (K,) int64.
+    first (S + 1,) int64; bands (V, 4): for each vertex x and y in cells, the depth number of `project.points`, and half
+    the width in cells, which perspective widens up to `stretch` times away from the view's axis; members, begin, rows,
+    workers: as in `minmax.fill`; at (size * size,) int64: counts that are incremented, or the index of each cell's next
+    key; keys (K,) int64.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -49,16 +50,17 @@ def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, k
 
 @device
 def list_one(bands, v, stretch, top, bottom, size, at, keys):
-    """All that `list_bands` does with the piece after vertex v in the rows from `top` to before `bottom`."""
+    """Count or list the segment after vertex v in the rows top <= row < bottom; arguments as in `list_bands`."""
     x0 = bands[v, 0]
     y0 = bands[v, 1]
     x1 = bands[v + 1, 0]
     y1 = bands[v + 1, 1]
     half = stretch * max(bands[v, 3], bands[v + 1, 3])
     key = nearness(max(bands[v, 2], bands[v + 1, 2])) | v
-    for row in range(whole(min(y0, y1) - half, top, bottom), whole(max(y0, y1) + half + ONE, top, bottom)):
+    begin = clamped_floor(min(y0, y1) - half, top, bottom)
+    for row in range(begin, clamped_floor(max(y0, y1) + half + ONE, top, bottom)):
         low, high = columns(x0, y0, x1, y1, half, row)
-        for column in range(whole(low, 0, size), whole(high + ONE, 0, size)):
+        for column in range(clamped_floor(low, 0, size), clamped_floor(high + ONE, 0, size)):
             cell = row * size + column
             if keys is not None:
                 keys[at[cell]] = key
@@ -67,19 +69,19 @@ def list_one(bands, v, stretch, top, bottom, size, at, keys):
 
 @inlined
 def nearness(q):
-    """The upper half of a key."""
+    """Return the upper half of a key, from the depth number q."""
     return (NEAREST - np.int64(np.float32(q).view(np.int32))) << SHIFT
 
 
 @inlined
-def whole(x, low, high):
-    """The greatest whole number that is no greater than x, kept between two others."""
+def clamped_floor(x, low, high):
+    """Return the floor of x, clamped to low … high."""
     return np.int64(min(max(math.floor(x), np.float32(low)), np.float32(high)))
 
 
 @inlined
 def columns(x0, y0, x1, y1, half, row):
-    """From where to where a band reaches in a row of cells, or somewhat further."""
+    """Return conservative bounds in x of a band within a row of cells."""
     begin = ZERO
     end = ONE
     rise = y1 - y0
@@ -95,10 +97,10 @@ def columns(x0, y0, x1, y1, half, row):
 
 @parallel
 def equations(first, bands, focal, middle, out):
-    """Of the piece after each vertex the numbers (V, 10) named above; of a strand's last vertex, those of no band.
+    """Write the table (V, ROWS) of the segments after each vertex; a strand's last vertex gets an empty band.
 
-    focal: cells that a metre is wide at a depth of one; 0 for an orthographic view; middle: of the view, in cells. A
-    cylinder whose axis is seen at an angle β from the middle is 1 / cos β times wider on the plane of the view.
+    focal: cells a metre at a depth of one metre, 0 for an orthographic view; middle: centre of the view, in cells. A
+    cylinder whose axis appears at an angle β from the view's axis is 1 / cos β times wider on the image plane.
     """
     for s in prange(first.shape[0] - 1):
         for v in range(first[s], first[s + 1]):
@@ -125,10 +127,10 @@ def equations(first, bands, focal, middle, out):
 
 @parallel
 def order(begin, size, table, keys, lines):
-    """Sort the keys of each cell, and write down their bands as rows of numbers, for places relative to its corner.
+    """Sort the keys of each cell, and write its table in this order, for points relative to the cell's corner.
 
-    begin (size * size + 1,) int64: where each cell's keys begin in keys, and a tenth of where its rows do in lines
-    (10 K,) float32; table (V, 10): of `equations`.
+    begin (size * size + 1,) int64: index of each cell's first key in keys (K,); its table begins at ROWS times that in
+    lines (ROWS K,) float32; table (V, ROWS): from `equations`.
     """
     for row in prange(size):
         for column in range(size):

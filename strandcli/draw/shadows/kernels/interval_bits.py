@@ -1,4 +1,4 @@
-"""Places along a line, a bit for each: set where it is dark."""
+"""Bit masks of positions along a line: a set bit is in shadow."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from ....jit import device, inlined
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 WORD = 64
-"""Bits of a word."""
+"""Bits a word."""
 NONE, ALL = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
 OPACITY_BITS = 8
 OPACITY_STEPS = np.int64(2**OPACITY_BITS)
-"""Steps of opacity: behind a strand that lets light through, opacity / `OPACITY_STEPS` of all bits are set."""
+"""Steps of opacity: a strand of opacity k / `OPACITY_STEPS` sets this share of the bits behind it."""
 
 
 @inlined
 def between_bits(since, until, w):
-    """The bits of word w among those from `since` to before `until`, which it has some of."""
+    """Return the mask of the bits since <= bit < until in word w, which must contain some of them."""
     first = np.uint64(max(since - WORD * w, 0))
     rest = np.uint64(max(WORD * (w + 1) - until, 0))
     return (ALL << first) & (ALL >> rest)
@@ -26,8 +26,8 @@ def between_bits(since, until, w):
 
 @device
 def darken(dark, since, until, opacity, v, w):
-    """Set the bits from `since` to before `until`, or as many of them as a band of this opacity darkens, by chance that
-    depends on line v and band w. Returns whether there are any."""
+    """Set the bits since <= bit < until of `dark`; return whether there are any. A translucent band sets a random
+    subset, with a seed that depends on line v and band w."""
     if since >= until:
         return False
     for word in range(since // WORD, (until - 1) // WORD + 1):
@@ -40,7 +40,7 @@ def darken(dark, since, until, opacity, v, w):
 
 @device
 def all_dark(dark, since, until):
-    """Whether all bits from `since` to before `until` are set."""
+    """Return whether all bits since <= bit < until are set."""
     for word in range(since // WORD, (until - 1) // WORD + 1):
         mask = between_bits(since, until, word)
         if dark[word] & mask != mask:
@@ -50,7 +50,7 @@ def all_dark(dark, since, until):
 
 @device
 def random_bits(seed, word, opacity):
-    """Random bits of which `opacity` in `OPACITY_STEPS` are set, the same for the same numbers (SplitMix64)."""
+    """Return a word of pseudorandom bits, each set with probability opacity / `OPACITY_STEPS` (SplitMix64)."""
     out = NONE
     state = seed + word * np.uint64(0xD1B54A32D192ED03)
     for i in range(OPACITY_BITS):
@@ -64,13 +64,12 @@ def random_bits(seed, word, opacity):
 
 @device
 def add_up(dark, sums, p):
-    """Into row p of sums: the share of the piece that is lit, and the integral of its light times the place t ∈ [0, 1]
-    along it."""
+    """Write to row p of sums the visibility of a segment: its mean, and the integral of visibility · t, t ∈ [0, 1]."""
     words = dark.shape[0]
     total = ZERO
     toward = ZERO
     for w in range(words):
-        x = ~dark[w]  # bits that are set: in each two, each four, each byte; then all bytes, and bytes by their number
+        x = ~dark[w]  # parallel bit count: pairs, nibbles, bytes; then the sum of bytes, and the sum weighted by index
         x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
         x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
         x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)

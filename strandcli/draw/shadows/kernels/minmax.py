@@ -45,11 +45,11 @@ STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
 
 @parallel
 def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
-    """Draw the strands' depths into a map that holds (inf, −inf) where nothing is drawn yet.
+    """Draw the strands' depths into a min/max map.
 
-    screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light,
-    or 0 for a perspective one, to turn that number back into metres; members, begin: bands as in `raster.visible`;
-    texels (size * size, 2) float32: nearest, farthest; (inf, −inf) where there is no strand.
+    screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light in
+    metres, 0 for a perspective one; near: its nearest depth, metres; members, begin, rows, workers: `bands.Bands`;
+    texels (size * size, 2) float32: nearest and farthest depth, metres; (inf, −inf) where there is no strand.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -58,7 +58,7 @@ def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
 
 @device
 def band(first, screen, members, begin, b, size, rows, far, near, texels):
-    """All that `fill` does in band number `b`."""
+    """Draw the strands of band number `b`; arguments as in `fill`."""
     top = b * rows
     bottom = min(top + rows, size)
     for m in range(begin[b], begin[b + 1]):
@@ -83,9 +83,9 @@ def band(first, screen, members, begin, b, size, rows, far, near, texels):
 
 @function
 def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
-    """One piece: a sample for each texel along its longer axis, at least one, so that none is lost between texels."""
+    """Draw one segment: a sample for each texel along its longer axis, and at least one."""
     length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
-    if length > np.float32(4 * size):  # a light so near that a piece is wider than its map
+    if length > np.float32(4 * size):  # the light is so near that a segment is longer than its map
         return
     steps = max(length, ONE)
     per = ONE / steps
@@ -109,15 +109,15 @@ def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
 
 @function
 def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
-    """Share of light that reaches a point, 0 to 1: x = (d − r) / (a − r) (printed upside down), y = (eˣ − 1) / (e − 1),
-    light scaled by 1 − y (thesis §3), averaged over the four nearest texels by distance.
+    """Return the share of light number i that reaches a point, 0 to 1; 1 where the point is outside of all its maps.
 
-    x, y, z metres; lights (n, `light_columns.COLUMNS`); maps, starts, sizes, views: `texels` … of `ShadowArrays`. A
-    point that no map of the light holds is lit.
+    x = (d − r) / (a − r) (the source prints its inverse), y = (eˣ − 1) / (e − 1), transmittance 1 − y (thesis §3),
+    interpolated bilinearly between four texels. x, y, z: metres; lights (n, `light_columns.COLUMNS`); maps, starts,
+    sizes, views: `texels` … of `ShadowArrays`.
     """
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         u, v, d = texel_of(x, y, z, views, one)
-        if not held(u, v, d, views, one, np.float32(sizes[one] - 1)):
+        if not in_map(u, v, d, views, one, np.float32(sizes[one] - 1)):
             continue
         low_u = np.floor(u)
         low_v = np.floor(v)
@@ -127,17 +127,18 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
         if farthest < ZERO:  # no strand in any of the four
             return ONE
         d -= lights[i, BIAS]
-        return between(
+        return bilinear(
             u - low_u, v - low_v,
-            through(d, maps[texel, 0], maps[texel, 1]), through(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
-            through(d, maps[below, 0], maps[below, 1]), through(d, maps[below + NEXT, 0], maps[below + NEXT, 1]),
+            falloff(d, maps[texel, 0], maps[texel, 1]), falloff(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
+            falloff(d, maps[below, 0], maps[below, 1]), falloff(d, maps[below + NEXT, 0], maps[below + NEXT, 1]),
         )  # fmt: skip
     return ONE
 
 
 @device
 def texel_of(x, y, z, views, one):
-    """Where a map shows a point: column and row, whole at the texels' middles, and its depth in metres."""
+    """Return column, row and depth (metres) of a point in map number `one`; columns and rows are integers at texel
+    centres."""
     sx = views[one, RIGHT_X] * x + views[one, RIGHT_Y] * y + views[one, RIGHT_Z] * z + views[one, RIGHT_SHIFT]
     sy = views[one, UP_X] * x + views[one, UP_Y] * y + views[one, UP_Z] * z + views[one, UP_SHIFT]
     d = views[one, FORWARD_X] * x + views[one, FORWARD_Y] * y + views[one, FORWARD_Z] * z + views[one, FORWARD_SHIFT]
@@ -146,25 +147,26 @@ def texel_of(x, y, z, views, one):
 
 
 @device
-def held(u, v, d, views, one, edge):
-    """Whether a map has four texels about a place. Its outermost are empty, so what lies beyond them is lit."""
+def in_map(u, v, d, views, one, edge):
+    """Return whether a point lies between four texels of a map. The outermost texels are empty, so points beyond them
+    are lit. edge: texels along a side − 1."""
     return (d >= views[one, NEAR_PLANE]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
 
 
 @device
-def between(u, v, one, right, below, corner):
-    """Bilinear among four texels."""
+def bilinear(u, v, one, right, below, corner):
+    """Interpolate bilinearly between four texels."""
     upper = one + u * (right - one)
     lower = below + u * (corner - below)
     return upper + v * (lower - upper)
 
 
 @function
-def through(d, r, a):
-    """1 − (eˣ − 1) / (e − 1) at depth d between the nearest r and the farthest a.
+def falloff(d, r, a):
+    """Return 1 − (eˣ − 1) / (e − 1), x = (d − r) / (a − r), at depth d between the nearest depth r and the farthest a.
 
-    Guarded where a = r: lit up to there, dark behind; lit where the texel is empty, with r = inf and a = −inf. e^x by
-    its Taylor polynomial of degree 6 about 1/2, 2e-6 on [0, 1].
+    Where a = r: 1 in front, 0 behind. Empty texels, with r = inf and a = −inf, give 1. eˣ is its Taylor polynomial of
+    degree 6 about 1/2; error 2e-6 on [0, 1].
     """
     x = min(max((d - r) / max(a - r, SMALL), ZERO), ONE)
     h = x - HALF

@@ -1,8 +1,8 @@
-"""The intervals of a line that bands of other strands darken.
+"""Intervals of a line that bands of other strands occlude.
 
-A line is followed from cell to cell of the grid over the light's view (`grid`). The bands of a cell are listed nearest
-first, so the list ends for the line where bands lie behind it. The inequalities are one loop over the bands, which
-becomes vector code.
+`darken_line` follows a line from cell to cell of the grid over the light's view (`grid`). The bands of a cell are
+sorted nearest first, so the search ends at the first band behind the line. The inequalities run as one loop over bands,
+which LLVM vectorises.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ from .grid import (
     ROWS,
     WIDENS,
     WIDTH,
+    clamped_floor,
     columns,
     nearness,
-    whole,
 )
 from .interval_bits import WORD, all_dark, darken
 
@@ -57,13 +57,13 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 BATCH = 64
-"""Bands that are held against a line at once."""
+"""Bands that are tested against a line at once."""
 
 
 class OccluderLists(NamedTuple):
-    """The bands of all strands, listed in the cells of a grid over each view of a light (see `grid`).
+    """Lists of all bands in the cells of a grid over each view of a light (see `grid`).
 
-    Several views are the six sides of a cube about a point light.
+    A point light inside of the groom has six views, the sides of a cube.
     """
 
     views: NDArray[np.float32]
@@ -71,75 +71,77 @@ class OccluderLists(NamedTuple):
     sizes: NDArray[np.int64]
     """(M,) cells along a side of each view's grid."""
     cells: NDArray[np.int64]
-    """(M,) the place of each view's first cell in `begin`."""
+    """(M,) index in `begin` of each view's first cell."""
     begin: NDArray[np.int64]
-    """(C + 1,) where the keys of each cell begin."""
+    """(C + 1,) index of each cell's first key."""
     keys: NDArray[np.int64]
     """(K,) keys, sorted in each cell."""
     rows: NDArray[np.float32]
-    """(`grid.ROWS` K,) the bands' numbers, as `grid.order` leaves them."""
+    """(`grid.ROWS` K,) tables of the bands, as written by `grid.order`."""
     opacity: int
-    """Of strands, in 1 / `interval_bits.OPACITY_STEPS`."""
+    """Opacity of strands, in 1 / `interval_bits.OPACITY_STEPS`."""
     bias: np.float32
-    """Metres in front of which nothing is shaded."""
+    """Depth bias, metres."""
 
 
 class OwnPieces(NamedTuple):
-    """Which parts of a piece its own strand does not shade (see `self_shade`)."""
+    """Parts of a segment that its own strand does not shade (see `self_shade`)."""
 
     low: int
     high: int
-    """First vertices of the first and the last piece that has such a part."""
+    """First vertices of the first and last segment of the strand that leave such a part."""
     root: int
     """First vertex of the strand."""
     parts: NDArray[np.float32]
-    """(pieces, 2) between which places t ∈ [0, 1] each piece of the strand does not shade; unset beyond low and
+    """(pieces, 2) interval t ∈ [0, 1] that each segment of the strand does not shade; undefined outside of low …
     high."""
 
 
 class Span(NamedTuple):
-    """The part of a line that lies in one cell."""
+    """The part of a line within one cell."""
 
     x0: np.float32
     y0: np.float32
-    """Where it begins, in cells from the cell's corner;"""
+    """Its beginning, in cells from the cell's corner."""
     q0: np.float32
-    """its depth number there."""
+    """Depth number at its beginning."""
     x1: np.float32
     y1: np.float32
     q1: np.float32
     begin: np.float32
     end: np.float32
-    """Places along the whole line, t ∈ [0, 1]."""
+    """Interval of the whole line, t ∈ [0, 1]."""
 
 
 @device
 def darken_line(ends, p, v, one, lists, own, cuts, dark):
-    """Darken a line, from row p of `ends` (n, 3), metres, to the next, which stands for the piece after vertex v, by
-    what view number `one` shows in front of it."""
+    """Set the bits of `dark` where bands in view number `one` occlude a line.
+
+    The line runs from row p of `ends` (n, 3), metres, to row p + 1, and represents the segment after vertex v; own:
+    `OwnPieces`; cuts (2 BATCH,): scratch."""
     views, size = lists.views, lists.sizes[one]
-    x0, y0, q0 = seen(ends, p, views, one, lists.bias)
-    x1, y1, q1 = seen(ends, p + 1, views, one, lists.bias)
+    x0, y0, q0 = project(ends, p, views, one, lists.bias)
+    x1, y1, q1 = project(ends, p + 1, views, one, lists.bias)
     if q0 <= ZERO or q1 <= ZERO:
         return
     dx = x1 - x0
     dy = y1 - y0
     dq = q1 - q0
-    # of a cube's sides none sees what is another's
+    # the sides of a cube overlap by a margin; each handles only its own part
     edge = np.float32(1.5) if views.shape[0] > 1 else ZERO
-    since, until = between(ZERO, ONE, x0 - edge, dx)
-    since, until = between(since, until, np.float32(size) - edge - x0, -dx)
-    since, until = between(since, until, y0 - edge, dy)
-    since, until = between(since, until, np.float32(size) - edge - y0, -dy)
+    since, until = clip(ZERO, ONE, x0 - edge, dx)
+    since, until = clip(since, until, np.float32(size) - edge - x0, -dx)
+    since, until = clip(since, until, y0 - edge, dy)
+    since, until = clip(since, until, np.float32(size) - edge - y0, -dy)
     if since >= until:
         return
-    for row in range(whole(min(y0, y1), 0, size), whole(max(y0, y1) + ONE, 0, size)):
+    for row in range(clamped_floor(min(y0, y1), 0, size), clamped_floor(max(y0, y1) + ONE, 0, size)):
         left, right = columns(x0, y0, x1, y1, ZERO, row)
-        above, under = between(since, until, y0 - np.float32(row), dy)
-        above, under = between(above, under, np.float32(row + 1) - y0, -dy)
-        for column in range(whole(left, 0, size), whole(right + ONE, 0, size)):
-            a, b = between(above, under, x0 - np.float32(column), dx)
-            a, b = between(a, b, np.float32(column + 1) - x0, -dx)
+        above, under = clip(since, until, y0 - np.float32(row), dy)
+        above, under = clip(above, under, np.float32(row + 1) - y0, -dy)
+        for column in range(clamped_floor(left, 0, size), clamped_floor(right + ONE, 0, size)):
+            a, b = clip(above, under, x0 - np.float32(column), dx)
+            a, b = clip(a, b, np.float32(column + 1) - x0, -dx)
             cell = lists.cells[one] + row * size + column
             if a < b and lists.begin[cell] < lists.begin[cell + 1]:
                 x = x0 - np.float32(column)
@@ -149,8 +151,8 @@ def darken_line(ends, p, v, one, lists, own, cuts, dark):
 
 
 @inlined
-def seen(world, v, views, one, bias):
-    """Where a view shows a vertex, in cells, and its depth number; 0 where it does not."""
+def project(world, v, views, one, bias):
+    """Return the position of vertex v in a view, in cells, and its biased depth number; 0 where it is not in front."""
     x = views[one, RIGHT_X] * world[v, 0] + views[one, RIGHT_Y] * world[v, 1] + views[one, RIGHT_Z] * world[v,
     2] + views[one, RIGHT_SHIFT]
     y = views[one, UP_X] * world[v, 0] + views[one, UP_Y] * world[v, 1] + views[one, UP_Z] * world[v, 2] + views[one,
@@ -170,10 +172,10 @@ def seen(world, v, views, one, bias):
 
 
 @inlined
-def between(a, b, value, slope):
-    """The part of a <= t <= b where value + slope · t >= 0; where there is none it ends before it
-    begins, or there."""
-    root = -value / slope  # where the slope is 0 this is not used
+def clip(a, b, value, slope):
+    """Return the part of the interval a <= t <= b where value + slope · t >= 0; if it is empty, the end is not greater
+    than the beginning."""
+    root = -value / slope  # not used where the slope is 0
     low = max(a, root) if slope > ZERO else a
     high = min(b, root) if slope < ZERO else b
     return low, low if (slope == ZERO) & (value < ZERO) else high
@@ -181,8 +183,7 @@ def between(a, b, value, slope):
 
 @device
 def darken_span(span, cell, v, lists, own, cuts, dark):
-    """Darken the part of a line that lies in a cell, and stands for the piece after vertex v, by the bands listed
-    there that are in front of it."""
+    """Set the bits of `dark` where the bands of a cell occlude the `Span`; arguments as in `darken_line`."""
     keys = lists.keys
     i = lists.begin[cell]
     n = lists.begin[cell + 1] - i
@@ -216,7 +217,9 @@ def darken_span(span, cell, v, lists, own, cuts, dark):
 
 @device
 def cut(lines, at, n, count, span, cuts):
-    """Into two rows of `cuts`: from where to where each of `count` bands covers a line, whose ends are 0 and 1."""
+    """Write the interval, t ∈ [0, 1], in which each of `count` bands occludes a span to the two rows of `cuts`.
+
+    lines: `OccluderLists.rows`; at: index of the first band in the first row; n: bands of the cell."""
     xa, ya, qa, xb, yb, qb = span.x0, span.y0, span.q0, span.x1, span.y1, span.q1
     for k in range(count):
         here = np.uint64(at + k)
@@ -236,11 +239,11 @@ def cut(lines, at, n, count, span, cuts):
         grows = lines[here + np.uint64(GROWS * n)]
         half += ua * widens
         widens *= ub - ua
-        low, high = between(ZERO, ONE, half - sa, widens + sa - sb)
-        low, high = between(low, high, half + sa, widens + sb - sa)
-        low, high = between(low, high, ua, ub - ua)
-        low, high = between(low, high, ONE - ua, ua - ub)
+        low, high = clip(ZERO, ONE, half - sa, widens + sa - sb)
+        low, high = clip(low, high, half + sa, widens + sb - sa)
+        low, high = clip(low, high, ua, ub - ua)
+        low, high = clip(low, high, ONE - ua, ua - ub)
         da = q + ua * grows - qa
-        low, high = between(low, high, da, q + ub * grows - qb - da)
+        low, high = clip(low, high, da, q + ub * grows - qb - da)
         cuts[k] = low
         cuts[BATCH + k] = high

@@ -1,4 +1,4 @@
-"""Building a deep opacity map (see `opacity`): extents of cells, layers between them, and what strands add to these."""
+"""Building of deep opacity maps (see `opacity`): extents of cells, layers between them, and splatting of strands."""
 
 from __future__ import annotations
 
@@ -17,51 +17,51 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 SHORT = np.float32(1.5)
-"""Texels. A spot is two texels wide."""
+"""Longest segment, in texels, that is splatted as one sample, whose footprint is two texels wide."""
 
 
 class StrandsInMap(NamedTuple):
-    """Strands as a light sees them."""
+    """Strands projected into a light's view."""
 
     first: NDArray[np.int64]
-    """(S + 1,) first vertex of each strand, and one more than the last."""
+    """(S + 1,) first vertex of each strand, and the number of vertices."""
     screen: NDArray[np.float32]
     """(V, 3) x and y in texels, and the depth number of `project.points`."""
     width: Any
-    """float32: metres at the root, of which `taper` is lost to the tip."""
+    """float32: metres at the root; the width at the tip is smaller by the share `taper`."""
     taper: Any
     """float32, 0 to 1."""
     scale: NDArray[np.float32] | None
-    """(S,) factor of each strand's width, or None: 1."""
+    """(S,) factor of each strand's width; None stands for 1."""
 
 
 class MapView(NamedTuple):
-    """What of a light's view turns depth numbers into metres and metres into texels."""
+    """Constants of a light's view that convert depth numbers to metres and metres to texels."""
 
     far: Any
     """float32: depth range of an orthographic view, metres, or 0 for a perspective one."""
     near: Any
     """float32: nearest depth of an orthographic view, metres."""
     focal: Any
-    """float32: texels a metre; of a perspective view at a depth of one."""
+    """float32: texels a metre; for a perspective view at a depth of one metre."""
 
 
 class OpacityMap(NamedTuple):
-    """One map while it is built."""
+    """One map under construction."""
 
     extents: NDArray[np.float32]
-    """(cells, 2) nearest and farthest depth, metres, (inf, −inf) where there is no strand; or what `divide` makes of
-    them: nearest depth, and layers (1 + h / depth range), 0 where there is no strand."""
+    """(cells, 2) before `divide`: nearest and farthest depth, metres, (inf, −inf) in empty cells; after it: nearest
+    depth and layers (1 + h / depth range), 0 in empty cells."""
     over: Any
     """float32: 1 / h, 1/m."""
     layers: int
     stacks: NDArray[np.float32] | None
-    """(`opacity.numbers_of`,) the map itself; None while its extents are found."""
+    """(`opacity.numbers_of`,) the map itself; None in the pass that finds the extents."""
 
 
 @parallel
 def draw(strands, bands, size, view, opacity_map):
-    """Draw strands into one map: into its extents where its `stacks` is None, else into the layers between them.
+    """Draw strands into one map: widen its extents if its `stacks` is None, otherwise add to its layers.
 
     strands: `StrandsInMap`; bands: `zbuffer.kernels.bands.Bands`, whose rows are even; size: texels along a side, even;
     view: `MapView`; opacity_map: `OpacityMap`.
@@ -78,13 +78,13 @@ def draw(strands, bands, size, view, opacity_map):
 
 @device
 def width_of(width, scale, s):
-    """Width of strand s at its root, metres."""
+    """Return the width of strand s at its root, metres."""
     return width if scale is None else width * scale[s]
 
 
 @device
 def draw_strand(strands, s, width, window, view, opacity_map, stacks):
-    """Draw what lies in the window of strand s, which is `width` metres wide at its root; stacks: those of the map."""
+    """Draw the part of strand s within the window; width: at its root, metres; stacks: those of the map."""
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a, end = strands.first[s], strands.first[s + 1]
     thin = width * strands.taper / np.float32(max(end - a - 1, 1))
@@ -99,7 +99,7 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks):
         x1 = screen[v, 0]
         y1 = screen[v, 1]
         q1 = screen[v, 2]
-        # the spots of a segment reach half a texel further than itself, so segments beside these rows count too
+        # footprints of samples extend beyond the segment, so segments next to these rows count too
         if max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE:
             continue
         if q0 <= ZERO or q1 <= ZERO:
@@ -108,7 +108,7 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks):
         d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         w = (width - thin * (np.float32(v - a) - HALF)) * scale
-        if far <= ZERO:  # as a lamp sees it
+        if far <= ZERO:  # perspective widens strands away from the axis
             w *= wider(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:
             widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
@@ -118,8 +118,8 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks):
 
 @function
 def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
-    """Widen the extents of all cells in the window that `accumulate_segment` may add to, by parts of the segment so
-    short that few other cells are widened. x, y in texels, d in metres; extents: of `OpacityMap`."""
+    """Widen the extents of all cells in the window to which `accumulate_segment` may add. The segment is divided into
+    short parts, so that few other cells are widened. x, y: texels; d: metres; extents: of `OpacityMap`."""
     top, bottom, size = window
     dx = x1 - x0
     dy = y1 - y0
@@ -148,12 +148,12 @@ def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
 
 @function
 def accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map):
-    """Add a segment to the layers of a map: a spot for each texel of its length, in depth too, or one in the middle of
-    what is no longer than `SHORT`. x, y and the width w in texels, d in metres; scale: texels a metre."""
+    """Splat a segment into the layers of a map: one sample for each texel of its greatest extent, depth included, or
+    one at its centre if that is at most `SHORT`. x, y and the width w: texels; d: metres; scale: texels a metre."""
     dx = x1 - x0
     dy = y1 - y0
     length = max(max(abs(dx), abs(dy)), abs(d1 - d0) * scale)
-    if not length <= np.float32(4 * window.width):  # a light so near that a piece is wider than its map
+    if not length <= np.float32(4 * window.width):  # the light is so near that a segment is longer than its map
         return
     spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
     per = ONE / np.float32(spots)
@@ -170,8 +170,8 @@ def accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map):
 
 @device
 def splat(u, v, d, share, window, opacity_map):
-    """Divide a share, texels², among the four texels that a place (u, v) lies between, and add what falls on those in
-    the window to their layers at the depth d, metres."""
+    """Distribute an area `share`, texels², bilinearly to the four texels around (u, v), in their layers at the depth d,
+    metres; texels outside of the window are skipped."""
     top, bottom, size = window
     heads, over, layers, stacks = opacity_map
     left = np.floor(u)
@@ -199,10 +199,10 @@ def splat(u, v, d, share, window, opacity_map):
 
 @function
 def number_cells(extents, rows):
-    """Number the cells that strands cross, from 1 on, and return how many there are.
+    """Number the cells that contain strands from 1 on; return how many there are.
 
-    extents (cells, 2): of `OpacityMap`; rows (cells,) out: the numbers, 0 where there is no strand. float32 holds every
-    whole number up to as many cells as the largest map has.
+    extents (cells, 2): of `OpacityMap`; rows (cells,) out: the numbers, 0 for empty cells. float32 represents every
+    integer up to the greatest number of cells.
     """
     count = np.int64(0)
     for cell in range(extents.shape[0]):
@@ -214,10 +214,10 @@ def number_cells(extents, rows):
 
 @parallel
 def divide(extents, layers, least, over, rows, stacks):
-    """Make empty layers between the extents of each cell, and replace these by the head of the cell's row.
+    """Initialise the rows of all cells with empty layers, and replace the extents by the heads of these rows.
 
-    extents (cells, 2) metres, taken to be `least` metres apart or more; over: 1 / h, 1/m; rows (cells,): of
-    `number_cells`; stacks (`opacity.numbers_of`,) out.
+    extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `number_cells`;
+    stacks (`opacity.numbers_of`,) out.
     """
     stride = HEAD + FIVE * (layers + 1)
     cells = extents.shape[0]
@@ -240,9 +240,9 @@ def divide(extents, layers, least, over, rows, stacks):
 
 @parallel
 def sum_layers(cells, layers, stacks):
-    """Turn what is in each layer into what is in front of the layer's end, and add the mean of a cell's four texels.
+    """Replace the τ of each layer by the cumulative τ in front of its end, and store the mean of each cell's texels.
 
-    cells: of the map; stacks (`opacity.numbers_of`,), in place.
+    cells: number of the map's cells; stacks (`opacity.numbers_of`,): changed in place.
     """
     stride = HEAD + FIVE * (layers + 1)
     for row in prange((stacks.shape[0] - cells) // stride - 1):

@@ -1,13 +1,13 @@
-"""Shadows of solids in lights that have a size: how much of a round light stands free of them.
+"""Soft shadows of solids: the visible share of a light that has a size.
 
-A light is a disc of angular radius α about the direction to its middle. The angle from there to the edge of a solid, as
-seen from a point, is negative inside; of all solids the least one counts, as if its edge were straight where it cuts
-the disc:
+A light is a disc of angular radius α around the direction to its centre. The signed angle from there to the edge of a
+solid, as seen from the shaded point, is negative inside of the solid's outline. The least angle of all solids counts,
+with an edge that is taken to be straight across the disc:
 
-    1 − (acos x − x √(1 − x²)) / π,  x = sin(angle) / sin α.
+    visibility = 1 − (acos x − x √(1 − x²)) / π,  x = sin(angle) / sin α.
 
-Exact for planes; else for edges that are straight over the light's width. Where several solids cut a light from
-different sides, too much of it is left.
+This is exact for planes, and otherwise where edges are straight over the light's width. Where several solids cover a
+light from different sides it overestimates the visibility.
 """
 
 from __future__ import annotations
@@ -28,38 +28,38 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 SHARP = np.float32(1e-6)
-"""Sine of the radius of a light without a size among others."""
+"""Sine of the angular radius of a light without a size, in scenes where another light has one."""
 CLEAR = np.float32(2.0)
-"""More than any sine: not in the way at all."""
+"""Stands for no occlusion; greater than any sine."""
 SURELY = np.float32(1.0001)
 INV_PI = np.float32(1 / math.pi)
 CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
 STEPS = np.int64(32)
-"""Of a search along the way to the light."""
+"""Steps of a search along the ray to the light."""
 ALONG = np.int64(16)
-"""Along an axis."""
+"""Steps of a search along a capsule's axis."""
 
 
 class LightRay(NamedTuple):
-    """The way from a point to a light's middle; numbers are float32."""
+    """The ray from a point to a light's centre; numbers are float32."""
 
     x: Any
     """The point (x, y, z), metres."""
     y: Any
     z: Any
     lx: Any
-    """The unit direction (lx, ly, lz) to the light's middle."""
+    """The unit direction (lx, ly, lz) to the light's centre."""
     ly: Any
     lz: Any
     reach: Any
-    """Metres to the light's middle."""
+    """Distance to the light's centre, metres."""
 
 
 class Axis(NamedTuple):
     """A capsule's axis; numbers are float32."""
 
     x: Any
-    """The vector (x, y, z) from its first end to the other, metres."""
+    """The vector (x, y, z) from its first end to its second, metres."""
     y: Any
     z: Any
     square: Any
@@ -67,19 +67,20 @@ class Axis(NamedTuple):
 
 
 @device
-def past(solids, ray, skin, lights, i, sized):
-    """Share of light number i that solids leave along a `LightRay`: `rays.lit`, or `lit` where any light has a size."""
+def visibility(solids, ray, skin, lights, i, sized):
+    """Return the visibility of light number i past solids along a `LightRay`: `rays.lit`, or `soft_visibility` if any
+    light has a size."""
     if sized is None:
         return rays.lit(solids, ray.x, ray.y, ray.z, ray.lx, ray.ly, ray.lz, ray.reach, skin)
-    return lit(solids, ray, skin, lights[i, LIGHT_SIZE], lights[i, KIND])
+    return soft_visibility(solids, ray, skin, lights[i, LIGHT_SIZE], lights[i, KIND])
 
 
 @function
-def lit(solids, ray, skin, size, point):
-    """Share of a round light, 0 to 1, that a point sees past all `strandcli.solids.Solids`.
+def soft_visibility(solids, ray, skin, size, point):
+    """Return the visible share of a disc light, 0 to 1, past all `strandcli.solids.Solids`.
 
-    ray: `LightRay`; skin: metres, as in `rays.lit`; size: sine of the light's angular radius, or where ``point`` is 1
-    its radius in metres.
+    ray: `LightRay`; skin: metres, as in `rays.lit`; size: sine of the light's angular radius, or its radius in metres
+    if ``point`` is 1.
     """
     x, y, z, lx, ly, lz, reach = ray
     radius = seen_from(size, point, reach)
@@ -112,20 +113,22 @@ def lit(solids, ray, skin, size, point):
 
 @inlined
 def seen_from(size, point, reach):
-    """Sine of a light's angular radius, from a point at that distance."""
+    """Return the sine of a light's angular radius, seen from the distance `reach`."""
     return max(min(size / reach, ONE) if point > ZERO else size, SHARP)
 
 
 @inlined
 def share(least, radius):
-    """Share of a light that is left, from the sines of the least angle from its middle to an edge and of its radius."""
+    """Return the visible share of a light, from the sine of the least angle from its centre to an edge, and the sine of
+    its angular radius."""
     side = max(least / radius, -ONE)
     return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
 
 
 @inlined
 def ball(r, cx, cy, cz, lx, ly, lz, reach):
-    """Sine of the angle from the light's middle to the edge of a ball whose centre is at c from the point."""
+    """Return the sine of the angle from the light's centre to the edge of a ball of radius r, whose centre is at c
+    relative to the point; `CLEAR` if it is not between the point and the light."""
     t = cx * lx + cy * ly + cz * lz
     cc = cx * cx + cy * cy + cz * cz
     ex = cx - t * lx
@@ -140,8 +143,8 @@ def ball(r, cx, cy, cz, lx, ly, lz, reach):
 
 @inlined
 def aside(r, cx, cy, cz, lx, ly, lz, radius):
-    """Whether a light is surely seen past a whole ball: its centre is further off the light's middle line, t along
-    it, than what the cone about the light, of sine ``radius``, and the ball itself reach."""
+    """Return whether a ball certainly leaves the whole light visible: its centre is farther from the ray than the sum
+    of its radius and that of the cone around the light, whose sine is ``radius``."""
     t = cx * lx + cy * ly + cz * lz
     ex = cx - t * lx
     ey = cy - t * ly
@@ -151,17 +154,19 @@ def aside(r, cx, cy, cz, lx, ly, lz, radius):
 
 @inlined
 def beside(r, off, t, radius):
-    """Whether a light is surely seen past a ball, as `aside`; off: squared distance of the centre off the line."""
+    """Return the same as `aside`, from the squared distance `off` of the ball's centre from the ray, and its position t
+    along the ray."""
     reach = r + t * radius
     return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
 
 
 @device
 def capsule(p, m, ray, skin, radius):
-    """Sine of the angle from the light's middle to the edge of row m of the capsules p: the least `ball` on the axis,
-    along which there is one minimum, since a capsule is convex.
+    """Return the sine of the angle from the light's centre to the edge of row m of the capsules p: the least `ball` on
+    its axis, along which there is a single minimum because a capsule is convex.
 
-    ray: `LightRay`; skin: metres; radius: sine of the light's own; angles beyond that may be found too large.
+    ray: `LightRay`; skin: metres; radius: sine of the light's angular radius. Angles greater than that radius may be
+    overestimated.
     """
     x, y, z, lx, ly, lz, reach = ray
     bx = p[m, 3]
@@ -179,17 +184,17 @@ def capsule(p, m, ray, skin, radius):
     if free:
         return CLEAR
     least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
-    if least <= -radius:  # the whole light is hidden already
+    if least <= -radius:  # the whole light is already occluded
         return least
     return min(least, lowest_on_axis((r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach), ZERO, ONE, ALONG))
 
 
 @inlined
 def nearest(r, wx, wy, wz, axis, lx, ly, lz, radius):
-    """Whether a light is surely seen past a whole capsule, and the place in [0, 1] on its axis nearest to the way to
-    the light.
+    """Return whether a capsule certainly leaves the whole light visible, and the position in [0, 1] on its axis nearest
+    to the ray to the light.
 
-    r: metres; w: from the point to the first end of the `Axis`; radius: sine of the light's own.
+    r: metres; w: from the point to the first end of the `Axis`; radius: sine of the light's angular radius.
     """
     bx, by, bz, bb = axis
     bw = -(bx * wx + by * wy + bz * wz)
@@ -209,10 +214,11 @@ def nearest(r, wx, wy, wz, axis, lx, ly, lz, radius):
 
 @device
 def box(p, m, ray, skin, radius):
-    """Sine of the angle from the light's middle to the edge of row m of the boxes p: the least of the box's distance
-    over the distance travelled, which has one minimum on the way to the light because a box is convex.
+    """Return the sine of the angle from the light's centre to the edge of row m of the boxes p: the least quotient of
+    the box's distance and the distance along the ray, which has a single minimum because a box is convex.
 
-    ray: `LightRay`; skin: metres; radius: sine of the light's own; angles beyond that may be found too large.
+    ray: `LightRay`; skin: metres; radius: sine of the light's angular radius. Angles greater than that radius may be
+    overestimated.
     """
     x, y, z, lx, ly, lz, reach = ray
     cx = x - p[m, 0]
@@ -233,12 +239,12 @@ def box(p, m, ray, skin, radius):
     high = min(around - (ox * dx + oy * dy + oz * dz), reach)
     if high <= ZERO:
         return CLEAR
-    return lowest_on_way((ox, oy, oz, dx, dy, dz, hx, hy, hz), high * SHARP, high, STEPS)
+    return lowest_on_ray((ox, oy, oz, dx, dy, dz, hx, hy, hz), high * SHARP, high, STEPS)
 
 
 @device
-def away(x, y, z, hx, hy, hz):
-    """Distance of a point from a box of half extents h about the origin, negative inside."""
+def box_distance(x, y, z, hx, hy, hz):
+    """Return the signed distance of a point from a box of half extents h around the origin, negative inside."""
     ax = abs(x) - hx
     ay = abs(y) - hy
     az = abs(z) - hz
@@ -250,21 +256,21 @@ def away(x, y, z, hx, hy, hz):
 
 @device
 def on_axis(s, at):
-    """`ball` of the ball at the place s of a capsule's axis, from w along b."""
+    """Return `ball` of the ball at position s of a capsule's axis, which goes from w along b."""
     r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach = at
     return ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
 
 
 @device
-def on_way(t, at):
-    """A box's distance, at the distance t from o along d, over t."""
+def on_ray(t, at):
+    """Return the distance of a box from the point at distance t from o along d, divided by t."""
     ox, oy, oz, dx, dy, dz, hx, hy, hz = at
-    return away(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
+    return box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
 
 
 def search(of: Any) -> Any:
-    """A kernel's search for the least value of a function of (t, at): (at, low, high, steps) to that value, where
-    between low and high there is one minimum. By golden sections."""
+    """Return a device function (at, low, high, steps) that finds the least value of of(t, at) for low <= t <= high by
+    golden-section search. There must be a single minimum."""
 
     @device
     def lowest(at, low, high, steps):
@@ -291,4 +297,4 @@ def search(of: Any) -> Any:
 
 
 lowest_on_axis = search(on_axis)
-lowest_on_way = search(on_way)
+lowest_on_ray = search(on_ray)

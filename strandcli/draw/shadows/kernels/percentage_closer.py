@@ -1,21 +1,21 @@
-"""Shadows of strands on solids, from deep opacity maps.
+"""Shadows of strands on solids: percentage-closer filtering of deep opacity maps.
 
-On strands the steps between texels do not show; on smooth skin each texel shows as a square. So what is left of the
-light is averaged over the texels about a point (percentage-closer filtering, Reeves, Salesin & Cook 1987), by weights
-that fall smoothly to zero at R texels, (1 − (x / R)²)² along each side. R is a texel and a half at the least, where the
-weights are close to a quadratic spline, and more where the light has a size: the shadow of strands at a distance D is
-blurred by a disc of the light's angular radius times D, of which a texel itself is a part. D is the mean distance of
-the strands that hide the light, by how much each texel hides, over every other texel as far as strands in the map's
-middle would blur, or at its front for points before that (Fernando 2005): what touches the skin is blurred little,
-however far away the rest of the groom is. Where R is large only some texels are read (`filter_window`).
+The steps between texels do not show on strands, but on a smooth surface each texel would show as a square. So the
+transmittance is averaged over the texels around a point (percentage-closer filtering, Reeves, Salesin & Cook 1987),
+with weights (1 − (x / R)²)² along each axis. The radius R is at least 1.5 texels, where the weights are close to a
+quadratic B-spline, and more where the light has a size: a disc of the light's angular radius times D blurs the shadow
+of strands at a distance D (percentage-closer soft shadows, Fernando 2005). D is the mean distance of the occluders,
+weighted by their opacity, over every other texel within the blur of strands at the map's centre, or at its front for
+points in its front half. So the shadow of strands that touch the skin is sharp even if the rest of the groom is far
+away. Where R is large only some texels are read (`filter_window`).
 
-Light that strands scatter leaves in all directions and arrives beside their shadow, the more so the further behind
-them a point is. Of what a disc scatters, a share of about w / (w + g) falls on a disc of its size at a distance g, w
-being .6 of its radius (their view factor). What is translucent of a groom is its fringe: w is taken as a sixteenth of
-the map's width. Without this a coat's shadow would have a warm rim far from it, and not on the skin under it alone.
+Light that strands scatter leaves them in all directions and arrives beside their shadow, the more of it the farther
+behind them a point is. About w / (w + g) of the light scattered by a disc falls on an equal disc at a distance g, where
+w is .6 of its radius (from the view factor). Translucent is only the fringe of a groom, so w is one sixteenth of the
+map's width. Without this the shadow of a coat would have a warm rim far from it, not only on the skin beneath.
 
-On a ground under a thousand strands the mean error against rays to all of a light is .023 where it is blurred by three
-texels, .037 without the filter; where by one and less, .038 with it and .033 without.
+On a ground under a thousand strands the mean error against rays to the whole light is .023 with the filter and .037
+without it where the blur is three texels; .038 and .033 where it is one texel or less.
 """
 
 from __future__ import annotations
@@ -58,29 +58,29 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 LEAST = np.float32(1.5)
-"""Texels to each side over which a light is averaged at the least."""
+"""Least radius of the filter, texels."""
 DISC = np.float32(7.0 / 4.0)
 TEXEL = np.float32(7.0 / 12.0)
-"""R² of weights, whose variance is R² / 7, for that of a disc of radius one, a quarter, and of a texel, a twelfth."""
+"""R² of the weights, whose variance is R² / 7, with the variance of a unit disc, 1/4, and of a texel, 1/12."""
 DARK = np.float32(1e-6)
 FEW = np.float32(1e-3)
-"""Weight of strands that hide next to nothing."""
+"""Initial weight of the mean occluder distance, for points that hardly anything occludes."""
 STEP = 2
-"""Texels from one whose strands' distance is read to the next."""
+"""Distance, in texels, between the texels that the occluder search reads."""
 WIDE = np.float32(1 / 16)
-"""The w of scattered light, of a map's width."""
+"""w of scattered light, as a share of a map's width."""
 
 
 @function
 def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
-    """Store the share of light number i, in red, green and blue, that strands leave the first n points of a batch.
+    """Store the transmittance of light number i, in red, green and blue, at the first n points of a batch.
 
-    Rows of `surface_batch`: from the points' places and `ARRIVES` to `LEFT`, which is 1 where nothing arrives.
-    lights … views: as of `opacity.optical_depth`; loss (m, 3): of `strandcli.draw.fibre.dual.loss_table`, no rows where
-    strands shade in grey, by e^-τ.
+    Reads the rows of positions and `ARRIVES` of `surface_batch`, and writes `LEFT`, which is 1 where no light arrives.
+    lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 3): from
+    `strandcli.draw.fibre.dual.loss_table`, no rows where strands absorb all colours alike, by 1 − e^-τ.
     """
-    # The loop over texels is the outer one: a texel is the same place in the windows of all points, and weighs nothing
-    # where it is beyond a point's window.
+    # The loop over texels is the outer one: every point uses the texel at the same offset in its window, with weight 0
+    # where its window is smaller.
     for k in range(n):
         work[INSIDE + k] = ZERO
     for k in range(3 * W):
@@ -113,19 +113,20 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
                 left = ONE - work[row + k] * (ONE / max(work[TOTAL + k], DARK))
                 work[LEFT + c * W + k] = left if work[INSIDE + k] > ZERO else work[LEFT + c * W + k]
         for k in range(n):
-            work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+            work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: shaded by an earlier map
 
 
 @device
 def locate(work, n, lights, i, views, one, size):
-    """Store where map number `one`, `size` texels a side, shows each point: rows `U`, `V` in texels, `DEPTH` in metres;
-    1 in the row `INSIDE` where light arrives and no map before held the point; and in `RADIUS` the blur, texels, of
-    strands in the map's middle, or at its front for points in its front half."""
+    """Project the points into map number `one`, `size` texels a side, and store their filter radius for the search.
+
+    Rows: `U`, `V` (texels), `DEPTH` (metres); `INSIDE` is 1 where light arrives and no earlier map contains the point;
+    `RADIUS` (texels) is for occluders at the map's centre, or at its front for points in its front half."""
     edge = np.float32(size - 1)
     flat = views[one, PERSPECTIVE] == ZERO
     near = views[one, NEAR_PLANE]
     fine = views[one, FOCAL]
-    # beside a perspective map begins the next one of the same light
+    # perspective maps of one light adjoin each other, so their windows must not extend beyond them
     wide = ONE if flat else ZERO
     for k in range(n):
         u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
@@ -150,14 +151,14 @@ def locate(work, n, lights, i, views, one, size):
 
 @device
 def radius_for(blur):
-    """Texels to each side over which a light is averaged that strands blur by a disc of that radius, texels."""
+    """Return the filter radius, texels, for a blur by a disc of radius `blur`, texels."""
     return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
 
 
 @device
 def find_blur(work, n, size, start, over, layers, stacks):
-    """Set the rows `RADIUS`, texels, by the mean distance of the strands that hide the light from each point; rows of
-    points that no strand hides, or whose radius is the least already, stay.
+    """Set the rows `RADIUS`, texels, from the mean distance of the strands that occlude each point. Points without
+    occluders, and those whose radius is already the least, keep theirs.
 
     size: texels a side, float32; start, over, layers, stacks: as of `opacity.in_front`.
     """
@@ -184,14 +185,14 @@ def find_blur(work, n, size, start, over, layers, stacks):
 
 @device
 def count_in_front(work, n, start, size, over, layers, stacks):
-    """Store the optical depth in front of each point at the texel of rows `ACROSS`, `DOWN`, 0 where there is none, and
-    where the strands of its cell begin and end, metres: rows `PASSED`, `FRONT`, `BACK`."""
+    """Store for each point, at the texel of the rows `ACROSS`, `DOWN`: the optical depth in front of it (`PASSED`, 0
+    without a texel), and the nearest and farthest depth of the cell's strands, metres (`FRONT`, `BACK`)."""
     rows, maps = pointer(work), pointer(stacks)
     half = size >> 1
     body = start + half * half
     most = np.float32(layers)
     stride = opacity.HEAD + opacity.FIVE * (layers + 1)
-    for k in range(n, W):  # the last vector's other lanes read something too
+    for k in range(n, W):  # the unused lanes of the last vector must read valid texels
         work[ACROSS + k] = -ONE
     for k in range(0, n, lane_count(rows)):
         across = load(rows, ACROSS + k)
@@ -202,7 +203,7 @@ def count_in_front(work, n, start, size, over, layers, stacks):
         number = gather(maps, start, up, half, left)
         layer, part, _, _ = opacity.layers_at(load(rows, DEPTH + k), maps, body, number, over, layers)
         which = TWO * (row - (up + up)) + (column - (left + left))
-        passed = where(there, opacity.within(maps, body, number, layer, part, which, layers), ZERO)
+        passed = where(there, opacity.depth_at(maps, body, number, layer, part, which, layers), ZERO)
         front = gather(maps, body, number, stride, ZERO)
         ended = gather(maps, body, number, stride, ONE)
         some = passed > ZERO
@@ -213,8 +214,8 @@ def count_in_front(work, n, start, size, over, layers, stacks):
 
 @device
 def add_loss(work, n, loss):
-    """Add to the rows `LOST` the light that strands at that texel take from each point, in red, green and blue; loss:
-    as of `transmittance`."""
+    """Add the weighted loss of light at the current texel, in red, green and blue, to the rows `LOST`; loss: as in
+    `transmittance`."""
     for k in range(n):
         cloud = work[CLOUD + k]
         gap = max(work[DEPTH + k] - work[BACK + k], ZERO)

@@ -1,13 +1,12 @@
-"""Which parts of a strand its own pieces shade.
+"""Self-shadowing: the parts of a strand's segments that its own other segments shade.
 
-A strand's scattering already has the strand's own body in it, so what lies in the way within a strand's reach of a
-place is no shadow. What counts is the way along the strand: a piece does not shade a place if the strand, from the
-place up to that piece, stays within some widths of the ray from the light to the place. A strand that turns away and
-comes back before itself does shade itself. A strand that points to the light is all its length behind itself, but
-within its own width.
+The fibre model already accounts for the strand's own body, so the strand near a point must not shade that point. A
+segment does not shade a point if the strand, from the point to that segment, stays within some widths of the ray from
+the light to the point. So a strand that turns away and comes back in front of itself does shade itself, and one that
+points at the light, which is behind itself all along, does not.
 
-Of a straight piece the places that are within a distance of a vertex, seen from the light, are one interval, and the
-places from which all vertices up to a piece are so near are the intervals' common part.
+The points of a straight segment within a given lateral distance of a vertex, seen from the light, are one interval. The
+points from which all vertices up to some segment are that near are the intersection of these intervals.
 """
 
 from __future__ import annotations
@@ -26,9 +25,11 @@ TINY = np.float32(1e-30)
 
 @device
 def own_pieces(world, a, n, p, views, apart, parts):
-    """From which to which first vertex pieces lie that do not shade some part of piece p of the same strand, whose n
-    pieces begin with vertex a; into parts (n, 2): which part, places t ∈ [0, 1] along piece p. Of piece p itself it is
-    the whole. world (V, 3), apart: metres; views: of the light."""
+    """Return the first vertices of the first and last segment that leave a part of segment p unshaded, and write these
+    parts, intervals t ∈ [0, 1] of segment p, to parts (n, 2).
+
+    a: first vertex of the strand; n: number of its segments; world (V, 3), apart: metres; views: of the light. No part
+    of segment p is shaded by itself."""
     parts[p, 0] = ZERO
     parts[p, 1] = ONE
     x, y, z = direction(world, a + p + 1, views)
@@ -58,7 +59,7 @@ def own_pieces(world, a, n, p, views, apart, parts):
 
 @device
 def direction(world, v, views):
-    """Unit vector along the light's ray through a vertex."""
+    """Return the unit vector along the light's ray through vertex v."""
     near = views[0, PERSPECTIVE] > ZERO
     x = views[0, EYE_X] - world[v, 0] if near else views[0, FORWARD_X]
     y = views[0, EYE_Y] - world[v, 1] if near else views[0, FORWARD_Y]
@@ -69,8 +70,9 @@ def direction(world, v, views):
 
 @device
 def near_vertex(world, v, w, x, y, z, apart, begin, end):
-    """The places t of the piece after vertex v, of those from `begin` to `end`, whose distance from vertex w is less
-    than `apart` aside of the direction (x, y, z). Where there are none they end where they begin, or before."""
+    """Return the part of the interval begin <= t <= end of the segment after vertex v whose distance from vertex w,
+    perpendicular to the direction (x, y, z), is less than `apart`. If it is empty, its end is not greater than its
+    beginning."""
     dx, dy, dz = aside(world, v + 1, v, x, y, z)
     ex, ey, ez = aside(world, v, w, x, y, z)
     square = dx * dx + dy * dy + dz * dz
@@ -89,7 +91,7 @@ def near_vertex(world, v, w, x, y, z, apart, begin, end):
 
 @device
 def aside(world, v, w, x, y, z):
-    """The way from vertex w to vertex v, less what of it is along the direction (x, y, z)."""
+    """Return the component of the vector from vertex w to vertex v perpendicular to the unit direction (x, y, z)."""
     dx = world[v, 0] - world[w, 0]
     dy = world[v, 1] - world[w, 1]
     dz = world[v, 2] - world[w, 2]

@@ -1,4 +1,4 @@
-"""Shadow maps as kernels read them."""
+"""Arrays of all shadow maps for kernels."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 
 
 class ShadowArrays(NamedTuple):
-    """The maps of all lights. A light has the maps from `light_columns.FIRST_MAP` on, `MAP_COUNT` of them; they are
-    opacity maps where its `MAP_LAYERS` is above 0, and min/max maps elsewhere."""
+    """The maps of all lights. A light owns `MAP_COUNT` maps from number `light_columns.FIRST_MAP` on: opacity maps if
+    its `MAP_LAYERS` is greater than 0, min/max maps otherwise."""
 
     texels: NDArray[np.float32]
-    """(T, 2) nearest and farthest depth of each texel of every min/max map, metres; no rows where there is none."""
+    """(T, 2) nearest and farthest depth of each texel of all min/max maps, metres; no rows without such maps."""
     stacks: NDArray[np.float32]
-    """(K,) every opacity map, as `opacity` describes it; empty where there is none."""
+    """(K,) all opacity maps, in the format described in `opacity`; empty without such maps."""
     starts: NDArray[np.int64]
-    """(M,) where each map begins: its row of `texels`, or its place in `stacks`."""
+    """(M,) first row in `texels`, or first index in `stacks`, of each map."""
     sizes: NDArray[np.int64]
     """(M,) texels along a side of each map."""
     views: NDArray[np.float32]

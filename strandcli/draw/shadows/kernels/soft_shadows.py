@@ -1,7 +1,7 @@
-"""Shadows of solids in a light that has a size, at a batch of points: what `penumbra.lit` finds, by vectors.
+"""Soft shadows of solids at a batch of points: the results of `penumbra.soft_visibility`, vectorised over points.
 
-For each solid a loop over all points leaves out those that surely see the light past it. The others are listed, and the
-costly part runs over these alone, by vectors too.
+For each solid a loop over all points discards those from which the whole light is certainly visible. The others are
+compacted into a list, and the costly part runs on the list alone, vectorised too.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 
 MOVED = 8
-"""Rows from `LIST` on that hold a listed point."""
+"""Rows from `LIST` on that describe a listed point."""
 
 
 @function
 def soft_shadows(work, n, lights, i, solids, skin):
-    """Multiply what arrives of light number i at the first n points of a batch by the share that solids leave.
+    """Multiply the rows `ARRIVES` of the first n points of a batch by the visibility of light number i past solids.
 
-    Rows of `batch`; solids a `strandcli.solids.Solids`; skin: as in `penumbra.lit`.
+    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `penumbra.soft_visibility`.
     """
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
     for k in range(n):
         radius = penumbra.seen_from(size, point, work[REACH + k])
         work[RADIUS + k] = radius
-        # where nothing arrives all is hidden already
+        # without incoming light the point counts as fully occluded
         work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
     for m in range(solids.spheres.shape[0]):
         x, y, z = solids.spheres[m, 0], solids.spheres[m, 1], solids.spheres[m, 2]
@@ -84,13 +84,13 @@ def soft_shadows(work, n, lights, i, solids, skin):
 
 @inlined
 def lifted(work, k, skin):
-    """Point number k, moved by `skin` toward the light."""
+    """Return point number k, moved by `skin` toward the light."""
     return work[X + k] + skin * work[LX + k], work[Y + k] + skin * work[LY + k], work[Z + k] + skin * work[LZ + k]
 
 
 @device
 def by_ball(work, n, cx, cy, cz, r, skin):
-    """Lower the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
+    """Reduce the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         least = penumbra.ball(r, cx - x, cy - y, cz - z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
@@ -99,7 +99,7 @@ def by_ball(work, n, cx, cy, cz, r, skin):
 
 @device
 def by_plane(work, n, nx, ny, nz, height, skin):
-    """Lower the rows `LEAST` to the sines of the angles to a plane of unit normal n, `height` from the origin."""
+    """Reduce the rows `LEAST` to the sines of the angles to a plane of unit normal n at `height` from the origin."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         over = nx * x + ny * y + nz * z - height
@@ -110,7 +110,7 @@ def by_plane(work, n, nx, ny, nz, height, skin):
 
 @device
 def by_capsule(work, n, capsules, m, skin):
-    """Lower the rows `LEAST` to the sines of the angles to the edge of row m of the capsules."""
+    """Reduce the rows `LEAST` to the sines of the angles to the edge of row m of the capsules."""
     r = capsules[m, 6] - skin
     if r <= ZERO:
         return
@@ -151,12 +151,12 @@ def by_capsule(work, n, capsules, m, skin):
         least = on_axis(work, j, r, bx, by, bz, s)
         work[FAR + j] = penumbra.CLEAR if free else least
         work[ASKED + j] = ZERO if free | (least <= -work[NEAR + j]) else ONE
-    search(work, listed_again(work, count), r, bx, by, bz)
+    search(work, compact(work, count), r, bx, by, bz)
 
 
 @device
-def listed_again(work, count):
-    """Store what was found for the listed points, keep in the list those that need a search; return their number."""
+def compact(work, count):
+    """Store the results of the listed points, keep only those that need a search in the list; return their number."""
     left = np.int64(0)
     for j in range(count):
         k = np.int64(work[LIST + j])
@@ -169,7 +169,7 @@ def listed_again(work, count):
 
 @inlined
 def on_axis(work, j, r, bx, by, bz, s):
-    """`penumbra.ball` of the ball at the place s of the axis."""
+    """Return `penumbra.ball` of the ball at position s of the axis, for listed point j."""
     return penumbra.ball(
         r, work[WX + j] + s * bx, work[WY + j] + s * by, work[WZ + j] + s * bz,
         work[DX + j], work[DY + j], work[DZ + j], work[END + j],
@@ -178,7 +178,7 @@ def on_axis(work, j, r, bx, by, bz, s):
 
 @device
 def search(work, count, r, bx, by, bz):
-    """Do what `penumbra.lowest_on_axis` does, for all listed points."""
+    """Run the golden-section search of `penumbra.lowest_on_axis` for all listed points, and reduce their `LEAST`."""
     if count == 0:
         return
     for j in range(count):

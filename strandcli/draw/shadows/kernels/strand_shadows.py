@@ -1,4 +1,4 @@
-"""What strands leave of a light at a batch of vertices, by min/max maps or by opacity maps."""
+"""Shadows of strands at a batch of vertices, from min/max maps or opacity maps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from . import opacity
-from .minmax import between, held, texel_of, through
+from .minmax import bilinear, falloff, in_map, texel_of
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -21,8 +21,8 @@ TWICE = np.float32(2.0)
 
 @device
 def shade_by_minmax(work, n, shadows, one, bias):
-    """Multiply what arrives at the first n vertices of a batch by the share that strands leave, by min/max map number
-    `one` of `ShadowArrays`, where no map before held the vertex. bias: metres."""
+    """Multiply the rows `ARRIVES` of the first n vertices of a batch by the transmittance in min/max map number `one`
+    of `ShadowArrays`, for vertices that no earlier map contains. bias: metres."""
     maps, start, size, views = shadows.texels, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
@@ -40,44 +40,45 @@ def shade_by_minmax(work, n, shadows, one, bias):
         work[TEXELS + 7 * W + k] = maps[below + NEXT, 1]
     for k in range(n):
         d = work[DEPTH + k]
-        left = between(
+        left = bilinear(
             work[U + k] - np.floor(work[U + k]),
             work[V + k] - np.floor(work[V + k]),
-            through(d, work[TEXELS + k], work[TEXELS + W + k]),
-            through(d, work[TEXELS + 2 * W + k], work[TEXELS + 3 * W + k]),
-            through(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
-            through(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
+            falloff(d, work[TEXELS + k], work[TEXELS + W + k]),
+            falloff(d, work[TEXELS + 2 * W + k], work[TEXELS + 3 * W + k]),
+            falloff(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
+            falloff(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
         )
         work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
 
 
 @device
 def locate(work, n, views, one, size, bias):
-    """Store where map number `one`, `size` texels a side, shows the vertices that no map before held: rows `U`, `V`
-    (texels), `DEPTH` (metres, less the bias) and `INSIDE`."""
+    """Project the vertices that no earlier map contains into map number `one`, `size` texels a side: rows `U`, `V`
+    (texels), `DEPTH` (metres, minus the bias), and `INSIDE`: 1 if this map contains the vertex, −1 if an earlier one
+    does, else 0."""
     edge = np.float32(size - 1)
     for k in range(n):
         u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
-        fresh = held(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
+        fresh = in_map(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
         work[U + k] = u if fresh else ZERO
         work[V + k] = v if fresh else ZERO
         work[DEPTH + k] = d - bias if fresh else -ONE
-        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]  # −1: by a map before
+        work[INSIDE + k] = ONE if fresh else -work[INSIDE + k] * work[INSIDE + k]
 
 
 @device
 def count_in_front(work, n, shadows, one, layers, bias, width, over):
-    """Add to the rows `PASSED` the optical depth of the strands between the light and each of the first n vertices, by
-    opacity map number `one` of `ShadowArrays`, where no map before held the vertex.
+    """Add the optical depth between the light and each of the first n vertices to the rows `PASSED`, from opacity map
+    number `one` of `ShadowArrays`, for vertices that no earlier map contains.
 
-    bias: metres; width: mean one of strands, metres; over: 1 / h of `opacity`, 1/m.
+    bias: metres; width: mean width of strands, metres; over: 1 / h of `opacity`, 1/m.
     """
     stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
     locate(work, n, views, one, size, bias)
     rows, maps = pointer(work), pointer(stacks)
-    for k in range(n, W):  # the last vector's other lanes read something too
+    for k in range(n, W):  # the unused lanes of the last vector must read valid texels
         work[U + k] = work[V + k] = work[DEPTH + k] = ZERO
     near = views[one, PERSPECTIVE] > ZERO
     for k in range(0, n, lanes(rows)):
@@ -91,25 +92,26 @@ def count_in_front(work, n, shadows, one, layers, bias, width, over):
         store3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
         scale = scale_at(work, k, views, one, bias)
-        passed = opacity.settled(work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k], width, scale)
+        texels, cells, growth = work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k]
+        passed = opacity.corrected_depth(texels, cells, growth, width, scale)
         work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
 
 
 @device
 def scale_at(work, k, views, one, bias):
-    """Texels a metre at vertex k."""
+    """Return the texels a metre at vertex k."""
     return views[one, FOCAL] / (work[DEPTH + k] + bias) if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
 
 
 @device
 def count_behind(work, n, shadows, one, layers, bias, width):
-    """Add to the rows `LEFT` the optical depth of the strands behind each vertex, after `count_in_front` of the same
-    map."""
+    """Add the optical depth of the strands behind each vertex to the rows `LEFT`; call `count_in_front` of the same map
+    before."""
     stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
     for k in range(n):
-        work[TEXELS + k] = opacity.through(work[U + k], work[V + k], np.uint64(start), size, layers, stacks)
+        work[TEXELS + k] = opacity.total_depth(work[U + k], work[V + k], np.uint64(start), size, layers, stacks)
     for k in range(n):
         own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
         total = max(work[TEXELS + k] - own - work[PASSED + k], ZERO)

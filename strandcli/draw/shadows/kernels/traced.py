@@ -1,12 +1,12 @@
-"""Exact shadows of strands on strands: what of a strand's length other strands leave in the light.
+"""Exact shadows of strands on strands: visibility of a light along each strand.
 
-Seen from the light a piece of a strand is a flat band, and a strand that is lit is a line. A band that crosses the line
-in front of it darkens a part of its length, of which three pairs of linear inequalities tell the ends: within the
-band's width, between the band's ends, nearer to the light than the line. A piece of the line has a bit for each of
-many places along it, so many that a band as wide as the line is covers two, and what is dark is set.
+In the light's view the occluding segments are flat bands, and the shaded strand is a line. A band in front of the line
+occludes an interval of it, given by three pairs of linear inequalities: within the band's width, between the band's
+ends, nearer to the light than the line. Each segment of the line has a bit mask of positions along it, so fine that a
+band as wide as the strand covers two of them; occluded positions are set.
 
-`occluder_intervals` follows a line through the bands, and `self_shade` tells which of a strand's own bands do not
-count.
+`occluder_intervals` follows a line through the bands, and `self_shade` excludes the strand's own segments near the
+shaded point.
 """
 
 from __future__ import annotations
@@ -32,68 +32,68 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 TINY = np.float32(1e-12)
 RESOLVED, NARROW = np.float32(1.5), np.float32(0.5)
-"""Samples. Strands as wide as that have shadows along every line across them, or along every second; others along every
-fourth."""
+"""Widths in samples from which shadows are computed along each of the LINES across a strand, or along every second one;
+narrower strands have them along every fourth."""
 MOST = np.int64(32)
-"""Pieces to each side of a vertex that its light is averaged over, at most."""
+"""Greatest number of segments to each side of a vertex over which its visibility is averaged."""
 STRANDS = 32
 """Strands a task."""
 UNSEEN = np.float32(-1.0)
-"""Light of a piece of which nothing is shown."""
+"""Marks a segment of which nothing is visible to the camera."""
 NARROWER = np.float32(-2.0)
-"""Light of a piece that has no lines across it."""
+"""Marks a segment that is too narrow for lines across it."""
 
 
-class LitLines(NamedTuple):
-    """Polylines and where on them light is wanted."""
+class ShadedLines(NamedTuple):
+    """Polylines, and the vertices whose visibility is computed."""
 
     first: NDArray[np.int64]
     """(S + 1,) first vertex of each strand."""
     world: NDArray[np.float32]
     """(V, 3) metres."""
     scale: NDArray[np.float32] | None
-    """(S,) factor of each strand's width, or None: 1."""
+    """(S,) factor of each strand's width; None stands for 1."""
     marks: NDArray[np.uint8]
-    """(V,) not zero at the vertices where light is wanted; of each strand every `stride`-th vertex may be marked."""
+    """(V,) non-zero at the vertices to compute; only every `stride`-th vertex of a strand may be marked."""
     screen: NDArray[np.float32]
-    """(V, 3) where a camera sees the vertices: samples, and depth number."""
+    """(V, 3) position of the vertices in the camera's view, samples, and depth number."""
     stride: int
     longest: int
     """Vertices of the longest strand."""
     words: int
-    """Of 64 places along a piece."""
+    """64-bit words of positions along a segment."""
     apart: np.float32
-    """Metres aside, as the light sees them, within which a strand as wide as `scale` 1 does not shade itself."""
+    """Lateral distance in the light's view, metres, within which a strand of `scale` 1 does not shade itself."""
 
 
 class WideStrands(NamedTuple):
-    """Where and how shadows are wanted across strands, at the vertices that have a slot."""
+    """Shadows across wide strands, at the vertices that have a slot."""
 
     eye: NDArray[np.float32] | None
     """(`view_columns.SIZE`,) the camera."""
     width: np.float32
-    """Metres at the root, of which `taper` is lost to the tip."""
+    """Metres at the root; the width at the tip is smaller by the share `taper`."""
     taper: np.float32
     slots: NDArray[np.int32] | None
-    """(V,) number of each wide vertex, or −1; None where there are none."""
+    """(V,) number of each wide vertex, or −1; None without wide vertices."""
     shown: NDArray[np.uint64]
-    """(n, LINES) what is wanted of the piece after each wide vertex, a bit for each of 64 places along each of the
-    lines across it that the camera sees; no rows: all."""
+    """(n, LINES) positions to compute on the segment after each wide vertex: a word for each line across the side that
+    the camera sees, a bit for each of 64 positions along it; without rows all are computed."""
     shades: NDArray[np.uint64] | None
-    """(n, LINES) out: what of that is dark, and what is not wanted."""
+    """(n, LINES) out: bits of the occluded positions, and of those that were not computed."""
 
 
 class Work(NamedTuple):
-    """Arrays of one task."""
+    """Scratch arrays of one task."""
 
     sums: NDArray[np.float32]
-    """(pieces, 2) of each piece of a strand, as `interval_bits.add_up` leaves them."""
+    """(pieces, 2) visibility of each segment, as written by `interval_bits.add_up`."""
     wanted: NDArray[np.uint8]
-    """(pieces,) not zero where light is wanted."""
+    """(pieces,) non-zero for the segments to compute."""
     parts: NDArray[np.float32]
-    """Of `OwnPieces`."""
+    """`parts` of `OwnPieces`."""
     cuts: NDArray[np.float32]
-    """Of `occluder_intervals.cut`."""
+    """Output of `occluder_intervals.cut`."""
     dark: NDArray[np.uint64]
     """(words,)"""
     single: NDArray[np.uint64]
@@ -104,11 +104,11 @@ class Work(NamedTuple):
 
 @parallel
 def visibility(lit, lists, wide, out):
-    """Into out (V,): the share of a light that strands leave at the marked vertices of `LitLines`, the mean over the
-    strand's length about each; lists: the light's `OccluderLists`; wide: `WideStrands`, whose shades are written.
+    """Write the visibility of a light, 0 to 1, at the marked vertices to out (V,), and the shades of `wide`.
 
-    The mean is weighted by a hat that reaches to the next lit vertices or over a sample of the picture, whichever is
-    farther.
+    lit: `ShadedLines`; lists: the light's `OccluderLists`; wide: `WideStrands`. The visibility of a vertex is the mean
+    over the strand's length around it, weighted by a hat function that reaches to the next shaded vertex or over one
+    sample of the picture, whichever is farther.
     """
     count = lit.first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
@@ -120,7 +120,7 @@ def visibility(lit, lists, wide, out):
         for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
             a = lit.first[s]
             n = lit.first[s + 1] - a - 1
-            if not want(a, n, lit.marks, lit.screen, lit.stride, work.wanted):
+            if not mark_wanted(a, n, lit.marks, lit.screen, lit.stride, work.wanted):
                 continue
             size = scale_of(lit.scale, s)
             for p in range(n):
@@ -133,14 +133,14 @@ def visibility(lit, lists, wide, out):
 
 @device
 def scale_of(scale, s):
-    """Factor of a strand's width."""
+    """Return the factor of strand s's width."""
     return ONE if scale is None else scale[s]
 
 
 @device
 def light_piece(lit, lists, wide, work, a, n, p, size):
-    """Into row p of the sums: the light of piece p of a strand of n pieces, which begins with vertex a and is `size`
-    times as wide as usual."""
+    """Write the visibility of segment p to row p of the sums. The strand has n segments and the first vertex a; size:
+    factor of its width."""
     low, high = own_pieces(lit.world, a, n, p, lists.views, lit.apart * size, work.parts)
     own = OwnPieces(low, high, a, work.parts)
     across = light_across(lit, lists, wide, work, own, n, p, size, wide.slots)
@@ -156,9 +156,9 @@ def light_piece(lit, lists, wide, work, a, n, p, size):
 
 @device
 def light_across(lit, lists, wide, work, own, n, p, size, slots):
-    """Into the shades: what is dark of the lines across a piece. Returns the share that is lit of what is shown, which
-    alone is of account; `UNSEEN` where nothing is, and `NARROWER` where the piece has no lines across it."""
-    if slots is None:  # asked of an argument, so that there is no code for what follows where there are none
+    """Write the shadows along the lines across segment p to the shades. Return the visibility of the positions that are
+    shown, `UNSEEN` if there are none, or `NARROWER` if the segment has no lines across it."""
+    if slots is None:  # an argument, not a field: Numba then compiles nothing of the rest where it is None
         return NARROWER
     a = own.root
     slot = slots[a + p]
@@ -170,7 +170,7 @@ def light_across(lit, lists, wide, work, own, n, p, size, slots):
     left = np.int64(0)
     places = np.int64(0)
     for j in range(0, LINES, together):
-        # of narrow ones, which may count in part, the mean over all of them is of account too
+        # narrow strands, whose lines may count in part, also need the mean over all lines
         need = ALL if wide.shown.shape[0] == 0 or together > 2 else together_shown(wide.shown, slot, j, together)
         work.single[0] = ~need
         if need != NONE:
@@ -187,8 +187,8 @@ def light_across(lit, lists, wide, work, own, n, p, size, slots):
 
 @device
 def shared(half, q, eye):
-    """How many lines across a strand have the shadow of one: the fewer samples of the camera `eye` show it, the
-    more. half: of its width, metres; q: its depth number there."""
+    """Return how many neighbouring lines across a strand share one computed shadow: 1, 2 or 4, more for a strand that
+    is fewer samples wide. half: half its width, metres; q: its depth number; eye: the camera."""
     wide = TWO * half * eye[FOCAL] * (q if eye[PERSPECTIVE] > ZERO else ONE)
     if wide >= RESOLVED:
         return np.int64(1)
@@ -197,7 +197,7 @@ def shared(half, q, eye):
 
 @device
 def together_shown(shown, slot, line, count):
-    """What is wanted of so many lines that have the shadow of one."""
+    """Return the union of the positions shown of `count` lines from number `line` on."""
     need = NONE
     for j in range(line, line + count):
         need |= shown[slot, j]
@@ -206,10 +206,11 @@ def together_shown(shown, slot, line, count):
 
 @device
 def surface(world, a, n, p, radius, h, eye, pair, row):
-    """Into a row of `pair`: vertex p of a strand of n pieces that begins with vertex a, moved from the strand's middle
-    to its surface, where the camera `eye` sees the offset h ∈ [−1, 1] as in `kernels.body`: aside, and then
-    toward the eye, by r √(1 − h²) / cos ψ of a strand of the slant ψ, so that it is seen at the same place along the
-    strand as its middle."""
+    """Write vertex p of a strand, moved from its axis to its surface, to a row of `pair`.
+
+    The surface point is where the camera `eye` sees the lateral offset h ∈ [−1, 1]: the vertex moves sideways by r h,
+    and toward the eye by r √(1 − h²) / cos ψ, where ψ is the strand's slant, so that it appears at the same position
+    along the strand. The strand has n segments and the first vertex a."""
     v = a + p
     low = a + max(p - 1, 0)
     high = a + min(p + 1, n)
@@ -234,8 +235,8 @@ def surface(world, a, n, p, radius, h, eye, pair, row):
 
 
 @device
-def want(a, n, marks, screen, stride, wanted):
-    """Flag the pieces that the marked vertices need; whether there are any."""
+def mark_wanted(a, n, marks, screen, stride, wanted):
+    """Flag the segments that the marked vertices need; return whether there are any."""
     wanted[:n] = 0
     found = False
     for v in range(0, n + 1, stride):
@@ -248,7 +249,7 @@ def want(a, n, marks, screen, stride, wanted):
 
 @device
 def reach(screen, a, v, n, stride):
-    """How many pieces to each side of vertex v its light is averaged over."""
+    """Return how many segments to each side of vertex v its visibility is averaged over."""
     p = a + min(v, max(n - 1, 0))
     if n == 0 or screen[p, 2] <= ZERO or screen[p + 1, 2] <= ZERO:
         return stride
@@ -260,7 +261,7 @@ def reach(screen, a, v, n, stride):
 
 @device
 def mean(sums, v, n, far):
-    """What of the light is left about vertex v of n pieces, weighted by a hat that reaches over `far` pieces."""
+    """Return the mean visibility around vertex v of n segments, weighted by a hat function of `far` segments."""
     total = ZERO
     weights = ZERO
     per = ONE / np.float32(far)
