@@ -86,7 +86,7 @@ class Canvas:
             self.drawing.lap("raster")
             if edges is not None and layer.fragments.top == 0:
                 self._surfaces(self.keys, self.image)
-                edges.lay(self._surfaces, self.image, self.backdrop)
+                edges.composite(self._surfaces, self.image, self.backdrop)
             self._lay(layer, batch)
             if self.recorder is not None and front is not None:
                 self.recorder.layer(layer, lines, screen, front)

@@ -60,7 +60,7 @@ def _coverage(renderer: Renderer) -> None:
     packed = renderer.solids(0.0)
     edges = None if packed is None else find_edges(keys, packed, view, renderer.size, renderer.scratch)
     if edges is not None:
-        edges.lay(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
+        edges.composite(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
     widths, scratch = _widths(renderer, 2), renderer.scratch
     for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, scratch, False, view.depth_slope):
         pass

@@ -29,7 +29,7 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.compose, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.lay, strand_extents.spans,
+        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.composite, strand_extents.spans,
         tile_binning.bin_segments, resolve.resolve,
     ),
 }  # fmt: skip

@@ -1,10 +1,10 @@
-"""The edges of solids under sorted strands: antialiased, with strands before, between and behind.
+"""Antialiased edges of solids for sorted strands, which may lie in front of, between and behind the solids.
 
-A pixel whose solid is another one than a neighbour's, or that lies at the picture's border, is seen by 4×4 samples. The
-solid in front becomes a fragment of its own, sorted among those of strands, whose opacity is the share of the samples
-that show it; what the others show, mixed, stays as what all fragments are laid over. As with strands, what covers a
-pixel in part is taken to lie anywhere in it. Creases of a box, and solids so small that they lie between the middles of
-pixels, are left as they are.
+A pixel whose solid differs from a neighbour's, or that lies at the picture's border, is resolved with 4×4 samples. The
+solid in front becomes a fragment, sorted among those of strands, whose opacity is the share of the samples that show
+it. The mean of the other samples is the background over which all fragments are composited. As with strands, partial
+coverage is taken to be uncorrelated with position in the pixel. Creases of a box, and solids so small that they lie
+between pixel centres, are not antialiased.
 """
 
 from __future__ import annotations
@@ -26,45 +26,45 @@ Shade = Callable[[NDArray[np.uint64], NDArray[np.float32], NDArray[np.float32]],
 
 @dataclass(frozen=True)
 class Edges:
-    """What solids hide, and the E pixels that one of them covers in part."""
+    """Occlusion by solids, and the E pixels that a solid covers in part."""
 
     hides: NDArray[np.float32]
-    """(height * width,) depth number of the solid that hides all that is behind it, 0 where there is none."""
+    """(height * width,) depth number behind which solids cover the whole pixel, 0 where they do not."""
     pixels: NDArray[np.int64]
-    """(E,) in the order of rows."""
+    """(E,) pixel numbers, row by row."""
     depth: NDArray[np.float32]
     """(E,) depth number of the solid in front."""
     cover: NDArray[np.float32]
-    """(E,) its share of the pixel."""
+    """(E,) its coverage of the pixel, 0 to 1."""
     light: NDArray[np.float32]
-    """(E, 3) its radiance, once `lay` has been called."""
+    """(E, 3) its radiance, after `composite`."""
     keys: NDArray[np.uint64]
     spots: NDArray[np.float32]
     counts: NDArray[np.int64]
-    """Of all solids there, as `kernels.edges.sample` leaves them."""
+    """All solids in these pixels, as written by `kernels.edges.sample`."""
 
-    def lay(self, shade: Shade, image: NDArray[np.float32], backdrop: NDArray[np.float32]) -> None:
-        """Put what solids show at edges behind that in front into the picture (height, width, 3).
+    def composite(self, shade: Shade, image: NDArray[np.float32], backdrop: NDArray[np.float32]) -> None:
+        """Write what the edge pixels show behind the solid in front to the picture (height, width, 3), and set `light`.
 
-        ``shade`` lights surfaces: keys of a picture, the picture itself, which holds the background before, and
-        its pixels' places on the screen (pixels, 2).
+        ``shade`` shades surfaces: z-buffer keys, a picture that contains the background, and the pixels' positions on
+        the screen (pixels, 2). ``backdrop`` (height, width, 3).
         """
         behind = backdrop.reshape(-1, 3)[self.pixels]
         colours = np.ascontiguousarray(np.repeat(behind[:, None], kernel.SLOTS, 1))
         shade(self.keys.reshape(-1), colours, self.spots.reshape(-1, 2))
         image.reshape(-1, 3)[self.pixels] = behind
-        kernel.lay(self.pixels, self.keys, self.counts, colours, self.light, image)
+        kernel.composite(self.pixels, self.keys, self.counts, colours, self.light, image)
 
 
 def none(hides: NDArray[np.float32]) -> Edges:
-    """No pixel that is covered in part."""
+    """Return edges without any pixel that is covered in part."""
     return _edges(hides, np.zeros(0, np.int64))
 
 
 def find_edges(
     keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch
 ) -> Edges:
-    """The edges in a z-buffer of solids, (height * width,), packed by `strandcli.solids.pack`."""
+    """Return the edges in a z-buffer of solids, ``keys`` (height * width,); size: width and height in pixels."""
     width, height = size
     hides = scratch.take("hides", len(keys), np.float32)
     kernel.depths(keys, hides)

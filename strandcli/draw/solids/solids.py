@@ -1,4 +1,4 @@
-"""Solids as the drawing kernels need them beside their packed form: where on the screen, and in which colour."""
+"""Data of solids for drawing, beside their packed form: screen bounds, colours and coats."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ...solids.shapes import other
 from ..view.camera import View
 
 NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
-"""Packed, those of a scene that has none: kernels are the same with them and without."""
+"""Packed solids of a scene without any; kernels compiled for solids take it too."""
 ROOM = 4.0
-"""Blending distances by which a solid that blends may become thicker."""
+"""Greatest growth of a blended solid, in blending distances."""
 
 
 def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
-    """Solids packed for drawing: of spheres and capsules the distance over which they blend is the last column."""
+    """Return solids packed for drawing: spheres and capsules have their blending distance as the last column."""
     out = []
     for kind in COLUMNS:
         rows = pack(kind, list(solids), emitter, time)
@@ -33,14 +33,14 @@ def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
 
 
 def _blend(kind: str, solid: NDArray[np.float64]) -> float:
-    """Distance over which a packed solid blends, metres; 0: it does not."""
+    """Return the blending distance of a packed solid, metres; 0 if it does not blend."""
     blends = kind in ("sphere", "capsule") and len(solid) > COLUMNS[kind]
     return float(solid[COLUMNS[kind]]) if blends else 0.0
 
 
 def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
-    """(m, 4) left, right, top, bottom in pixels of every solid, right and bottom not included; in the order of
-    `COLUMNS`. The whole picture for a plane, and for a solid that reaches behind the eye."""
+    """Return the screen bounds (m, 4) of all solids, in the order of `COLUMNS`: left, right, top, bottom in pixels,
+    right and bottom exclusive. They are the whole picture for a plane, and for a solid that extends behind the eye."""
     width, height = int(view.width), int(view.height)
     rows: list[tuple[int, int, int, int]] = []
     nowhere = (2 * width + 2, 2 * width + 2, 2 * height + 2, 2 * height + 2)
@@ -48,7 +48,7 @@ def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
     first = -1
     for kind, solid in rows_of(packed):
         whole = (0, width, 0, height)
-        if _blend(kind, solid) > 0:  # all that blend are drawn as the first of them
+        if _blend(kind, solid) > 0:  # all blended solids are drawn as one, under the number of the first
             centre, radius = ball_of(kind, solid)
             first = len(rows) if first < 0 else first
             group.append(_frame(centre, radius + ROOM * _blend(kind, solid), view) or whole)
@@ -62,20 +62,20 @@ def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
 
 
 def rows_of(packed: Solids) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """The kind and the row of each of packed solids, in their order; the kind is "" for `others`."""
+    """Yield the kind and the row of each packed solid, in order; the kind is "" for those of `others`."""
     for kind, rows in zip((*SHAPES, ""), packed, strict=False):
         for row in rows.astype(np.float64):
             yield kind, row
 
 
 def ball_of(kind: str, row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of a ball about a packed solid that is not a plane."""
+    """Return centre and radius of a bounding ball of a packed solid that is not a plane."""
     found: tuple[NDArray[np.float64], float] = (SHAPES[kind] if kind else other).ball(row)
     return found
 
 
 def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int, int, int, int] | None:
-    """Pixels that a ball covers, or None where it reaches behind the eye."""
+    """Return the screen bounds of a ball, or None if it extends behind the eye."""
     x, y, z = (float(axis @ (centre - view.eye)) for axis in (view.right, view.up, view.forward))
     out: list[int] = []
     for along, axis, size in zip((x, -y), view.middle, (view.width, view.height), strict=True):
@@ -96,7 +96,7 @@ def _frame(centre: NDArray[np.float64], radius: float, view: View) -> tuple[int,
 
 
 def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.float32]:
-    """(m, 8) colour, fade distance and the centre of the fading, in the order of `COLUMNS`."""
+    """Return (m, 8) colour, fade distance, centre of the fading and an unused column, in the order of `COLUMNS`."""
     rows = [
         [*solid.colour, getattr(solid, "fade", 0.0), *solid_pose(solid, emitter, time).translation, 0.0]
         for solid in in_order(solids)
@@ -105,9 +105,8 @@ def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.flo
 
 
 def coats_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
-    """(m, 4) of what each surface has beside its colour, as `kernels.coat` reads it: the coat's reflectance straight
-    on and its roughness, spread of the patches and the width of the largest, in the order of `COLUMNS`; None where no
-    solid has a coat or patches."""
+    """Return (m, 4) the columns of `kernels.coat`, in the order of `COLUMNS`: reflectance of the coat at normal
+    incidence, its roughness, amplitude of the patches, width of the largest; None if no solid has a coat or patches."""
     if not any(solid.coat > 0 or solid.mottle > 0 for solid in solids):
         return None
     rows = [

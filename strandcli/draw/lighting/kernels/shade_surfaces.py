@@ -36,7 +36,7 @@ from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from ...solids.kernels import coat, rays, smooth_union
-from ...solids.kernels.surface_pixels import average, gather, scatter
+from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
 from .light import around
 from .shade_strands import aim, past_solids
@@ -67,13 +67,13 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
         while p < end:
-            p, n, solid, fine = gather(keys, p, end, width, screen.camera, solids, screen.spots, work, which)
+            p, n, solid, fine = fill_batch(keys, p, end, width, screen.camera, solids, screen.spots, work, which)
             if n > 0:
                 look(work, n, screen.camera)
                 batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
                 if fine:
                     average(work, n)
-                scatter(work, np.int64(1) if fine else n, which, picture)
+                composite(work, np.int64(1) if fine else n, which, picture)
 
 
 @device

@@ -122,11 +122,9 @@ def corner(lower, right, a, b, c, d):
 
 @inlined
 def in_front(u, v, d, scale, rows, start, size, over, layers):
-    """Return τ in front of points: interpolated between texels, interpolated between cell means, and the growth of the
-    latter, 1/m.
-
-    u, v: column and row, integers at texel centres; d: depth, metres; scale: texels a metre at that depth; start: first
-    index of the map; over: 1 / h, 1/m. Vectors; rows: `pointer` to the maps."""
+    """Return τ in front of points, interpolated between texels and between cell means, and the latter's growth, 1/m.
+    u, v: column and row, integers at texel centres; d: depth, metres; scale: texels a metre there; start: first index
+    of the map; over: 1 / h, 1/m. Vectors; rows: `pointer` to the maps."""
     half = size >> 1
     last = np.float32(half - 2)
     body = start + half * half

@@ -1,13 +1,13 @@
-"""What a solid's surface is beside its colour: a coat that mirrors, and patches.
+"""Surface of solids beyond their colour: a specular coat, and patches.
 
-The coat is a microfacet layer of Trowbridge and Reitz's (GGX) normals with α = roughness² (Burley 2012), Smith's
-masking, where ways in and out are masked together by height, and Schlick's Fresnel term. A light's size widens the
-normals: over a disc of angular radius a half-way vectors lie within a / 2, and where its middle is mirrored the mean of
-α² / (α² + s²)² over such a disc of s is 1 / (α² + a² / 4); further out the gleam falls more softly than the disc's own.
-Light from everywhere is mirrored as a whole, by a Fresnel term that rises less the rougher the coat is; what is under
-the coat gets what it does not mirror, so that a white solid in even light is as bright as that.
+The coat is a microfacet layer with the Trowbridge-Reitz (GGX) distribution, α = roughness² (Burley 2012), Smith's
+height-correlated masking and shadowing, and Schlick's Fresnel term. A light's size widens the distribution: over a disc
+of angular radius a, half vectors lie within a / 2, and in the mirror direction of its centre the mean of
+α² / (α² + s²)² over such a disc of s is 1 / (α² + a² / 4). Away from it the highlight falls off more softly than that
+of a disc. Ambient light is mirrored as a whole, with a Fresnel term that rises less the rougher the coat is. The base
+receives what the coat does not mirror, so that a white solid in uniform light is as bright as the light.
 
-Patches are noise over space, octave by octave, each left out where it is finer than a pixel.
+Patches are three-dimensional noise in octaves, each faded out where it is finer than a pixel.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
 
 @device
 def fresnel(coat, edge, cosine):
-    """What is mirrored: ``coat`` straight on, ``edge`` at a grazing angle (Schlick 1994)."""
+    """Return the reflectance at a cosine: ``coat`` at normal incidence, ``edge`` at grazing angles (Schlick 1994)."""
     x = min(max(ONE - cosine, ZERO), ONE)
     square = x * x
     return coat + (edge - coat) * square * square * x
@@ -42,14 +42,14 @@ def fresnel(coat, edge, cosine):
 
 @function
 def mirrored(coat, rough, nv):
-    """Share of the light from everywhere that a coat mirrors to the eye at the cosine ``nv``."""
+    """Return the share of ambient light that a coat mirrors to the eye; nv: cosine between normal and eye."""
     return fresnel(coat, max(ONE - rough, coat), nv)
 
 
 @function
 def gleam(coat, rough, size, normal, light, eye):
-    """The coat's BRDF for three unit vectors: the normal, the one to the light and the one to the eye; size: sine of
-    the light's angular radius."""
+    """Return the coat's BRDF, 1/sr, for unit vectors of the normal, to the light and to the eye; size: sine of the
+    light's angular radius."""
     nx, ny, nz = normal
     lx, ly, lz = light
     vx, vy, vz = eye
@@ -70,12 +70,12 @@ def gleam(coat, rough, size, normal, light, eye):
 
 @function
 def patches(x, y, z, grain, pixel):
-    """Noise in [−1, 1] whose largest patches are ``grain`` metres wide, at a point where a pixel is ``pixel`` wide."""
+    """Return noise in [−1, 1] at a point; grain: width of the largest patches, pixel: that of a pixel there, metres."""
     total = ZERO
     size = grain
     weight = HALF
     for octave in range(OCTAVES):
-        # from two pixels on there is none of it
+        # an octave is complete from a size of two pixels on, and absent at one pixel or less
         shown = min(max(size / max(pixel, TINY) - ONE, ZERO), ONE)
         if shown > ZERO:
             per = ONE / size
@@ -87,7 +87,7 @@ def patches(x, y, z, grain, pixel):
 
 @device
 def lattice(x, y, z, seed):
-    """Value noise in [−1, 1]: even numbers at whole places, smooth in between."""
+    """Return value noise in [−1, 1]: uniform random values at integer points, interpolated smoothly."""
     i = np.floor(x)
     j = np.floor(y)
     k = np.floor(z)
@@ -109,13 +109,13 @@ def lattice(x, y, z, seed):
 
 @device
 def smooth(t):
-    """0 to 1 with level ends."""
+    """Return the smoothstep 3t² − 2t³ of t in [0, 1]."""
     return t * t * (THREE - TWO * t)
 
 
 @device
 def value(a, b, c, seed):
-    """Even noise in [0, 1) of a whole place, by Wellons's `lowbias32` hash."""
+    """Return a uniform random value in [0, 1) for an integer point (Wellons's `lowbias32` hash)."""
     bits = np.uint32(a * 73856093 ^ b * 19349663 ^ c * 83492791) + np.uint32(0x9E3779B9) * seed
     bits = np.uint32(bits)
     bits = np.uint32((bits ^ (bits >> np.uint32(16))) * np.uint32(0x7FEB352D))

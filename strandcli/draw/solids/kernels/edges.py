@@ -1,4 +1,4 @@
-"""Where solids end: pixels that one covers in part, by samples (see `strandcli.draw.solids.edges`)."""
+"""Edges of solids: pixels that a solid covers in part, resolved by samples (see `strandcli.draw.solids.edges`)."""
 
 from __future__ import annotations
 
@@ -13,29 +13,32 @@ from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
 SAMPLES = 4
-"""Along each side of a pixel."""
+"""Samples along each side of a pixel."""
 WHOLE = SAMPLES * SAMPLES
 PER = np.float32(1 / SAMPLES)
 TOGETHER = W // WHOLE
-"""Pixels whose samples are a batch."""
+"""Pixels whose samples fill one batch."""
 SLOTS = 4
-"""Solids that are told apart within a pixel; more count as the last of them."""
+"""Solids that are distinguished within a pixel; further ones count as the last of them."""
 EVEN = np.uint64(0)
 
 
 @parallel
 def depths(keys, out):
-    """Depth numbers (P,) float32 of a z-buffer (P,), 0 where nothing is."""
+    """Write the depth numbers of a z-buffer (P,) to out (P,) float32; 0 in empty pixels."""
     for p in prange(keys.shape[0]):
         out[p] = np.uint32(LOW - (keys[p] >> SHIFT)).view(np.float32)
 
 
 @parallel
 def find(keys, width, height, ends, counts):
-    """Mark where a solid may end: ends (height * width,) uint8, not zero where a pixel's solid is another one than that
-    of one beside, above or below it, or where one of them is beyond the picture; counts (height,) int64 of each row."""
+    """Mark the pixels that may contain an edge: those whose solid differs from that of one of the four neighbours, and
+    those at the picture's border.
+
+    ends (height * width,) uint8 out: non-zero for marked pixels; counts (height,) int64 out: marked pixels of each row.
+    """
     for row in prange(height):
-        y = np.int64(row)  # the index is unsigned, and would have `compare` compiled twice
+        y = np.int64(row)  # the index is unsigned, for which `compare` would be compiled a second time
         compare(keys, y * width, max(y - 1, 0) * width, min(y + 1, height - 1) * width, width, ends)
         if y in (0, height - 1):
             ends[y * width : (y + 1) * width] = 1
@@ -46,8 +49,8 @@ def find(keys, width, height, ends, counts):
 
 @device
 def compare(keys, own, above, below, width, ends):
-    """What `find` does in the row that begins at `own`, but for its first and last pixel, whose neighbours are those
-    that begin at `above` and `below`: one vector after the other."""
+    """Mark the pixels of one row, except its first and last; own, above, below: first pixel of this and the adjacent
+    rows. The loop is vectorised."""
     for x in range(np.uint64(1), np.uint64(width - 1)):
         at = np.uint64(own) + x
         key = keys[at]
@@ -58,7 +61,7 @@ def compare(keys, own, above, below, width, ends):
 
 @device
 def total(ends, begin, count):
-    """Sum of so many marks from a place on."""
+    """Return the sum of `count` marks from index `begin` on."""
     n = np.int64(0)
     for i in range(np.uint64(begin), np.uint64(begin + count)):
         n += np.int64(ends[i])
@@ -67,8 +70,8 @@ def total(ends, begin, count):
 
 @parallel
 def collect(ends, width, begin, pixels):
-    """List the marked pixels row by row; ends as from `find`, begin (height + 1,) int64: where each row begins in
-    pixels (E,) int64, and where the last one ends."""
+    """List the marked pixels row by row in pixels (E,) int64; ends: from `find`; begin (height + 1,) int64: index of
+    each row's first pixel, and E."""
     for row in prange(begin.shape[0] - 1):
         y = np.int64(row)
         n = begin[y]
@@ -82,11 +85,11 @@ def collect(ends, width, begin, pixels):
 
 @parallel
 def sample(pixels, width, view, solids, frames, keys, spots, counts):
-    """Which solids the samples of each of these pixels show.
+    """Find the solids that the samples of each pixel show.
 
-    frames: as in `rasterise.draw`; of each pixel: keys (E, SLOTS) uint64, of each of its solids at the middle of the
-    samples that show it, spots (E, SLOTS, 2) float32, where on the screen that is, and counts (E, SLOTS) int64, of the
-    samples; keys `EMPTY` where there are no more.
+    pixels (E,) int64; width: of the picture; frames: as in `rasterise.draw`. Out: counts (E, SLOTS) int64, samples that
+    show each solid of a pixel; spots (E, SLOTS, 2) float32, mean screen position of these samples; keys (E, SLOTS)
+    uint64, z-buffer key of the solid there, `EMPTY` in unused slots.
     """
     flat = ONE - view[PERSPECTIVE]
     far = ONE / view[DEPTH_RANGE]
@@ -112,12 +115,12 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
                         best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
         for e in range(begin, end):
             count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
-            settle(e, view, flat, far, solids, keys, spots, counts)
+            place_at_mean(e, view, flat, far, solids, keys, spots, counts)
 
 
 @device
 def spot(pixels, width, e, i):
-    """Where on the screen sample number i of a pixel lies."""
+    """Return the screen position of sample number i of pixel number e of the list."""
     x = pixels[e] % width
     y = pixels[e] // width
     column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
@@ -126,7 +129,7 @@ def spot(pixels, width, e, i):
 
 @device
 def inside(pixels, width, e, frames, m):
-    """Whether a pixel can show solid number m."""
+    """Return whether a pixel can show solid number m."""
     x = pixels[e] % width
     y = pixels[e] // width
     return frames[m, LEFT] - 1 <= x <= frames[m, RIGHT] and frames[m, TOP] - 1 <= y <= frames[m, BOTTOM]
@@ -134,7 +137,7 @@ def inside(pixels, width, e, frames, m):
 
 @device
 def any_inside(pixels, width, begin, end, frames, m):
-    """Whether any of these pixels can."""
+    """Return whether any of the pixels begin <= e < end can show solid number m."""
     found = False
     for e in range(begin, end):
         found |= inside(pixels, width, e, frames, m)
@@ -143,7 +146,8 @@ def any_inside(pixels, width, begin, end, frames, m):
 
 @device
 def meet_one(work, j, solids, m):
-    """Where ray number j of a batch meets solid number m: what blends has been met."""
+    """Return the depth at which ray number j of a batch meets solid number m. For blended solids `sphere_tracing.meet`
+    must have been called."""
     if smooth_union.blends(solids.spheres, solids.capsules, m):
         return work[sphere_tracing.MET + j]
     return meet(
@@ -155,7 +159,7 @@ def meet_one(work, j, solids, m):
 
 @device
 def count_samples(pixels, width, e, best, at, keys, spots, counts):
-    """Count what the samples of a pixel show, whose keys begin at place `at`, and add up where they lie."""
+    """Count the samples of a pixel by solid, and sum their positions; at: index of the pixel's first sample in best."""
     for slot in range(SLOTS):
         keys[e, slot] = EMPTY
         counts[e, slot] = 0
@@ -175,8 +179,8 @@ def count_samples(pixels, width, e, best, at, keys, spots, counts):
 
 
 @device
-def settle(e, view, flat, far, solids, keys, spots, counts):
-    """The middle of the samples that show each of a pixel's solids, and its key there."""
+def place_at_mean(e, view, flat, far, solids, keys, spots, counts):
+    """Replace the summed positions of a pixel's solids by their means, and compute the solids' keys there."""
     for slot in range(SLOTS):
         if counts[e, slot] > 0:
             column = spots[e, slot, 0] / np.float32(counts[e, slot])
@@ -186,7 +190,7 @@ def settle(e, view, flat, far, solids, keys, spots, counts):
             ox, oy, oz, dx, dy, dz = ray(view, (column - view[AXIS_X]) / view[FOCAL],
             (view[AXIS_Y] - row) / view[FOCAL])
             which = np.int64((keys[e, slot] & LOW) - FIRST)
-            # solids are convex: what is in the middle of a solid's samples is on it, but for rounding
+            # solids are convex, so the mean position shows the solid too, except for rounding
             t = meet(solids, which, ox, oy, oz, dx, dy, dz)
             if t < INF:
                 keys[e, slot] = key_at(t, view, flat, far, FIRST + np.uint64(which))
@@ -194,7 +198,7 @@ def settle(e, view, flat, far, solids, keys, spots, counts):
 
 @device
 def foremost(keys, e):
-    """The slot of the solid in front."""
+    """Return the slot of the solid in front in pixel number e."""
     best = 0
     for slot in range(1, SLOTS):
         if keys[e, slot] < keys[e, best]:
@@ -204,14 +208,15 @@ def foremost(keys, e):
 
 @parallel
 def part(pixels, keys, counts, hides, depth, cover):
-    """Take the solid in front out of each of these pixels: depth, cover (E,) float32 become its depth number and its
-    share of the samples; hides (P,) float32 the depth number behind which the other samples hide all, 0 if any shows
-    nothing."""
+    """Separate the solid in front from the rest of each pixel.
+
+    depth, cover (E,) float32 out: its depth number, and its share of the samples; hides (P,) float32 out: depth number
+    behind which the other samples hide everything, 0 if any of them is empty."""
     for edge in prange(pixels.shape[0]):
         e = np.int64(edge)
         front = foremost(keys, e)
         depth[e] = number(keys[e, front])
-        # one that shows in all samples is what all else is laid over, as anywhere
+        # a solid that all samples show is the opaque background, as in the other pixels
         cover[e] = np.float32(counts[e, front] % WHOLE) / np.float32(WHOLE)
         rest = np.float32(np.inf)
         shown = np.int64(0)
@@ -225,14 +230,16 @@ def part(pixels, keys, counts, hides, depth, cover):
 
 @device
 def number(key):
-    """The depth number of a key."""
+    """Return the depth number of a key."""
     return np.uint32(LOW - (key >> SHIFT)).view(np.float32)
 
 
 @parallel
-def lay(pixels, keys, counts, colours, front, image):
-    """The light of the solids at edges: that of the one in front into front (E, 3); what the other samples show over
-    the picture (height, width, 3), which holds the background of those that show nothing. colours (E, SLOTS, 3)."""
+def composite(pixels, keys, counts, colours, front, image):
+    """Write the radiance of the solid in front to front (E, 3), and the mean of the other samples to the picture.
+
+    colours (E, SLOTS, 3): radiance of each solid; image (height, width, 3): contains the background, which empty
+    samples show."""
     width = image.shape[1]
     for edge in prange(pixels.shape[0]):
         e = np.int64(edge)

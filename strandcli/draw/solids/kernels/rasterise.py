@@ -1,4 +1,4 @@
-"""The z-buffer of solids: of each pixel the one in front, by the ray through the pixel's middle."""
+"""Z-buffer of solids: the nearest one on the ray through each pixel centre."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from . import smooth_union, sphere_tracing
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
 LEFT, RIGHT, TOP, BOTTOM = range(4)
-"""Columns of a solid's frame: pixels, right and bottom not included."""
+"""Columns of a solid's screen bounds: pixels, right and bottom exclusive."""
 
 
 @parallel
 def draw(solids, frames, view, width, height, keys):
     """Fill the z-buffer with solids, and with `keys.EMPTY` where there are none.
 
-    frames (m, 4) int64: for each solid the pixels it can touch, left, right, top, bottom (right and bottom not
-    included); keys (height * width,) uint64.
+    frames (m, 4) int64: screen bounds of each solid, with the columns above; keys (height * width,) uint64 out.
     """
-    # a row of a sphere or a capsule is one loop without branches, which becomes vector code
+    # a row of a sphere or a capsule is one loop without branches, which LLVM vectorises
     spheres, capsules = solids.spheres, solids.capsules
     flat = ONE - view[PERSPECTIVE]
     far = ONE / view[DEPTH_RANGE]
@@ -67,9 +66,9 @@ def draw(solids, frames, view, width, height, keys):
 
 @device
 def key_at(t, view, flat, far, identity):
-    """The z-buffer's key of a solid at depth t, `keys.EMPTY` where t is not in front of the eye; flat: 1 for an
-    orthographic view, far: one over its depth range."""
-    # what lies behind an orthographic view's range is as far as its end
+    """Return the z-buffer key of a solid at depth t, metres, or `keys.EMPTY` if t is not in front of the near plane;
+    flat: 1 for an orthographic view; far: one over its depth range."""
+    # depths behind an orthographic view's range are clamped to its end
     q = (ONE - flat) / t + flat * max(ONE - (t - view[NEAR_PLANE]) * far, ZERO)
     key = ((LOW - np.uint64(np.float32(q).view(np.uint32))) << SHIFT) | identity
     return key if view[NEAR_PLANE] < t < INF else EMPTY

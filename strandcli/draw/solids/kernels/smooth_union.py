@@ -1,9 +1,10 @@
-"""The smooth union of spheres and capsules: one surface about all that blend.
+"""Smooth union of blended spheres and capsules: one implicit surface.
 
-Its distance is d = −k ln Σ e^(−dᵢ / k), with the distances dᵢ of the solids: never more than the least of them, and as
-steep at the most, so that a ray may go on by it (Hart 1996, "Sphere Tracing"). k is the blending distance of the first
-of them, spheres before capsules, as which all are drawn. Columns as packed by `strandcli.draw.solids.solids.packed`;
-without that of the blending distance nothing blends. Shadows and contact are those of the solids themselves.
+Its distance is d = −k ln Σ e^(−dᵢ / k), where dᵢ are the distances of the solids. It never exceeds the least of them
+and its gradient is at most 1, so a ray may advance by it (Hart 1996, "Sphere Tracing"). k is the blending distance of
+the first blended solid, spheres before capsules, under whose number the union is drawn. Columns are those of
+`strandcli.draw.solids.solids.packed`; solids without the column of the blending distance do not blend. Shadows and
+contact use the separate solids.
 """
 
 from __future__ import annotations
@@ -25,18 +26,18 @@ INF = np.float32(np.inf)
 SPHERE, CAPSULE = COLUMNS["sphere"], COLUMNS["capsule"]
 """Columns of the blending distance."""
 STEPS = 256
-"""At the most. A ray that grazes a radius r takes π √(r / 2h) of them where it passes it at h: h is `NEAR` k or more,
-so they are enough for r up to 500 k, and few rays take many."""
+"""Greatest number of steps. A ray that passes a surface of radius r at a height h takes π √(r / 2h) of them; h is at
+least `NEAR` k, so this is enough for r up to 500 k. Few rays take many steps."""
 NEAR = np.float32(0.04)
-"""Part of k within which a ray has met the surface."""
+"""Distance from the surface, as a share of k, at which a ray counts as having met it."""
 APART = np.float32(6.0)
-"""Times k from which on a solid is not felt beside another: e^-6 of k."""
+"""Difference in distance, in units of k, beyond which a solid's contribution is ignored: at most e^-6 k."""
 EVERY = np.uint64(0xFFFFFFFFFFFFFFFF)
 
 
 @device
 def blends(spheres, capsules, m):
-    """Whether solid number m is one that blends."""
+    """Return whether solid number m is part of the smooth union."""
     if m < spheres.shape[0]:
         return spheres.shape[1] > SPHERE and spheres[m, SPHERE] > ZERO
     m -= spheres.shape[0]
@@ -47,7 +48,7 @@ def blends(spheres, capsules, m):
 
 @device
 def blend_distance(spheres, capsules):
-    """k: the blending distance of the first solid that blends, 1 where none does."""
+    """Return k, the blending distance of the first blended solid, metres; 1 if there is none."""
     for m in range(spheres.shape[0]):
         if spheres[m, SPHERE] > ZERO:
             return spheres[m, SPHERE]
@@ -59,8 +60,9 @@ def blend_distance(spheres, capsules):
 
 @function
 def surface(spheres, capsules, felt, k, x, y, z):
-    """The distance of a point from the surface, and the gradient there, not of unit length; of the solids whose bit is
-    set in ``felt`` (the 65th shares that of the first, and so on)."""
+    """Return the distance of a point from the surface, metres, and its gradient, not normalised.
+
+    felt: bit mask of the solids that count; solid m has bit m mod 64."""
     least = INF
     total = ZERO
     nx = ZERO
@@ -83,7 +85,7 @@ def surface(spheres, capsules, felt, k, x, y, z):
         if away > least + APART * k:
             continue
         weight = ONE
-        if away < least:  # weights are shares of the nearest's, which this one is now
+        if away < least:  # weights are relative to the nearest solid, which is now this one: rescale the sums
             fade = exp((away - least) / k) if least < away + APART * k else ZERO
             total *= fade
             nx *= fade
@@ -102,7 +104,7 @@ def surface(spheres, capsules, felt, k, x, y, z):
 
 @device
 def ball_about(spheres, capsules, m):
-    """Centre and radius of the ball about solid number m."""
+    """Return centre and radius of a bounding ball of solid number m."""
     if m < spheres.shape[0]:
         return spheres[m, sphere.X], spheres[m, sphere.Y], spheres[m, sphere.Z], spheres[m, sphere.RADIUS]
     m -= spheres.shape[0]
@@ -116,8 +118,8 @@ def ball_about(spheres, capsules, m):
 
 @inlined
 def through(cx, cy, cz, square, dx, dy, dz):
-    """Where a ray along d is in the middle of a ball, of this radius squared, whose centre is at c from its origin, and
-    half the way through it, in units of |d|; that is negative where it misses the ball."""
+    """Return the midpoint of a ray's chord in a ball and half the chord's length, in units of |d|; the latter is −1
+    where the ray misses. c: centre relative to the ray's origin; square: radius², metres²; d: direction."""
     dd = dx * dx + dy * dy + dz * dz
     t = (cx * dx + cy * dy + cz * dz) / dd
     cx -= t * dx
@@ -129,8 +131,8 @@ def through(cx, cy, cz, square, dx, dy, dz):
 
 @function
 def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
-    """Distance along the ray, in units of |d|, to the outside of the surface; inf where it is missed or begins
-    inside. Only solids whose balls the ray passes are felt, and only between the first and the last of these."""
+    """Return the distance along a ray to the surface, in units of |d|; inf if it misses or begins inside. Only solids
+    whose bounding balls the ray crosses count, and only the part of the ray within these balls is searched."""
     k = blend_distance(spheres, capsules)
     dd = dx * dx + dy * dy + dz * dz
     felt = np.uint64(0)
@@ -163,7 +165,7 @@ def meet(spheres, capsules, ox, oy, oz, dx, dy, dz):
 
 @function
 def normal(spheres, capsules, x, y, z):
-    """Unit outward normal at a point of the surface."""
+    """Return the unit outward normal at a point of the surface."""
     _, nx, ny, nz = surface(spheres, capsules, EVERY, blend_distance(spheres, capsules), x, y, z)
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size

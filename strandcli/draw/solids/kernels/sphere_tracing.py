@@ -1,7 +1,7 @@
-"""Sphere tracing of many rays at once to a smooth union: `smooth_union.meet`, a loop over rays for each step.
+"""Sphere tracing of a batch of rays: `smooth_union.meet`, vectorised over rays.
 
-Rays that end are left out when they are a quarter of all, so that the few that graze a surface do not take the others
-with them. A solid counts for all rays or for none: at a distance from a ray it has no influence on it.
+Finished rays are removed whenever they are a quarter of the rest, so that the few rays that graze a surface do not keep
+the others busy. A solid counts for all rays or for none; far from a ray it has no influence on it.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TOGETHER = np.int64(8)
-"""Rays that are looked at together: a vector's."""
+"""Rays of a vector."""
 
-# Rows of numbers, one a ray: origin, direction, where it is met; then of those that are on their way their number,
-# origin and direction, where they are and where they end in units of |d|, one over that, and of the solids there the
-# nearest one's distance and the sum of all shares.
+# Rows of numbers, one a ray: origin, direction, result; then for active rays: number, origin and direction, current
+# position and end of the search in units of |d|, 1 / |d|, distance of the nearest solid there, sum of weights, result.
 OX, OY, OZ, DX, DY, DZ, MET = (i * W for i in range(7))
 WHICH, X, Y, Z, WX, WY, WZ, T, END, PER = (i * W for i in range(7, 17))
 LEAST, TOTAL, FOUND = (i * W for i in range(17, 20))
 ROWS = 20
 MOVED = 10
-"""Rows from `WHICH` on that a ray takes along."""
+"""Rows from `WHICH` on that are moved when rays are compacted."""
 
 
 @function
 def meet(work, n, spheres, capsules):
-    """Where the first n <= W rays of a batch meet the surface, in units of |d|, inf where they do not: from the rows
-    `OX` … `DZ` to `MET`. work (ROWS * W,) float32, numbers anywhere."""
+    """Store where the first n <= W rays of a batch meet the surface, in units of |d|, inf where they miss.
+
+    Reads the rows `OX` … `DZ` and writes `MET`. work (ROWS * W,) float32; all rows must be initialised."""
     k = smooth_union.blend_distance(spheres, capsules)
     reach = smooth_union.APART * k
     per_k = ONE / k
     felt = begin(work, n, spheres, capsules, k)
-    count = kept(work, n)
+    count = compact(work, n)
     step = 0
     while count > 0 and step < smooth_union.STEPS:
         padded = (count + TOGETHER - 1) // TOGETHER * TOGETHER
@@ -58,14 +58,14 @@ def meet(work, n, spheres, capsules):
             if (felt >> np.uint64(m & 63)) & np.uint64(1) != np.uint64(0) and smooth_union.blends(spheres, capsules, m):
                 by_capsule(work, padded, capsules, own, reach, per_k)
         step += 1
-        left = go_on(work, padded, k, HALF if step == smooth_union.STEPS else smooth_union.NEAR, step == 1)
+        left = advance(work, padded, k, HALF if step == smooth_union.STEPS else smooth_union.NEAR, step == 1)
         if 4 * left <= 3 * count or step == smooth_union.STEPS:
-            count = kept(work, count)
+            count = compact(work, count)
 
 
 @device
 def begin(work, n, spheres, capsules, k):
-    """Where rays first are in the ball about a solid and where they last are; returns which solids count, as bits."""
+    """Initialise all rays, and limit their search to the bounding balls; return the bit mask of solids that count."""
     for j in range(n):
         dx, dy, dz = work[DX + j], work[DY + j], work[DZ + j]
         work[WHICH + j] = np.float32(j)
@@ -83,14 +83,14 @@ def begin(work, n, spheres, capsules, k):
     for m in range(spheres.shape[0] + capsules.shape[0]):
         if smooth_union.blends(spheres, capsules, m):
             cx, cy, cz, r = smooth_union.ball_about(spheres, capsules, m)
-            if touched(work, n, cx, cy, cz, r + smooth_union.APART * k) > 0:
+            if extend_search(work, n, cx, cy, cz, r + smooth_union.APART * k) > 0:
                 felt |= np.uint64(1) << np.uint64(m & 63)
     return felt
 
 
 @device
-def touched(work, n, cx, cy, cz, r):
-    """Widen where rays are looked at by their way through a ball; returns how many pass it."""
+def extend_search(work, n, cx, cy, cz, r):
+    """Extend the search interval of each ray by its chord in a ball; return how many rays cross the ball."""
     square = r * r
     hits = np.int32(0)
     for j in range(n):
@@ -106,8 +106,8 @@ def touched(work, n, cx, cy, cz, r):
 
 
 @device
-def kept(work, count):
-    """Note where rays have met the surface, and keep those that are on their way; returns how many."""
+def compact(work, count):
+    """Store the results of all active rays, and keep only the unfinished ones; return their number."""
     left = np.int64(0)
     for j in range(count):
         work[MET + np.int64(work[WHICH + j])] = work[FOUND + j]
@@ -122,7 +122,7 @@ def kept(work, count):
 
 @device
 def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
-    """Add a sphere to the surface where rays are."""
+    """Add a sphere to the sums at the current positions of the rays."""
     for j in range(n):
         t = work[T + j]
         x = work[X + j] + t * work[WX + j] - cx
@@ -133,7 +133,7 @@ def by_sphere(work, n, cx, cy, cz, r, reach, per_k):
 
 @device
 def by_capsule(work, n, capsules, m, reach, per_k):
-    """Add a capsule."""
+    """Add a capsule to the sums at the current positions of the rays."""
     ax, ay, az = capsules[m, capsule.X], capsules[m, capsule.Y], capsules[m, capsule.Z]
     bx, by, bz = capsules[m, capsule.AXIS_X], capsules[m, capsule.AXIS_Y], capsules[m, capsule.AXIS_Z]
     r, per = capsules[m, capsule.RADIUS], capsules[m, capsule.PER_SQUARE]
@@ -151,7 +151,8 @@ def by_capsule(work, n, capsules, m, reach, per_k):
 
 @inlined
 def add(work, j, away, reach, per):
-    """One more solid, at a distance: the nearest one's share is 1, and beyond `reach` of it there is none."""
+    """Add a solid at the distance `away` to the sums of ray j. Weights are relative to the nearest solid, which has 1;
+    a solid farther than `reach` behind it has none."""
     least, total = work[LEAST + j], work[TOTAL + j]
     apart = abs(away - least)
     share = exp(-apart * per) if apart <= reach else ZERO
@@ -160,15 +161,15 @@ def add(work, j, away, reach, per):
 
 
 @device
-def go_on(work, n, k, near, first):
-    """A step of each ray, by its distance from the surface, or the end of it where that is less than `near` k; returns
-    how many are still on their way."""
+def advance(work, n, k, near, first):
+    """Advance each ray by its distance from the surface, or finish it where that is less than `near` k; return the
+    number of unfinished rays. first: whether this is the first step."""
     left = np.int64(0)
     near *= k
     for j in range(n):
         away = work[LEAST + j] - k * log(work[TOTAL + j])
         t, end = work[T + j], work[END + j]
-        end = -INF if first & (away < ZERO) else end  # one that begins inside is not met
+        end = -INF if first & (away < ZERO) else end  # a ray that begins inside misses by definition
         met = (away < near) & (t <= end)
         t = t if met else t + away * work[PER + j]
         work[FOUND + j] = t if met else INF

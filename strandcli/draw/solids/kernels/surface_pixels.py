@@ -1,4 +1,4 @@
-"""Pixels that show the same solid, gathered in batches of W for `shade_surfaces`, and what becomes of them."""
+"""Batches of up to W pixels that show the same solid, for `shade_surfaces`, and compositing of their radiance."""
 
 from __future__ import annotations
 
@@ -16,15 +16,20 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 FOLD = np.float32(4.0)
-"""Pixels' widths by which depth leaves a straight line where a surface ends in front of itself."""
+"""Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
+edge in front of itself."""
 FINE = 4
-"""Rays along each side of such a pixel."""
+"""Rays along each side of a pixel with such an edge."""
 
 
 @device
-def gather(keys, p, end, width, view, solids, spots, work, which):
-    """Put pixels of one solid into a batch, from pixel number p on, or the rays of one where that ends in front of
-    itself. Returns where to go on, how many there are, the number of the solid, and whether they are such rays."""
+def fill_batch(keys, p, end, width, view, solids, spots, work, which):
+    """Fill a batch with pixels of one solid, from pixel number p on, or with the rays of a single pixel in which the
+    solid has an edge in front of itself.
+
+    Returns the next pixel, the number of points, the number of the solid, and whether they are rays of one pixel. keys,
+    spots: of `inputs.Screen`; end: first pixel beyond the task; which (W,) int64 out: pixel of each point.
+    """
     n = np.int64(0)
     solid = np.int64(-1)
     blends = False
@@ -50,7 +55,7 @@ def gather(keys, p, end, width, view, solids, spots, work, which):
         which[n] = at
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
-        if view[PERSPECTIVE] > ZERO:  # the key tells: one over the depth
+        if view[PERSPECTIVE] > ZERO:  # the depth number is one over the depth
             work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
         else:
             work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
@@ -60,7 +65,7 @@ def gather(keys, p, end, width, view, solids, spots, work, which):
 
 @device
 def fine_rays(work, column, row, view, solids, which):
-    """Put the rays of a pixel that meet solid number `which` into a batch; returns how many."""
+    """Fill a batch with the FINE × FINE rays of a pixel that meet solid number `which`; return how many meet it."""
     n = np.int64(0)
     for sample in range(FINE * FINE):
         x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
@@ -75,14 +80,14 @@ def fine_rays(work, column, row, view, solids, which):
 
 @device
 def distance(x, y, view, solids, which):
-    """How far off solid number `which` is at a place on the screen."""
+    """Return the depth of solid number `which` at a screen position, metres; inf where it is missed."""
     ox, oy, oz, dx, dy, dz = rays.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
     return rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 
 @device
 def average(work, n):
-    """Mean radiance of the n rays of a pixel, as that of its first, and what the last becomes of the picture."""
+    """Replace the radiance of the first point by the mean of the n rays of a pixel, and its opacity by the last's."""
     for c in range(3):
         total = ZERO
         for k in range(n):
@@ -92,8 +97,8 @@ def average(work, n):
 
 
 @device
-def scatter(work, n, which, picture):
-    """Lay a batch over the picture."""
+def composite(work, n, which, picture):
+    """Composite the first n points of a batch over the picture (3 P,)."""
     for k in range(n):
         p = 3 * which[k]
         for c in range(3):
@@ -102,7 +107,7 @@ def scatter(work, n, which, picture):
 
 @device
 def folded(keys, at, column, width, view):
-    """Whether a solid that blends ends in front of itself at pixel number `at`."""
+    """Return whether a blended solid has an edge in front of itself at pixel number `at`."""
     if at < width or at >= keys.shape[0] - width:
         return False
     if column < 1 or column > width - 2:
@@ -116,7 +121,7 @@ def folded(keys, at, column, width, view):
 
 @device
 def bend(keys, at, step, here, view):
-    """Metres by which the depths of three pixels leave a straight line; 0 where they are not of one solid."""
+    """Return the second difference of the depths of three pixels, metres; 0 if they do not show the same solid."""
     if (((keys[at - step] ^ keys[at]) | (keys[at + step] ^ keys[at])) & LOW) != np.uint64(0):
         return ZERO
     return abs(depth_at(keys, at - step, view) + depth_at(keys, at + step, view) - here - here)
@@ -124,6 +129,6 @@ def bend(keys, at, step, here, view):
 
 @device
 def depth_at(keys, at, view):
-    """The depth of what a pixel shows, metres."""
+    """Return the depth of the surface that a pixel shows, metres."""
     number = np.uint32(LOW - (keys[at] >> SHIFT)).view(np.float32)
     return ONE / number if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - number) * view[DEPTH_RANGE]
