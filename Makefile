@@ -53,6 +53,7 @@ $(OLDEST)/.ready: pyproject.toml
 
 lint: $(READY)
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 
 types: $(READY)
 	$(BIN)/mypy

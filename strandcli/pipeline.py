@@ -69,9 +69,7 @@ def _with_threads(count: int, items: Iterator[Item]) -> Iterator[Item]:
         items.close()  # type: ignore[attr-defined]
 
 
-def _rendered(
-    scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions
-) -> Iterator[Frame]:
+def _rendered(scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions) -> Iterator[Frame]:
     if options.warn is not None and cache.trouble is not None:
         options.warn(cache.trouble)
     if not scene.panels:

@@ -56,9 +56,7 @@ class MovedStrands:
 class SimulationStage:
     """The strands of a scene, moved from frame to frame."""
 
-    def __init__(
-        self, scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions
-    ) -> None:
+    def __init__(self, scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions) -> None:
         """``given``: positions that were simulated before, by frame number."""
         from .simulate import solver_of
         from .simulate.advice import warnings

@@ -46,13 +46,12 @@ def make(folder: Path) -> list[Path]:
     np.savez(paths[-1], positions=points.astype(np.float16))
     paths.append(folder / "a.tfx")
     header = np.array([STRANDS, POINTS, 160, 0, 0, 0, 0, *[0] * 32], "<u4").tobytes()
-    paths[-1].write_bytes(
-        np.float32(4).tobytes() + header + np.pad(points.reshape(-1, 3), ((0, 0), (0, 1))).tobytes()
-    )
+    paths[-1].write_bytes(np.float32(4).tobytes() + header + np.pad(points.reshape(-1, 3), ((0, 0), (0, 1))).tobytes())
     paths.append(folder / "double.ply")
     paths[-1].write_bytes(
         f"ply\nformat binary_big_endian 1.0\nelement vertex {STRANDS * POINTS}\nproperty double x\nproperty double y\n"
-        "property double z\nend_header\n".encode() + points.astype(">f8").tobytes()
+        "property double z\nend_header\n".encode()
+        + points.astype(">f8").tobytes()
     )
     paths.append(folder / TEXT)
     lines = "\n".join(f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points.reshape(-1, 3).tolist())

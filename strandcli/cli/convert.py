@@ -53,9 +53,7 @@ class MatrixType(click.ParamType):
 @click.option("--reverse", is_flag=True, help="Turn all strands around: roots come first.")
 @click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
 @click.option("--to-up", type=AXIS, default="y", show_default=True, help="The up axis of OUT, with --up.")
-@click.option(
-    "--scale", type=FiniteType(min=0, min_open=True), metavar="X", help="Multiply lengths: .01 for cm to m."
-)
+@click.option("--scale", type=FiniteType(min=0, min_open=True), metavar="X", help="Multiply lengths: .01 for cm to m.")
 @click.option("--matrix", type=MatrixType(), metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
 @click.option("--min-length", type=FiniteType(min=0), metavar="X", help="Leave out strands shorter than this.")
 @click.option("--max-length", type=FiniteType(min=0), metavar="X", help="Leave out strands longer than this.")

@@ -11,9 +11,7 @@ from . import options
 
 
 @click.command()
-@click.option(
-    "-o", "--output", type=options.PathType(), metavar="FILE", help="Write it there.  [default: stdout]"
-)
+@click.option("-o", "--output", type=options.PathType(), metavar="FILE", help="Write it there.  [default: stdout]")
 @click.option("--markdown", is_flag=True, help="Print a reference to read, as Markdown, instead.")
 @options.overwrite
 @options.debug

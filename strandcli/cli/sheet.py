@@ -13,9 +13,7 @@ from .say import say
 @click.command()
 @click.argument("sources", nargs=-1, required=True, type=options.PathType(), metavar="DIR_OR_FILE...")
 @click.option("-o", "--output", type=options.PathType(), required=True, metavar="FILE", help="The sheet (PNG).")
-@click.option(
-    "--columns", type=options.Whole(1, 1000), default=4, show_default=True, metavar="N", help="Images a row."
-)
+@click.option("--columns", type=options.Whole(1, 1000), default=4, show_default=True, metavar="N", help="Images a row.")
 @click.option(
     "--width", type=options.Whole(16, 32_768), default=400, show_default=True, metavar="PX",
     help="Images wider than this are scaled down.",

@@ -74,8 +74,12 @@ def command(
                 progress.line(f"failed: {one.name}: {one.why}")
 
         result = stress.run(
-            work, only=only, processes=threads or options.available_cores(), notify=progress.note,
-            step=lambda count: progress.step(count=count), tell=tell,
+            work,
+            only=only,
+            processes=threads or options.available_cores(),
+            notify=progress.note,
+            step=lambda count: progress.step(count=count),
+            tell=tell,
         )
     if accept:
         say(f"{result.accept()}: rewritten", err=True)

@@ -128,9 +128,5 @@ def _tilt(
     cosine = 1.0 - u * (1.0 - np.cos(cone))
     sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
     angle = 2 * np.pi * v
-    out = (
-        cosine[:, None] * axes
-        + (sine * np.cos(angle))[:, None] * first
-        + (sine * np.sin(angle))[:, None] * second
-    )
+    out = cosine[:, None] * axes + (sine * np.cos(angle))[:, None] * first + (sine * np.sin(angle))[:, None] * second
     return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))

@@ -25,9 +25,12 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     keys = [key for key in grown() if getattr(scene.emitter, key) != settings_of(Emitter)[key].spec.default]
     if keys:
         fewer = f"; {PLACE}.strands draws fewer" if "strands" in keys else ""
-        yield tuple(f"emitter.{key}" for key in keys), (
-            f"beside {PLACE} an emitter has position, rotation and keys alone, the rest is in the file: take out "
-            f"{', '.join(keys)}, or set {'each' if len(keys) > 1 else 'it'} to null{fewer}"
+        yield (
+            tuple(f"emitter.{key}" for key in keys),
+            (
+                f"beside {PLACE} an emitter has position, rotation and keys alone, the rest is in the file: take out "
+                f"{', '.join(keys)}, or set {'each' if len(keys) > 1 else 'it'} to null{fewer}"
+            ),
         )
     if scene.children is not None:
         yield ("children", PLACE), "grow about strands of the emitter, not those of a file; take one of the two out"
@@ -35,9 +38,12 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
     rules = [use.path for use in scene.rules if use.name != "emitter_motion"]
     if rules:
-        yield tuple(rules), (
-            "strands of a file are drawn as they are, and only emitter_motion carries them; take out "
-            f"{', '.join(rules)}, or set rules to null"
+        yield (
+            tuple(rules),
+            (
+                "strands of a file are drawn as they are, and only emitter_motion carries them; take out "
+                f"{', '.join(rules)}, or set rules to null"
+            ),
         )
     if fit is not None and scene.camera.keys:
         yield ("camera.fit", "camera.keys"), "a camera with keys stands where they say; take one of the two out"

@@ -42,6 +42,7 @@ from .specs import (
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float]
 
+
 def _field(spec: Spec) -> Any:
     return dataclasses.field(default=spec.default, metadata={"spec": spec})
 

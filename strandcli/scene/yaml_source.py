@@ -125,8 +125,10 @@ class _Builder:
         except yaml.MarkedYAMLError as error:
             self.stop(self.mark(error.problem_mark or error.context_mark), _advice(error))
         except (ValueError, OverflowError):  # PyYAML on \UFFFFFFFF, and on a %YAML directive of 5,000 digits
-            self.stop(self.origin if not self.lines else Mark(self.origin.file, 1, 1), "holds a number or an escape "
-                      "that YAML does not allow")
+            self.stop(
+                self.origin if not self.lines else Mark(self.origin.file, 1, 1),
+                "holds a number or an escape that YAML does not allow",
+            )
         return self.root
 
     def build_fast(self, text: str) -> bool:

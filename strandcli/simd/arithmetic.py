@@ -35,8 +35,11 @@ def _define(
         wide = (widened(context, builder, v, t, kind) for v, t in zip(args, sig.args, strict=True))
         return (fused if fused is not None and kind.fused and has_fma(context) else emit)(builder, *wide)
 
-    kinds = [(VectorType,)] if count == 1 else [(VectorType, VectorType), (VectorType, types.Number), (types.Number,
-    VectorType)]
+    kinds = (
+        [(VectorType,)]
+        if count == 1
+        else [(VectorType, VectorType), (VectorType, types.Number), (types.Number, VectorType)]
+    )
     for kind in kinds:
         lower_builtin(function, *kind)(lower)
 

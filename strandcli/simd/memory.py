@@ -118,8 +118,12 @@ def store(typingctx: Any, rows: Any, o: Any, x: Any) -> Any:
 def gather(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
     """A vector of the numbers at places o + stride * x + y; x: vector of whole numbers, y likewise or one number. What
     is added to o has to be less than 2^31."""
-    if not (isinstance(rows, PointerType) and not rows.whole and isinstance(x, VectorType) and isinstance(stride,
-    types.Integer)):
+    if not (
+        isinstance(rows, PointerType)
+        and not rows.whole
+        and isinstance(x, VectorType)
+        and isinstance(stride, types.Integer)
+    ):
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -45,7 +45,7 @@ def step(positions, lengths, rest{arguments}):
             grandparent = block[i - 1]
 {particles}'''
 
-LOOP = '''
+LOOP = """
 @function
 def lanes_{number}(x, parent, grandparent, length, i{arguments}):
     # numbers, not arrays: nothing that the loop writes can be one of them
@@ -55,7 +55,7 @@ def lanes_{number}(x, parent, grandparent, length, i{arguments}):
         c = (grandparent[k], grandparent[W + k], grandparent[2 * W + k])
 {calls}        x[k], x[W + k], x[2 * W + k] = a
 
-'''
+"""
 
 
 def source(passes: Sequence[Pass]) -> str:
@@ -87,8 +87,7 @@ def source(passes: Sequence[Pass]) -> str:
             imports.append(f"pass_{j} = pass_{compiled[function]}\n")
         else:
             imports.append(
-                f"from {where} import {what} as function_{j}  # {digest}\n"
-                f"pass_{j} = function(function_{j})\n"
+                f"from {where} import {what} as function_{j}  # {digest}\npass_{j} = function(function_{j})\n"
             )
         compiled.setdefault(function, j)
         if one.stage == "lane":

@@ -119,9 +119,7 @@ def dashes(points: Sequence[XY], length: float) -> list[tuple[XY, XY]]:
             end = min(size, begin + (length - turn if turn < length else 2 * length - turn) + 1e-9)
             if turn < length:
                 a, b = begin / size, end / size
-                out.append(
-                    ((x0 + a * (x1 - x0), y0 + a * (y1 - y0)), (x0 + b * (x1 - x0), y0 + b * (y1 - y0)))
-                )
+                out.append(((x0 + a * (x1 - x0), y0 + a * (y1 - y0)), (x0 + b * (x1 - x0), y0 + b * (y1 - y0))))
             begin = end
         travelled += size
     return out

@@ -24,9 +24,7 @@ def rows(studies: Sequence[Study], most: float | None = None) -> list[dict[str, 
             best = min(known, key=lambda point: point.error[study.metric] or 0.0, default=None)
             under = cheapest(points, study.metric, most or UNDER, study.margins)
             orders = {
-                one["in"]: one["order"]
-                for one in study.orders
-                if one["line"] == line and one["metric"] == study.metric
+                one["in"]: one["order"] for one in study.orders if one["line"] == line and one["metric"] == study.metric
             }
             out.append(
                 {
@@ -90,4 +88,3 @@ def brief(knobs: dict[str, Any]) -> str:
     words = {"emitter.particles": "particles", "time.substeps": "substeps", "rod.iterations": "iterations"}
     parts = [f"{knobs[path]} {word}" for path, word in words.items() if path in knobs]
     return ", ".join([*parts, *([f"step {step(knobs['dt'])}"] if "dt" in knobs else [])])
-

@@ -241,9 +241,7 @@ def test_samples_that_repeat_are_not_stored(tmp_path: Path) -> None:
     stored = [POINTS + np.float32(i) for i in range(4)]
     points = made.array("P", *stored, changes=(3, 5), count=8)
     told = [points, made.array("nVertices", np.array(COUNTS, "<i4"))]
-    (tmp_path / "a.abc").write_bytes(
-        made.finish(made.object("c", abc_kit.CURVES, [made.compound(".geom", told)]))
-    )
+    (tmp_path / "a.abc").write_bytes(made.finish(made.object("c", abc_kit.CURVES, [made.compound(".geom", told)])))
     found = moments(tmp_path / "a.abc")
     assert [one.seconds for one in found] == [0.0, 3.0, 4.0, 5.0]
     assert [one.points.tolist() for one in found] == [one.tolist() for one in stored]

@@ -102,5 +102,3 @@ def test_json_has_no_number_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "a.ply").write_bytes(kit.ply(list(head()), told="nothing"))
     found = facts_of_file(tmp_path / "a.ply", ReadOptions())
     assert ("stride", "--stride 20") in {(one.fault, one.mend) for one in found.faults}
-
-

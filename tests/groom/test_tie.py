@@ -221,6 +221,7 @@ solids:
 
 def test_strands_lie_on_what_is_wider_than_the_emitter() -> None:
     """On a ball that blends they are .06 of its way of blending above it; of several, the first ball's way counts."""
+
     def on(solids: str, over: str, **emitter: Any) -> np.ndarray:
         scene = scene_of(SCENE.replace("lift: 0.012", f"lift: 0.012, over: {over}") + solids)
         one = dataclasses.replace(scene.emitter, **emitter)

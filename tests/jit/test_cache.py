@@ -136,9 +136,7 @@ def test_what_is_no_file_in_an_entrys_place_stops_nothing(entry: Path, kind: str
         assert entry.is_file()
 
 
-def test_a_full_disk_is_told_once_and_stops_nothing(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_is_told_once_and_stops_nothing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 

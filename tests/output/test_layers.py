@@ -147,7 +147,7 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
         (["--aov", "depth,"], "'depth,' is not a list of layers such as depth,mask"),
         (["--aov", "depth,depth"], "the layer 'depth' is listed twice"),
         (["--set", "image.crop=40x40+30+0"], "the window 40x40+30+0 reaches beyond the picture of 64x48"),
-        (["--set", "image.crop=0x4+1+1"], "must be a part of the picture [x, y, width, height] or \"400x300+100+50\""),
+        (["--set", "image.crop=0x4+1+1"], 'must be a part of the picture [x, y, width, height] or "400x300+100+50"'),
         (["--set", "image.crop=[1, 2, 3]"], "must be a part of the picture"),
         (["--set", "image.tone=film"], ": must be one of srgb, filmic, not 'film'; did you mean 'filmic'?"),
         (["--set", "camera.aperture=-1"], ": must be a number of at least 0"),

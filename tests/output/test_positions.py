@@ -104,7 +104,7 @@ def test_a_cut_file_is_refused(cache: Path) -> None:
 
 @pytest.mark.parametrize(
     "manifest",
-    [None, "", "[]", "{}", "[" * 100_000, '{"frames": [1]}', '{"frames": [{"frame": 1, "file": "../x.npz"}]}']
+    [None, "", "[]", "{}", "[" * 100_000, '{"frames": [1]}', '{"frames": [{"frame": 1, "file": "../x.npz"}]}'],
 )
 def test_a_folder_that_is_none_of_ours_is_refused(cache: Path, manifest: str | None) -> None:
     (cache / MANIFEST).unlink()

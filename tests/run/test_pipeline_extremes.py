@@ -159,9 +159,7 @@ def test_a_picture_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]
 
 
 @pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES.keys())
-def test_a_picture_of_sorted_strands_comes_of_it(
-    changes: dict[str, Any], linear: list[np.ndarray]
-) -> None:
+def test_a_picture_of_sorted_strands_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
     changes = {"image.resolver": "sorted", "material.width": 0.004} | changes
     scene = scene_of(EVERYTHING, changes)
     (frame,) = frames_of(scene, 3, threads=1)

@@ -60,9 +60,7 @@ def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> N
     np.testing.assert_allclose(found.image, frame.aovs["linear"], rtol=1e-5, atol=1e-7)
 
 
-def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(
-    run: Runner, tmp_path: Path
-) -> None:
+def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(run: Runner, tmp_path: Path) -> None:
     (tmp_path / "locks.yaml").write_text(f"{SMALL}children: {{count: 4}}\n")
     done = run("study", "locks.yaml", "--axis", "curves", "--strands", "70", "--set", "curves.mode=off", "--json")
     found = json.loads(done.out)
@@ -206,9 +204,7 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
         assert word in done.error()
 
 
-def test_what_memory_cannot_hold_is_refused_before_anything_runs(
-    run: Runner, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_memory_cannot_hold_is_refused_before_anything_runs(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("strandcli.plan.free.available_memory", lambda: 10**8)
     for words in (("study", "brush.yaml", "--axis", "lod"), ("bench", "--strands", "100000000")):
         done = run(*words)

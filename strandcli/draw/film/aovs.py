@@ -56,16 +56,12 @@ class Recorder:
         }
         self._shares: NDArray[np.float32] | None = None
 
-    def layer(
-        self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]
-    ) -> None:
+    def layer(self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]) -> None:
         """Write the strand that contributes most to each sample of a layer to ``keys`` (samples · samples · height ·
         width,), which contain the solids; call `strands` after the last layer."""
         if self._shares is None:
             self._shares = np.zeros(len(keys), np.float32)
-        kernel.front(
-            layer.fragments, len(lines.world), screen, np.float32(LEAST), keys, self._shares
-        )
+        kernel.front(layer.fragments, len(lines.world), screen, np.float32(LEAST), keys, self._shares)
 
     def strands(
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,

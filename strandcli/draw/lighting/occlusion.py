@@ -99,9 +99,7 @@ def directions(count: int) -> NDArray[np.float32]:
     return np.concatenate([upper, -upper]).astype(np.float32)
 
 
-def _box(
-    bounds: NDArray[np.float64], packed: Solids | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _box(bounds: NDArray[np.float64], packed: Solids | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the corners of a box around the strands and the nearby parts of solids."""
     _, radius = ball(bounds)
     low, high = bounds[0].copy(), bounds[1].copy()

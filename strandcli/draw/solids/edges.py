@@ -61,9 +61,7 @@ def none(hides: NDArray[np.float32]) -> Edges:
     return _edges(hides, np.zeros(0, np.int64))
 
 
-def find_edges(
-    keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch
-) -> Edges:
+def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch) -> Edges:
     """Return the edges in a z-buffer of solids, ``keys`` (height * width,); size: width and height in pixels."""
     width, height = size
     hides = scratch.take("hides", len(keys), np.float32)

@@ -109,8 +109,5 @@ def coats_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
     incidence, its roughness, amplitude of the patches, width of the largest; None if no solid has a coat or patches."""
     if not any(solid.coat > 0 or solid.mottle > 0 for solid in solids):
         return None
-    rows = [
-        [solid.coat, solid.roughness, solid.mottle, solid.grain]
-        for solid in in_order(solids)
-    ]
+    rows = [[solid.coat, solid.roughness, solid.mottle, solid.grain] for solid in in_order(solids)]
     return np.array(rows, np.float32)

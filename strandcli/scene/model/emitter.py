@@ -100,17 +100,13 @@ class GroomFile:
         doc="file: where they are in the file; origin: the middle of their box at the origin; ground: above it, the "
         "lowest point at y = 0",
     )
-    strands: int | None = integer(
-        None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all"
-    )
+    strands: int | None = integer(None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all")
     cover: float | None = number(
         None, above=0, high=1000,
         doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
         "seen before so many times, at most 1/200 of the longest side of their box; absent: lines one pixel wide",
     )  # fmt: skip
-    stride: int | None = integer(
-        None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone"
-    )
+    stride: int | None = integer(None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone")
     array: str = text("", doc="array of the points, where an .npz file has several")
 
 

@@ -1,4 +1,3 @@
-
 # ruff: noqa: RUF009 - these calls make dataclass fields
 
 from __future__ import annotations

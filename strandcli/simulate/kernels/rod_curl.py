@@ -137,9 +137,7 @@ def add_reactions(s, at, state, material, torsion, share):
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
         mx, my, mz = cross(nx, ny, nz, sx, sy, sz)
-        fx, fy, fz = cross(
-            ex, ey, ez, mx - q * px + after * nx, my - q * py + after * ny, mz - q * pz + after * nz
-        )
+        fx, fy, fz = cross(ex, ey, ez, mx - q * px + after * nx, my - q * py + after * ny, mz - q * pz + after * nz)
         f = sx * ex + sy * ey + sz * ez
         bx += fx + sx - f * ex
         by += fy + sy - f * ey

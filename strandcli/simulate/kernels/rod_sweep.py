@@ -159,8 +159,7 @@ def normalise(s, o, row, edges, rounding):
 
 @device
 def displace_degenerate(s, o, j, row, edges, inverse_length):
-    """Set the displacement of a particle in `DEGENERATE` lanes: that of the one before it, and the change of its edge.
-    """
+    """Set the displacement of a particle in `DEGENERATE` lanes: that of the one before it plus its edge's change."""
     degenerate = load(s, DEGENERATE) > 0.0
     for c in range(3):
         past = load(s, ROOT_SHIFT + c) * inverse_length if j == 0 else load(s, o - SEGMENT + DISPLACEMENT + c)

@@ -22,8 +22,7 @@ NONE = 1e-30
 
 @device
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """Distance along a ray, in units of |d|, to the outside of sphere m; inf where the ray misses it or begins inside.
-    """
+    """Distance along a ray, in units of |d|, to the outside of sphere m; inf where it misses or begins inside."""
     # p[m] would be a view, and views are counted by an atomic instruction: an index is not
     cx = ox - p[m, X]
     cy = oy - p[m, Y]

@@ -240,8 +240,16 @@ def transmittance(
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
     cylinders.transmittance(
-        lines.first, lines.world.astype(np.float64), radii, points, own, frames, reaches, jitter,
-        np.broadcast_to(np.asarray(wide, np.float64), len(points)).copy(), out,
+        lines.first,
+        lines.world.astype(np.float64),
+        radii,
+        points,
+        own,
+        frames,
+        reaches,
+        jitter,
+        np.broadcast_to(np.asarray(wide, np.float64), len(points)).copy(),
+        out,
     )
     return out
 

@@ -134,9 +134,7 @@ class Subject:
             children, strands = Children(scene, guides), self.groom.strands
             tones, _ = children.select(solver.positions)
             self.groom = dataclasses.replace(self.groom, tones=tones[:strands])
-            self.positions, self.lengths = children.grow(
-                solver.positions, solver.lengths, self.at, strands, Scratch()
-            )
+            self.positions, self.lengths = children.grow(solver.positions, solver.lengths, self.at, strands, Scratch())
         if self.scene.emitter.tie is not None:
             combed = Combed(self.scene, self.groom)
             self._joined = combed.join(self.positions, self.at, self.groom.strands, Scratch())

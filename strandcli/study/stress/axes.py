@@ -18,7 +18,13 @@ SOLVERS = ("rod", "thesis")
 AXES: dict[str, dict[str, Any]] = {
     # the step in seconds, before it is divided by the substeps; noisy: 1/60 s and up to 50 % more or less each time
     "dt": {
-        "1e-4": 1e-4, "240Hz": 1 / 240, "60Hz": 1 / 60, "24Hz": 1 / 24, "0.5": 0.5, "10": 10.0, "noisy": 1 / 60,
+        "1e-4": 1e-4,
+        "240Hz": 1 / 240,
+        "60Hz": 1 / 60,
+        "24Hz": 1 / 24,
+        "0.5": 0.5,
+        "10": 10.0,
+        "noisy": 1 / 60,
     },
     "substeps": {"1": 1, "2": 2, "8": 8},
     "B": {"0": 0.0, "1e-6": 1e-6, "1e-2": 1e-2, "1": 1.0, "1e2": 1e2, "1e6": 1e6},

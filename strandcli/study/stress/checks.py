@@ -52,9 +52,7 @@ SAMENESS: dict[str, Check] = {
         for dt in ("24Hz", "60Hz", "240Hz")
         for n in (10, 32)
     },
-    "check=rest/dt=240Hz/n=10/precision=double": partial(
-        sameness.check_rest, dt="240Hz", precision="double"
-    ),
+    "check=rest/dt=240Hz/n=10/precision=double": partial(sameness.check_rest, dt="240Hz", precision="double"),
     **{
         f"check=rate/gamma={g:g}/n={n}": partial(sameness.check_rate, gamma=g, n=n)
         for g in (1.0, 10.0, 100.0)

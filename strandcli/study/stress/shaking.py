@@ -39,9 +39,7 @@ def check_shake(
         cases = [Case.of(solver, {**labels, "start": start}) for start in AXES["start"]]
         scene = scene_of(cases[0], times)
         keys = tuple(_turned(key, WAYS[way]) for key in scene.emitter.keys)
-        scene = replace(
-            scene, emitter=replace(scene.emitter, keys=keys), rod=replace(scene.rod, integrator=integrator)
-        )
+        scene = replace(scene, emitter=replace(scene.emitter, keys=keys), rod=replace(scene.rod, integrator=integrator))
         one: Any = solver_of(scene)(scene, groom_of(cases))
         for time in times:
             one.step(float(time), STEPS[rate])

@@ -68,9 +68,7 @@ def full(solver: str) -> tuple[Case, ...]:
 def quick(solver: str) -> list[Case]:
     """The small matrix: pairs of the widest values, and a few grooms of just over a block."""
     table = {axis: labels for axis, labels in QUICK.items() if axis != "start"}
-    cases = [
-        Case.of(solver, {**row, "start": start}) for row in covering(table) for start in QUICK["start"]
-    ]
+    cases = [Case.of(solver, {**row, "start": start}) for row in covering(table) for start in QUICK["start"]]
     cases += [Case.of(solver, {**row, "strands": "129", "lengths": "unequal"}) for row in covering(QUICK)[:6]]
     cases += [Case.of(solver, {"n": n, "L": L}) for n in SHORT for L in AXES["L"]]
     return list(dict.fromkeys(cases))

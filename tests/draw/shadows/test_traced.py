@@ -58,9 +58,7 @@ def truth(light: Light, lines: Polylines, chosen: np.ndarray, thickness: Thickne
     points = np.concatenate([before + t * (here - before), here + t * (behind - here)], 1)
     weights = np.concatenate([t, 1 - t])[:, 0] / RAYS  # a hat
     own = np.searchsorted(lines.first, chosen, "right") - 1
-    found = transmittance(
-        lines, thickness, light, points.reshape(-1, 3), np.repeat(own, 2 * RAYS), np.zeros((2, 2))
-    )
+    found = transmittance(lines, thickness, light, points.reshape(-1, 3), np.repeat(own, 2 * RAYS), np.zeros((2, 2)))
     return found.mean(1).reshape(-1, 2 * RAYS) @ weights
 
 

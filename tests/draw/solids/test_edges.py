@@ -65,8 +65,9 @@ def test_strands_go_before_between_and_behind_the_edges_of_solids(kind: str, str
 
 def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND)
-    monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 7), (7, 8), (8, 40), (40,
-    48)])
+    monkeypatch.setattr(
+        "strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 7), (7, 8), (8, 40), (40, 48)]
+    )
     np.testing.assert_array_equal(light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND), whole)
 
 

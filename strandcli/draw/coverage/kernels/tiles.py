@@ -86,6 +86,4 @@ def tile_at(number, fragments):
     across = (fragments.width + TILE_WIDTH - 1) // TILE_WIDTH
     top = fragments.top + number // across * TILE_HEIGHT
     left = number % across * TILE_WIDTH
-    return Tile(
-        number, top, min(top + TILE_HEIGHT, fragments.bottom), left, min(left + TILE_WIDTH, fragments.width)
-    )
+    return Tile(number, top, min(top + TILE_HEIGHT, fragments.bottom), left, min(left + TILE_WIDTH, fragments.width))

@@ -233,9 +233,7 @@ def add_departure(shown, table, profiles, shades, shares, image):
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
         crossing = Crossing(dx / size, dy / size, off, HALF * wide)
-        r, g, b = column_light(
-            profile, shades, slots[v], after, t, HALF / size, shown.points, table, crossing, shares
-        )
+        r, g, b = column_light(profile, shades, slots[v], after, t, HALF / size, shown.points, table, crossing, shares)
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)

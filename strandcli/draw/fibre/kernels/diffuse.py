@@ -21,9 +21,7 @@ def diffuse_light(work, n, lights, i, scale):
     """Add the diffuse term of light number i to the radiance of the first n vertices of a batch; scale:
     `material.diffuse`."""
     for k in range(n):
-        d = scale * kajiya_diffuse(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k]
-        )
+        d = scale * kajiya_diffuse(work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k])
         d *= work[ARRIVES + k]
         work[RADIANCE + k] += lights[i, POWER_R] * (d * work[COLOUR + k])
         work[RADIANCE + W + k] += lights[i, POWER_G] * (d * work[COLOUR + W + k])

@@ -97,5 +97,6 @@ def rim(world, v, low, high, view, reach, screen):
         return
     screen[v, 0] = right
     screen[v, 1] = down
-    screen[v,
-    2] = ONE / depth if view[PERSPECTIVE] > ZERO else max(ONE - (depth - view[NEAR_PLANE]) / view[DEPTH_RANGE], TINY)
+    screen[v, 2] = (
+        ONE / depth if view[PERSPECTIVE] > ZERO else max(ONE - (depth - view[NEAR_PLANE]) / view[DEPTH_RANGE], TINY)
+    )

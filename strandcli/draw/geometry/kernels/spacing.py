@@ -25,9 +25,7 @@ def nearest(positions, strands, points, own, out):
     blocks = np.int64((strands + W - 1) // W)
     boxes = np.empty((blocks, 6), np.float32)
     for block in prange(blocks):
-        enclose(
-            positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes
-        )
+        enclose(positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes)
     for p in prange(points.shape[0]):
         least = np.empty(W, np.float32)
         for k in range(out.shape[1]):

@@ -208,9 +208,7 @@ def occlude(work, n, x, y, z, solids, skin):
     for d in range(n):
         if others > 0 and work[LIGHT + d] > ZERO:
             ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            work[LIGHT + d] *= rays.past_flat(
-                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
-            )
+            work[LIGHT + d] *= rays.past_flat(solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin)
 
 
 @device

@@ -190,8 +190,14 @@ def light_around(work, n, surround, bounce):
     if surround.volume.shape[0] > 0:
         for k in range(n):
             share = occlusion.sky_visibility(
-                surround.volume, surround.box, work[X + k], work[Y + k], work[Z + k],
-                work[NX + k], work[NY + k], work[NZ + k],
+                surround.volume,
+                surround.box,
+                work[X + k],
+                work[Y + k],
+                work[Z + k],
+                work[NX + k],
+                work[NY + k],
+                work[NZ + k],
             )
             for c in range(3):
                 work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)

@@ -153,12 +153,24 @@ def darken_line(ends, p, v, one, lists, own, cuts, dark):
 @inlined
 def project(world, v, views, one, bias):
     """Return the position of vertex v in a view, in cells, and its biased depth number; 0 where it is not in front."""
-    x = views[one, RIGHT_X] * world[v, 0] + views[one, RIGHT_Y] * world[v, 1] + views[one, RIGHT_Z] * world[v,
-    2] + views[one, RIGHT_SHIFT]
-    y = views[one, UP_X] * world[v, 0] + views[one, UP_Y] * world[v, 1] + views[one, UP_Z] * world[v, 2] + views[one,
-    UP_SHIFT]
-    z = views[one, FORWARD_X] * world[v, 0] + views[one, FORWARD_Y] * world[v, 1] + views[one, FORWARD_Z] * world[v,
-    2] + views[one, FORWARD_SHIFT]
+    x = (
+        views[one, RIGHT_X] * world[v, 0]
+        + views[one, RIGHT_Y] * world[v, 1]
+        + views[one, RIGHT_Z] * world[v, 2]
+        + views[one, RIGHT_SHIFT]
+    )
+    y = (
+        views[one, UP_X] * world[v, 0]
+        + views[one, UP_Y] * world[v, 1]
+        + views[one, UP_Z] * world[v, 2]
+        + views[one, UP_SHIFT]
+    )
+    z = (
+        views[one, FORWARD_X] * world[v, 0]
+        + views[one, FORWARD_Y] * world[v, 1]
+        + views[one, FORWARD_Z] * world[v, 2]
+        + views[one, FORWARD_SHIFT]
+    )
     if not z >= views[one, NEAR_PLANE]:
         return ZERO, ZERO, ZERO
     near = max(z - bias, views[one, NEAR_PLANE])

@@ -74,9 +74,7 @@ def soft_shadows(work, n, lights, i, solids, skin):
     if other.count(solids) > 0:
         for k in range(n):
             x, y, z = lifted(work, k, skin)
-            least = other.lowest_sine(
-                solids, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin
-            )
+            least = other.lowest_sine(solids, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin)
             work[LEAST + k] = min(work[LEAST + k], least)
     for k in range(n):
         work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])

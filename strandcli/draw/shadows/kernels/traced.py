@@ -226,8 +226,12 @@ def surface(world, a, n, p, radius, h, eye, pair, row):
     bz = tx * ey - ty * ex
     size = math.sqrt(max(bx * bx + by * by + bz * bz, TINY))
     across = radius * h / size
-    out = radius * math.sqrt(ONE - h * h) * min(
-        math.sqrt(tx * tx + ty * ty + tz * tz) / size, STEEPEST / math.sqrt(max(ex * ex + ey * ey + ez * ez, TINY))
+    out = (
+        radius
+        * math.sqrt(ONE - h * h)
+        * min(
+            math.sqrt(tx * tx + ty * ty + tz * tz) / size, STEEPEST / math.sqrt(max(ex * ex + ey * ey + ez * ez, TINY))
+        )
     )
     pair[row, 0] = world[v, 0] + across * bx + out * ex
     pair[row, 1] = world[v, 1] + across * by + out * ey

@@ -187,8 +187,9 @@ def place_at_mean(e, view, flat, far, solids, keys, spots, counts):
             row = spots[e, slot, 1] / np.float32(counts[e, slot])
             spots[e, slot, 0] = column
             spots[e, slot, 1] = row
-            ox, oy, oz, dx, dy, dz = ray(view, (column - view[AXIS_X]) / view[FOCAL],
-            (view[AXIS_Y] - row) / view[FOCAL])
+            ox, oy, oz, dx, dy, dz = ray(
+                view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL]
+            )
             which = np.int64((keys[e, slot] & LOW) - FIRST)
             # solids are convex, so the mean position shows the solid too, except for rounding
             t = meet(solids, which, ox, oy, oz, dx, dy, dz)
