@@ -146,12 +146,13 @@ class SimulationStage:
 
     def _drop_nonfinite(self, frame: Frame, before: NDArray[np.float32] | None) -> MovedStrands:
         """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
-        from .draw.geometry.detail import needed
+        from .draw.geometry.detail import strands_needed
         from .simulate.health import drawable
 
         solver, groom, strands = self.solver, self.groom, self.groom.strands
         guiding = self.scene.children is not None
-        first = strands if guiding else min(needed(self.scene, (frame.number - 1) / self.scene.time.fps), strands)
+        seconds = (frame.number - 1) / self.scene.time.fps
+        first = strands if guiding else min(strands_needed(self.scene, seconds), strands)
         fine = drawable(solver)
         fine[first:] = False
         kept = np.flatnonzero(groom.placed(fine))

@@ -66,10 +66,10 @@ class Canvas:
 
     def __post_init__(self) -> None:
         width, height = self.size
-        self.keys = self.scratch.take("keys", width * height, np.uint64)
+        self.keys = self.scratch.borrow("keys", width * height, np.uint64)
         clear(self.keys, self.size, self.lighting)
         self.drawing.lap("raster")
-        self.image = self.scratch.take("image", (height, width, 3), np.float32)
+        self.image = self.scratch.borrow("image", (height, width, 3), np.float32)
         np.copyto(self.image, self.backdrop)
         self.drawing.lap("film")
 
@@ -152,7 +152,7 @@ class Canvas:
         """(V, 3) light at the marked vertices; shown: places that exact shadows are wanted at, or None: all."""
         found = None
         if self.grids:
-            found = self.scratch.take("clear", (len(self.grids), len(batch.lines.world)), np.float32)
+            found = self.scratch.borrow("clear", (len(self.grids), len(batch.lines.world)), np.float32)
             profiles, view = batch.profiles, self.lighting.view
             for number, (row, grid) in enumerate(zip(found, self.grids, strict=True)):
                 if profiles is None or profiles.shades is None:
@@ -193,6 +193,6 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
 
 def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:
     """(V,) not zero at the lit vertices of what is seen in the z-buffer, and how many samples show it."""
-    marks = scratch.take("marks", len(lines.world), np.uint8)
+    marks = scratch.borrow("marks", len(lines.world), np.uint8)
     marks.fill(0)
     return marks, film.mark(keys, base, len(lines.world), lines.per, lines.stride, marks)

@@ -20,9 +20,9 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.detail import Level, level_of, needed, whole_of
+from .geometry.detail import Level, all_drawn, level_of, strands_needed
 from .geometry.extent import Thickness, bounds_of, thickness_of
-from .geometry.spacing import STEADY, spacing_of
+from .geometry.spacing import MEASURED_STRANDS, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
 from .lighting.lighting import Lighting
@@ -61,7 +61,7 @@ class Renderer:
             combed = Combed(scene, groom if children is None else children.every)
         self.combed = combed
         self._uneven = combed is not None or groom.points is not None  # segments of a strand differ in length
-        self._whole = None if groom.widths is None else whole_of(groom.widths)
+        self._whole = None if groom.widths is None else all_drawn(groom.widths)
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -109,7 +109,7 @@ class Renderer:
     ) -> NDArray[np.float32]:  # fmt: skip
         """The mean of a frame's exposures (see `lens`), linear, (height, width, 3)."""
         scene, camera = self.scene, self.scene.camera
-        total = self.scratch.take("total", (self.size[1], self.size[0], 3), np.float32)
+        total = self.scratch.borrow("total", (self.size[1], self.size[0], 3), np.float32)
         total.fill(0)
         carried = any(use.name == "emitter_motion" for use in scene.rules)
         moving = camera.shutter > 0 and before is not None
@@ -118,9 +118,9 @@ class Renderer:
         for shot in shots:
             if moving:
                 assert before is not None
-                where = self.scratch.take("between", positions.shape, np.float32)
+                where = self.scratch.borrow("between", positions.shape, np.float32)
                 start = at - 1 / scene.time.fps
-                lens.between(before, positions, scene.emitter, carried, start, at, shot, where)
+                lens.interpolate(before, positions, scene.emitter, carried, start, at, shot, where)
                 self._drawing.lap("curves")
             image, made = self._expose(where, lengths, shot, workers, light)
             light = made if camera.shutter == 0 else None  # with the shutter closed the light does not change
@@ -178,7 +178,7 @@ class Renderer:
         scene, scratch, drawing = self.scene, self.scratch, self._drawing
         count = len(self.tones)
         if self.ids is None:  # and so those that level of detail draws are the first
-            count = min(needed(scene, at), count)
+            count = min(strands_needed(scene, at), count)
         if self.children is not None:
             positions, lengths = self.children.grow(positions, lengths, at, count, scratch, self.ids)
             drawing.lap("children")
@@ -257,7 +257,7 @@ class Renderer:
 
         clear (lights, V): what strands leave of each light with exact shadows.
         """
-        colours = self.scratch.take("colours", (len(batch.lines.world), 3), np.float32)
+        colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
         tones = self.tones[batch.begin : batch.end]
         lighting.shade_strands(batch.lines, marks, tones, clear, batch.profiles, colours)
         return colours
@@ -296,5 +296,5 @@ class Renderer:
         the rest be there."""
         if not self._deep:
             return 0.0
-        spacing = spacing_of(positions, strands, STEADY if self.ids is None else None)
+        spacing = spacing_of(positions, strands, MEASURED_STRANDS if self.ids is None else None)
         return spacing if level is None else spacing * math.sqrt(strands / self._most / level.share)

@@ -88,7 +88,7 @@ class StrandBatches:
             here = self._flatten(begin, end) if lines is None else lines
             screen = raster.to_screen(here, self.view, scratch)
             if self.traced:
-                silhouette.rims(
+                silhouette.move_ends(
                     here.first, here.world, self.view.pack(), np.float32(scene.material.width),
                     np.float32(scene.material.taper), here.scale, screen,
                 )  # fmt: skip

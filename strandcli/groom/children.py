@@ -109,7 +109,7 @@ class Children:
 
         family, steps = self.family, self.steps
         n = positions.shape[1] - 1
-        particles = scratch.take("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
+        particles = scratch.borrow("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
         kernel.refine(positions, np.int64(steps), particles)
         segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
@@ -121,8 +121,8 @@ class Children:
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         across = (family.across @ rotation.T).astype(np.float32)
         blocks = -(-strands // W)
-        out = scratch.take("children", (blocks, m + 1, 3 * W), np.float32)
-        rest = scratch.take("children_lengths", (blocks, W), np.float32)
+        out = scratch.borrow("children", (blocks, m + 1, 3 * W), np.float32)
+        rest = scratch.borrow("children_lengths", (blocks, W), np.float32)
         kernel.grow(
             Guides(particles, segments),
             own,

@@ -55,7 +55,7 @@ class Combed:
         combed = self.packed if ids is None else pack(self.points[ids[:strands]])
         rotation, shift = emitter_pose(self.scene.emitter, at if self._carried else 0.0)
         blocks = -(-strands // W)
-        out = scratch.take("combed", (blocks, combed.shape[1] + hanging.shape[1] - 1, 3 * W), np.float32)
+        out = scratch.borrow("combed", (blocks, combed.shape[1] + hanging.shape[1] - 1, 3 * W), np.float32)
         kernel.join(combed, hanging, np.array(rotation, np.float32).ravel(), np.array(shift, np.float32), out)
         if len(self.short):
             own = np.arange(strands) if ids is None else ids[:strands]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..constants import FRAGMENTS
 from ..decision import Decision, left_out
-from ..draw.geometry.detail import shares
+from ..draw.geometry.detail import share_bounds
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
 from ..registry import FIBRES, SHADOWS
@@ -114,7 +114,7 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
     if scene.detail is None:
         yield left_out("level of detail", "the preset has none")
         return
-    least = min((shares(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
+    least = min((share_bounds(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
     if least < 1:
         yield Decision("level of detail", f"down to {least:.3g} of the strands where they are farthest")
     else:

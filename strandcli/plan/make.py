@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..draw.geometry.detail import needed
+from ..draw.geometry.detail import strands_needed
 from .drawing import drawing_decisions
 from .free import available_memory
 from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
@@ -101,7 +101,7 @@ def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
         return scene.emitter.strands
     if scene.detail is None:  # every frame needs the same
         frames = frames[:1]
-    counts = (needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
+    counts = (strands_needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
     return max(counts, default=scene.emitter.strands)
 
 

@@ -118,9 +118,9 @@ def test_settings_of_numba_with_which_nothing_works_are_refused_in_one_line(
 
 def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:
     """Fast maths would let pictures depend on the machine and on the number of threads."""
-    for kernel in (raster.draw_line, raster.visible):
+    for kernel in (raster.draw_line, raster.draw_strands):
         options = kernel.targetoptions
         assert not options.get("fastmath", False)
         assert options["error_model"] == "numpy"
         assert options["nogil"]
-    assert raster.visible.targetoptions["parallel"]
+    assert raster.draw_strands.targetoptions["parallel"]

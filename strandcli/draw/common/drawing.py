@@ -1,4 +1,4 @@
-"""A picture with what it took."""
+"""One picture, with its layers, and the run times and counts of drawing it."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ from numpy.typing import NDArray
 
 @dataclass
 class Drawing:
-    """One picture with what it took; its clock runs from when it is made."""
+    """One picture, and what drawing it took. The clock starts when the object is made."""
 
     image: NDArray[np.uint8]
     """(height, width, 3) sRGB."""
     seconds: dict[str, float] = field(default_factory=dict)
-    """By stage."""
+    """Run time of each stage."""
     counts: dict[str, int] = field(default_factory=dict)
+    """Numbers of strands, segments and fragments, and bytes of memory, by name, for the report."""
     curve_px_max: float | None = None
+    """Greatest distance of a polyline from its curve, pixels; None if curves are not adaptive."""
     aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
-    """Layers that the scene asks for, by name (see `strandcli.draw.film.aovs`)."""
+    """AOVs of the scene, by name (see `strandcli.draw.film.aovs`)."""
     clock: float = field(default_factory=time.perf_counter)
+    """Time of the last lap, seconds."""
 
     def lap(self, stage: str) -> None:
-        """What has passed since the last lap was this stage."""
+        """Add the time since the last lap to a stage."""
         now = time.perf_counter()
         self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self.clock
         self.clock = now

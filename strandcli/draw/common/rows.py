@@ -1,8 +1,8 @@
-"""Rows of a scratch array, handed out by name with the stages in which each is held.
+"""Allocator for the rows of a scratch array, which checks that quantities that share a row are never live together.
 
-Kernels that work on a batch keep one number an item and quantity: a row. All rows are in one array, for a compiler that
-knows how far apart they are need not fear that they overlap. The same memory serves quantities that are never needed
-together; who holds a row and until when is written here, once, and checked when the layout is imported.
+A kernel that works on a batch keeps a row for each quantity, one number an item. All rows are in one array at constant
+offsets, so the compiler knows that they do not overlap. Quantities whose lifetimes are disjoint share memory. A
+lifetime is a range of stages, declared where the row is allocated and checked when the layout is imported.
 """
 
 from __future__ import annotations
@@ -11,64 +11,72 @@ from collections.abc import Iterator, Mapping, Sequence
 
 
 class RowOverlapError(ValueError):
-    """Two quantities would hold one row at the same stage."""
+    """Two quantities would occupy one row in the same stage."""
 
 
 class RowAllocator:
-    """Lays out the rows of one scratch array.
+    """Allocates the rows of one scratch array.
 
-    ``pitch``: numbers a row. ``stages``: for each user of the layout, a kernel, the names of its stages in order. Users
-    never run at the same time on one array, so each counts for itself. A stage that runs again in a loop reads what the
-    loop's end has left: what is carried round has to be held from the loop's first stage to its last.
+    ``pitch``: numbers a row. ``stages``: for each user of the layout, the names of its stages in order. A user is a
+    group of kernels; two users never work on one array at the same time, so their lifetimes are independent. Where
+    stages run in a loop, a quantity that is carried from one turn to the next lives from the first stage of the loop to
+    the last.
     """
 
     def __init__(self, pitch: int, stages: Mapping[str, Sequence[str]]) -> None:
         self.pitch = pitch
         self._stages = {user: tuple(names) for user, names in stages.items()}
-        self._held: dict[tuple[int, str, int], str] = {}
+        self._holders: dict[tuple[int, str, int], str] = {}
 
-    def take(self, name: str, count: int = 1, **held: str) -> tuple[int, ...]:
-        """The offsets in numbers of ``count`` neighbouring rows for the quantity ``name``, the lowest that are free.
+    def allocate(self, name: str, count: int = 1, **lifetime: str) -> tuple[int, ...]:
+        """Return the offsets, in numbers, of the first ``count`` consecutive rows that are free for the quantity.
 
-        ``held``: for each user that needs it the stage in which it does, or the first and the last as "light:shade".
+        ``lifetime``: for each user that needs the quantity a stage, or the first and the last one as "light:shade".
         """
-        times = list(self._times(held))
+        stages = list(self._stages_of(lifetime))
         first = 0
-        while any((row, *time) in self._held for row in range(first, first + count) for time in times):
+        while any((row, *stage) in self._holders for row in range(first, first + count) for stage in stages):
             first += 1
-        return self.place(name, first, count, **held)
+        return self.allocate_at(name, first, count, **lifetime)
 
-    def place(self, name: str, row: int, count: int = 1, **held: str) -> tuple[int, ...]:
-        """As `take`, from row number ``row`` on. Raises `RowOverlapError` where one of them is held at that time."""
-        for user, stage in self._times(held):
-            for one in range(row, row + count):
-                holder = self._held.setdefault((one, user, stage), name)
+    def allocate_at(self, name: str, first: int, count: int = 1, **lifetime: str) -> tuple[int, ...]:
+        """Return offsets as `allocate` does, of the rows from number ``first`` on.
+
+        Raises `RowOverlapError` if another quantity occupies one of them during the lifetime.
+        """
+        for user, stage in self._stages_of(lifetime):
+            for row in range(first, first + count):
+                holder = self._holders.setdefault((row, user, stage), name)
                 if holder != name:
                     where = f"in stage {self._stages[user][stage]} of {user}"
-                    raise RowOverlapError(f"row {one} would hold {name} beside {holder} {where}")
-        return tuple(self.pitch * one for one in range(row, row + count))
+                    raise RowOverlapError(f"row {row} would hold {name} beside {holder} {where}")
+        return tuple(self.pitch * row for row in range(first, first + count))
 
-    def one(self, name: str, **held: str) -> int:
-        """The offset of a single row, as `take`."""
-        return self.take(name, 1, **held)[0]
+    def allocate_row(self, name: str, **lifetime: str) -> int:
+        """Return the offset of a single row, as `allocate` does."""
+        return self.allocate(name, 1, **lifetime)[0]
 
-    def count(self, user: str) -> int:
-        """Rows that a user's array has."""
-        return max((row + 1 for row, who, _ in self._held if who == user), default=0)
+    def row_count(self, user: str) -> int:
+        """Return the number of rows that a user's array needs."""
+        return max((row + 1 for row, who, _ in self._holders if who == user), default=0)
 
     def holder(self, row: int, user: str, stage: str) -> str | None:
-        """The quantity in a row at a stage."""
-        return self._held.get((row, user, self._stage(user, stage)))
+        """Return the name of the quantity in a row at a stage, None if it is free."""
+        return self._holders.get((row, user, self._stage(user, stage)))
 
     def _stage(self, user: str, name: str) -> int:
+        """Return the number of a user's stage. Raises `ValueError` if there is none of this name."""
         if name not in self._stages[user]:
             raise ValueError(f"{user} has no stage {name}")
         return self._stages[user].index(name)
 
-    def _times(self, held: Mapping[str, str]) -> Iterator[tuple[str, int]]:
-        """Users and numbers of the stages that ``held`` names."""
-        for user, words in held.items():
-            first, _, last = words.partition(":")
+    def _stages_of(self, lifetime: Mapping[str, str]) -> Iterator[tuple[str, int]]:
+        """Yield user and stage number for each stage of a lifetime.
+
+        Raises `ValueError` if a stage does not exist, or the last is before the first.
+        """
+        for user, stages in lifetime.items():
+            first, _, last = stages.partition(":")
             begin, end = self._stage(user, first), self._stage(user, last or first)
             if end < begin:
                 raise ValueError(f"{user}: stage {last} is before {first}")

@@ -1,4 +1,4 @@
-"""Arrays that are used again from frame to frame: fresh pages cost more than the numbers that are written to them."""
+"""Arrays that are reused from frame to frame: to map fresh pages takes longer than to write to them."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ from numpy.typing import DTypeLike, NDArray
 
 
 class Scratch:
-    """Named buffers that grow and never shrink. What an array holds when it is handed out is anything."""
+    """Named buffers that grow and never shrink. The contents of a borrowed array are undefined."""
 
     def __init__(self) -> None:
         self._buffers: dict[str, NDArray[Any]] = {}
 
-    def take(self, name: str, shape: int | tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
-        """An array of this shape; the same memory as the last one of this name where that was large enough."""
-        wanted = (shape,) if isinstance(shape, int) else shape
-        size = math.prod(wanted)
-        have = self._buffers.get(name)
-        if have is None or have.size < size or have.dtype != dtype:
-            have = np.empty(size + size // 8, dtype)
-            self._buffers[name] = have
-        return have[:size].reshape(wanted)
+    def borrow(self, name: str, shape: int | tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
+        """Return an array of this shape and type. It is valid until the same name is borrowed again: both share
+        memory."""
+        shape = (shape,) if isinstance(shape, int) else shape
+        size = math.prod(shape)
+        buffer = self._buffers.get(name)
+        if buffer is None or buffer.size < size or buffer.dtype != dtype:
+            buffer = np.empty(size + size // 8, dtype)
+            self._buffers[name] = buffer
+        return buffer[:size].reshape(shape)
 
     def arange(self, count: int) -> NDArray[np.int32]:
-        """(count,) int32: 0, 1, … Not to be written to."""
-        have = self._buffers.get("arange")
-        if have is None or len(have) < count:
-            have = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
-        return have[:count]
+        """Return (count,) int32: 0, 1, … Do not write to it."""
+        buffer = self._buffers.get("arange")
+        if buffer is None or len(buffer) < count:
+            buffer = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
+        return buffer[:count]

@@ -61,7 +61,7 @@ class Layer:
     def shown(self, profiles: Profiles, scratch: Scratch) -> NDArray[np.uint64]:
         """(n, LINES): which places it shows of the pieces after the vertices that have a profile (see
         `kernels.traced.visibility`)."""
-        bytes_ = scratch.take("shown", (profiles.profile.shape[1], LINES, BYTES), np.uint8)
+        bytes_ = scratch.borrow("shown", (profiles.profile.shape[1], LINES, BYTES), np.uint8)
         bytes_.fill(0)
         expose(self.fragments, self._table(), profiles, bytes_)
         return bytes_.view(np.uint64)[..., 0]
@@ -125,7 +125,7 @@ class Coverage:
         wide that to see which pixels they cover would take minutes.
         """
         self.fragments = self.most = 0
-        marks = scratch.take("marks", len(screen), np.uint8)
+        marks = scratch.borrow("marks", len(screen), np.uint8)
         lit = None
         widest = 1.0 if widths is None or not len(widths) else float(widths.max())
         drawn = ScreenLines(lines.first, screen, widths)
@@ -134,7 +134,7 @@ class Coverage:
         # what lets light through hides no point
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         margin = 2.0 + widest  # a mitre reaches out by the square root of two
-        rows = scratch.take("rows", (len(lines.first) - 1, 2), np.float32)
+        rows = scratch.borrow("rows", (len(lines.first) - 1, 2), np.float32)
         strand_extents.spans(lines.first, screen, np.float32(margin), self.size[0], rows)
         picture = _Picture(drawn, rows, lines.stride, edges, depth_slope, masked, scratch)
         ahead = self._cuts()[::-1]
@@ -206,7 +206,7 @@ class Coverage:
         # tasks that come to less than others leave room unused, which is never touched
         tasks = 1 if workers == 1 else self._tasks * workers
         fragments = self._fragments(picture, top, bottom, self.room if workers == 1 else 2 * self.room)
-        found = picture.scratch.take("found", len(fragments.begin), np.int64)
+        found = picture.scratch.borrow("found", len(fragments.begin), np.int64)
         edges, table = picture.edges, sides() if picture.masked else None
         solids = SolidPixels(edges.hides, edges.pixels, edges.depth, edges.cover) if edges is not None else NO_SOLIDS
         resolve.resolve(
@@ -229,7 +229,7 @@ class Coverage:
 
     def _bins(self, picture: _Picture, top: int, bottom: int, workers: int, blocks: int) -> TileSegments:
         """The segments in each tile of the rows top <= y < bottom."""
-        tiles, take = self._tiles(top, bottom), picture.scratch.take
+        tiles, take = self._tiles(top, bottom), picture.scratch.borrow
         segments = TileSegments(
             take("tile_segments", (blocks * tile_binning.BLOCK, 2), np.int64), take("links", blocks, np.int64),
             take("heads", (workers, tiles), np.int64), take("fills", (workers, tiles), np.int64),
@@ -241,7 +241,7 @@ class Coverage:
 
     def _fragments(self, picture: _Picture, top: int, bottom: int, room: int) -> Fragments:
         """Room for so many fragments in the rows top <= y < bottom; what they hold is anything."""
-        tiles, take = self._tiles(top, bottom), picture.scratch.take
+        tiles, take = self._tiles(top, bottom), picture.scratch.borrow
         # so many of the bits that tell the place from a lit vertex to the next tell the place along a segment
         place_bits = PLACES - (picture.stride.bit_length() - 1)
         return Fragments(

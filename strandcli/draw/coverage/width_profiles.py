@@ -58,10 +58,10 @@ def profiles_of(
     count = int(np.count_nonzero(wide))
     if count == 0:
         return None
-    slots = scratch.take("slots", len(widths), np.int32)
+    slots = scratch.borrow("slots", len(widths), np.int32)
     slots.fill(-1)
     slots[wide] = np.arange(count, dtype=np.int32)
-    profile = scratch.take("profile", (1 + traced, count, kernel.COLUMNS + 1, 3), np.float32)
-    shades = scratch.take("shades", (traced, count, LINES), np.uint64) if traced else None
+    profile = scratch.borrow("profile", (1 + traced, count, kernel.COLUMNS + 1, 3), np.float32)
+    shades = scratch.borrow("shades", (traced, count, LINES), np.uint64) if traced else None
     sizes = (np.float32(samples), np.float32(start), np.float32(full))
     return Profiles(screen, widths, *sizes, slots, profile, shades)

@@ -1,4 +1,4 @@
-"""Strands as polylines: how many pieces, and where their vertices are."""
+"""Polylines of strands: number of pieces for each segment of a curve, and positions of the vertices."""
 
 from __future__ import annotations
 
@@ -22,36 +22,38 @@ class Polylines:
     world: NDArray[np.float32]
     """(V, 3) metres."""
     error: float | None = None
-    """Greatest distance of a piece from its curve in pixels; None where it was not asked for."""
+    """Bound on the distance of the polyline from its curve, pixels; None if curves are not adaptive."""
     per: int = 0
-    """Vertices a strand where all have the same number, else 0."""
+    """Vertices a strand if all strands have the same number, else 0."""
     segment: float = 0.0
-    """Rest length of the longest segment between particles, metres; only where all strands have the same number."""
+    """Rest length of the longest segment between particles, metres; 0 if `per` is."""
     pieces: int = 1
-    """Pieces a segment there."""
+    """Pieces that each segment between particles is cut into, if `per` is not 0."""
     stride: int = 1
-    """Only every stride-th vertex of a strand is shaded: fine curves have `LIT_PIECES` shaded vertices a segment."""
+    """Only every stride-th vertex of a strand is lit: fine curves have `LIT_PIECES` lit vertices a segment."""
     scale: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
 
     @property
     def segments(self) -> int:
-        """Line pieces in all."""
+        """Number of straight segments of all polylines."""
         return int(len(self.world) - np.count_nonzero(np.diff(self.first)))
 
 
 LIT_PIECES = 2
-"""Of a segment. The sorted picture of `strandcli bench` is then .3 % off one that is lit at all four (root mean square
-over the mean), and .7 % with one. To light every other place only where strands bend little saves next to nothing: what
-bends by less than four degrees is a fifth of all and makes two thirds of that error, in the preset `hair` 1.3 %."""
+"""Lit vertices a segment between particles. The sorted picture of `strandcli bench` then differs by .3 % from one lit
+at all four (root mean square over the mean), with one by .7 %. To skip lit vertices only where strands bend little
+saves almost nothing: bends of less than four degrees are a fifth of all and make two thirds of that error, in the
+preset `hair` 1.3 %."""
 
 NO_PIECES = np.zeros((0, 0), np.uint16)
-NONE_LEFT_OUT = np.zeros(0, np.float32)
-"""What kernels are handed where it is not asked for: None would have them compiled anew."""
+"""All segments have the same number of pieces. An empty array, because None would compile another variant."""
+ALL_DRAWN = np.zeros(0, np.float32)
+"""No strand is left out. Empty for the same reason."""
 
 
 def greatest_pieces(curves: Curves) -> int:
-    """Pieces that a segment can become."""
+    """Return the greatest number of pieces of a segment."""
     return 1 if curves.mode == "off" else 2**curves.level
 
 
@@ -61,44 +63,44 @@ def flatten(
     strands: int,
     curves: Curves,
     view: View,
-    keep_unseen: bool,
+    keep_off_screen: bool,
     scratch: Scratch,
-    kept: NDArray[np.float32] | None = None,
+    fade: NDArray[np.float32] | None = None,
 ) -> Polylines:
-    """Polylines of the first ``strands`` strands.
+    """Return the polylines of the first ``strands`` strands, in arrays borrowed from ``scratch``.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W), or None where segments of a strand differ: then each has the
-    length of its chord, and tangents are those of the circle through three particles. ``keep_unseen``: strands off the
-    screen are kept, coarsely, because a light's shadow map needs them; otherwise adaptive curves leave them out.
-    ``kept`` (strands,): strands with 0 are left out in any case.
+    positions (blocks, n + 1, 3 W), metres; lengths (blocks, W): of the segments of each strand, or None if they differ
+    within a strand: then each segment has the length of its chord, and tangents are those of the circle through three
+    particles. ``keep_off_screen``: keep strands off the screen, coarsely, because a shadow map needs them; otherwise
+    adaptive curves leave them out. ``fade`` (strands,): strands with 0 are always left out.
     """
     n = positions.shape[1] - 1
-    first = scratch.take("first", strands + 1, np.int64)
+    first = scratch.borrow("first", strands + 1, np.int64)
     first[0] = 0
     most = greatest_pieces(curves)
     pieces = NO_PIECES
     error = None
     printed = curves.tangents == "printed"
     if curves.mode == "adaptive":
-        pieces = scratch.take("pieces", (strands, n - 1), np.uint16)
-        bound = scratch.take("curve_error", strands, np.float32)
-        sizes = scratch.take("sizes", strands, np.int64)
+        pieces = scratch.borrow("pieces", (strands, n - 1), np.uint16)
+        bound = scratch.borrow("curve_error", strands, np.float32)
+        sizes = scratch.borrow("sizes", strands, np.int64)
         kernel.count(
             positions, lengths, strands, view.pack(),
             kernel.Splitting(
-                most, np.float32(curves.tolerance), int(keep_unseen), NONE_LEFT_OUT if kept is None else kept, printed
+                most, np.float32(curves.tolerance), int(keep_off_screen), ALL_DRAWN if fade is None else fade, printed
             ),
             pieces, sizes, bound,
         )  # fmt: skip
         np.cumsum(sizes, out=first[1:])
         error = float(bound.max())
-    elif kept is not None:
-        np.cumsum(np.where(kept > 0, (n - 1) * most + 1, 0), out=first[1:])
+    elif fade is not None:
+        np.cumsum(np.where(fade > 0, (n - 1) * most + 1, 0), out=first[1:])
     else:
         first[:] = np.arange(strands + 1, dtype=np.int64) * ((n - 1) * most + 1)
-    world = scratch.take("world", (int(first[-1]), 3), np.float32)
+    world = scratch.borrow("world", (int(first[-1]), 3), np.float32)
     kernel.flatten(positions, lengths, strands, pieces, most, printed, curves.mode == "off", first, world)
-    if error is not None or kept is not None:
+    if error is not None or fade is not None:
         return Polylines(first, world, error)
-    longest = kernel.longest(positions) if lengths is None else lengths.max()
+    longest = kernel.longest_segment(positions) if lengths is None else lengths.max()
     return Polylines(first, world, None, (n - 1) * most + 1, float(longest), most, max(most // LIT_PIECES, 1))

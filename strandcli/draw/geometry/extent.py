@@ -1,4 +1,4 @@
-"""How far strands reach: the box about them, their width in the world and on the screen."""
+"""Extent of strands: their bounding box, and their width in the world and on the screen."""
 
 from __future__ import annotations
 
@@ -9,37 +9,41 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...scene.model import Material
+from ..common.kernels.view_columns import CORNER_STRETCH
 from ..common.scratch import Scratch
-from ..view.camera import STRETCH, View
+from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
 
 
 @dataclass(frozen=True)
 class Thickness:
-    """What strands cover: width at the root in metres, and the part of it that is lost to the tip."""
+    """Width of strands in the world."""
 
     width: float = 0.0
+    """At the root, metres."""
     taper: float = 0.0
+    """Share by which the width is smaller at the tip."""
 
     @property
     def mean(self) -> float:
-        """Metres, along a strand."""
+        """Mean width along a strand, metres."""
         return self.width * (1 - self.taper / 2)
 
 
 def bounds_of(
     positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None
 ) -> NDArray[np.float64]:
-    """Box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres: of no others, so that a frame is
-    the same whichever strands other frames need. ``fade`` (strands,): those that are there in part widen the box by as
-    much less, so that it does not jump."""
+    """Return the bounding box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres.
+
+    Other strands do not count, so that a frame does not depend on those that other frames need. ``fade`` (strands,):
+    strands that fade extend the box in proportion, so that it does not jump."""
     rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
     if fade is None:
         whole = strands // W
         parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
         parts = [part for part in parts if part.size]
-        # block upon block: over several axes at once NumPy takes ten times as long
+        # first over blocks: over several axes at once NumPy takes ten times as long
         low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
         return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
     low, high = (
@@ -53,8 +57,8 @@ def bounds_of(
 
 
 def thickness_of(material: Material, view: View, bounds: NDArray[np.float64]) -> Thickness:
-    """Width of strands where they shade others; lines that are one pixel wide have that of a pixel at the middle of the
-    groom."""
+    """Return the width with which strands shade others. Lines one pixel wide have the width of a pixel at the depth of
+    the groom's centre; bounds (2, 3): bounding box, metres."""
     if material.width > 0:
         return Thickness(material.width, material.taper)
     depth = max(float((bounds.mean(0) - view.eye) @ view.forward), view.near) if view.perspective else 1.0
@@ -65,8 +69,9 @@ def widths_of(
     lines: Polylines, screen: NDArray[np.float32], view: View, material: Material, least: float, thins: bool,
     scratch: Scratch,
 ) -> NDArray[np.float32] | None:  # fmt: skip
-    """(V,) widths on the screen, ``least`` at least, or None where every line is one sample wide. ``thins``: whether
-    lines that fade become thinner."""
+    """Return the widths (V,) of strands on the screen, samples, at least ``least``; None: all are one sample wide.
+
+    screen (V, 3): from `project.points`; ``thins``: whether strands that fade become thinner."""
     scale = lines.scale
     if not len(screen):
         return None
@@ -75,10 +80,10 @@ def widths_of(
     packed = view.pack()
     if least > 0:
         nearest = float(screen[:, 2].max()) if view.perspective else 1.0
-        widest = float(packed[STRETCH]) if scale is None else float(packed[STRETCH] * scale.max())
+        widest = float(packed[CORNER_STRETCH]) if scale is None else float(packed[CORNER_STRETCH] * scale.max())
         if material.width * widest * view.focal * nearest <= least:
             return None
-    widths = scratch.take("widths", len(screen), np.float32)
+    widths = scratch.borrow("widths", len(screen), np.float32)
     project.widths(
         lines.first, screen, packed, np.float32(material.width), np.float32(material.taper), scale, np.float32(1.0),
         np.float32(least), widths,

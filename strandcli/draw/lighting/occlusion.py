@@ -65,7 +65,7 @@ def build(
     low, high = _box(bounds, packed)
     counts, sides, box = _grid(low, high, settings.cells)
     total = int(np.prod(counts))
-    cells = scratch.take("occlusion_cells", (total, CHANNELS), np.float32)
+    cells = scratch.borrow("occlusion_cells", (total, CHANNELS), np.float32)
     cells.fill(0)
     step = max(strands // ENOUGH, 1)
     weight = strands / len(range(0, strands, step)) / float(np.prod(sides.astype(np.float64)))
@@ -74,9 +74,9 @@ def build(
         None if level is None else level.scale, np.float32(weight), box, cells,
     )  # fmt: skip
     ways = directions(settings.directions)
-    left = scratch.take("occlusion_left", (len(ways), total), np.uint8)
+    left = scratch.borrow("occlusion_left", (len(ways), total), np.uint8)
     occlusion_sweep.sweep(cells, counts, sides, ways, left)
-    volume = scratch.take("occlusion", (total, 4), np.float32)
+    volume = scratch.borrow("occlusion", (total, 4), np.float32)
     occlusion_sweep.combine(cells, counts, sides, box, ways, left, packed or NONE, volume)
     return Occlusion(volume, box)
 

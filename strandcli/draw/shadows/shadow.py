@@ -22,7 +22,7 @@ from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
-from ..zbuffer.raster import Bands, into_bands, to_screen
+from ..zbuffer.raster import Bands, sort_into_bands, to_screen
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps
 from .kernels.shadow_arrays import ShadowArrays
@@ -97,7 +97,7 @@ class ShadowMaps:
         if not deep:
             return
         ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
-        tables = np.split(scratch.take("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
+        tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
         for number, rows in zip(deep, tables, strict=True):
             count = opacity_maps.number_cells(self.extents[number], rows)
@@ -109,7 +109,7 @@ class ShadowMaps:
             )
         self._ends = np.cumsum(lengths)
         self.starts[deep] = (self._ends - lengths)[deep]
-        self.stacks = scratch.take("stacks", int(self._ends[-1]), np.float32)
+        self.stacks = scratch.borrow("stacks", int(self._ends[-1]), np.float32)
         for number, rows in zip(deep, tables, strict=True):
             least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
             opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
@@ -146,7 +146,7 @@ class ShadowMaps:
             screen = to_screen(lines, view, scratch, "light_screen", stride)
             ends = np.arange(len(lines.first), dtype=np.int64)
             first = (lines.first - ends) // stride + ends
-            self._seen = lines, number, first, screen, into_bands(first, screen, size, 1.0, workers, scratch)
+            self._seen = lines, number, first, screen, sort_into_bands(first, screen, size, 1.0, workers, scratch)
         _, _, first, screen, bands = self._seen
         far = np.float32(0.0 if view.perspective else view.far - view.near)
         near = np.float32(view.near)
@@ -232,7 +232,7 @@ def _room(
     """Allocate empty extents of all maps; return `starts`, `texels` and `extents` of `ShadowMaps`."""
     counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
-    every = scratch.take("texels", (int(counts.sum()), 2), np.float32)
+    every = scratch.borrow("texels", (int(counts.sum()), 2), np.float32)
     every[:, 0] = np.inf
     every[:, 1] = -np.inf
     extents: list[Any] = [None] * len(sizes)

@@ -26,7 +26,7 @@ from ..geometry.kernels import silhouette
 from ..geometry.kernels.silhouette import STEEPEST
 from ..view.camera import View, ball
 from ..view.kernels import project
-from ..zbuffer.raster import into_bands, to_screen
+from ..zbuffer.raster import sort_into_bands, to_screen
 from .kernels import grid as cells
 from .kernels import interval_bits
 from .kernels import traced as kernel
@@ -121,12 +121,12 @@ def grid_of(
         if LISTED * int(begin[-1]) <= room or size <= 8:
             break
         size = max(size // 2, 8)
-    keys = scratch.take(f"grid_keys_{number}", int(begin[-1]), np.int64)
-    rows = scratch.take(f"grid_rows_{number}", cells.ROWS * int(begin[-1]), np.float32)
+    keys = scratch.borrow(f"grid_keys_{number}", int(begin[-1]), np.int64)
+    rows = scratch.borrow(f"grid_rows_{number}", cells.ROWS * int(begin[-1]), np.float32)
     for side, bands in enumerate(sides):
         ends = begin[side * size * size : (side + 1) * size * size + 1]
         _list(lines, bands, views[side], workers, scratch, ends[:-1].copy(), keys)
-        table = scratch.take("equations", (len(bands), cells.ROWS), np.float32)
+        table = scratch.borrow("equations", (len(bands), cells.ROWS), np.float32)
         focal = np.float32(views[side].focal if views[side].perspective else 0.0)
         cells.equations(lines.first, bands, focal, np.float32(size / 2), table)
         cells.order(ends, size, table, keys, rows)
@@ -172,8 +172,8 @@ def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scrat
     """Return bands (V, 4), as in `kernels.grid.list_bands`."""
     screen = to_screen(lines, view, scratch, "light_screen")
     packed, width, taper = view.pack(), np.float32(thickness.width), np.float32(thickness.taper)
-    silhouette.rims(lines.first, lines.world, packed, width, taper, lines.scale, screen)
-    widths = scratch.take("light_widths", len(screen), np.float32)
+    silhouette.move_ends(lines.first, lines.world, packed, width, taper, lines.scale, screen)
+    widths = scratch.borrow("light_widths", len(screen), np.float32)
     project.widths(
         lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), widths
     )  # fmt: skip
@@ -189,5 +189,5 @@ def _list(
 ) -> None:  # fmt: skip
     size, stretch = int(view.width), view.pack()[CORNER_STRETCH]
     margin = float(stretch * bands[:, 3].max(initial=0.0, where=bands[:, 2] > 0)) + 1.0
-    rows = into_bands(lines.first, bands, size, margin, workers, scratch)
+    rows = sort_into_bands(lines.first, bands, size, margin, workers, scratch)
     cells.list_bands(lines.first, bands, stretch, rows.members, rows.begin, size, rows.rows, workers, at, keys)

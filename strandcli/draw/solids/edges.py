@@ -64,9 +64,9 @@ def none(hides: NDArray[np.float32]) -> Edges:
 def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch) -> Edges:
     """Return the edges in a z-buffer of solids, ``keys`` (height * width,); size: width and height in pixels."""
     width, height = size
-    hides = scratch.take("hides", len(keys), np.float32)
+    hides = scratch.borrow("hides", len(keys), np.float32)
     kernel.depths(keys, hides)
-    ends = scratch.take("ends", len(keys), np.uint8)
+    ends = scratch.borrow("ends", len(keys), np.uint8)
     begin = np.zeros(height + 1, np.int64)
     kernel.find(keys, width, height, ends, begin[1:])
     np.cumsum(begin, out=begin)

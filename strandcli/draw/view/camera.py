@@ -10,11 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...scene.model import Camera
 from ...scene.motion import camera_at
+from ..common.kernels import view_columns as columns
 from .kernels.depth_slope import DepthSlope
-
-SIZE = 26
-STRETCH = 23
-"""Column of `View.pack`: factor by which lengths on the screen are greater in its corners than at its centre."""
 
 
 @dataclass(frozen=True)
@@ -70,23 +67,29 @@ class View:
         return DepthSlope(np.float32(0), np.float32(1 / (self.focal * (self.far - self.near))), x, y)
 
     def pack(self) -> NDArray[np.float32]:
-        """Return (26,) float32, the columns of `common.kernels.view_columns`; cached, so do not write to it."""
+        """Return the columns of `common.kernels.view_columns`, (SIZE,) float32; cached, so do not write to it."""
         return self._packed
 
     @cached_property
     def _packed(self) -> NDArray[np.float32]:
-        out = np.zeros(SIZE, np.float64)
-        for row, axis in enumerate((self.right, self.up, self.forward)):
-            out[4 * row : 4 * row + 3] = axis
-            out[4 * row + 3] = -axis @ self.eye
+        out = np.zeros(columns.SIZE, np.float64)
+        for first, axis in (
+            (columns.RIGHT_X, self.right), (columns.UP_X, self.up), (columns.FORWARD_X, self.forward)
+        ):  # fmt: skip
+            out[first : first + 3] = axis
+            out[first + 3] = -axis @ self.eye
         middle = np.array(self.middle)
         half = np.maximum(np.array([self.width, self.height]) - middle, middle)
         slant = np.sqrt(1 + (half / self.focal) ** 2) if self.perspective else np.ones(2)
-        stretch = np.sqrt(1 + half @ half / self.focal**2) if self.perspective else 1.0
-        out[12:24] = [
-            self.perspective, self.focal, self.near, *middle, *slant, self.far - self.near, *self.eye, stretch
-        ]  # fmt: skip
-        out[24:] = self.width, self.height
+        out[columns.PERSPECTIVE] = self.perspective
+        out[columns.FOCAL] = self.focal
+        out[columns.NEAR_PLANE] = self.near
+        out[[columns.AXIS_X, columns.AXIS_Y]] = middle
+        out[[columns.SLANT_X, columns.SLANT_Y]] = slant
+        out[columns.DEPTH_RANGE] = self.far - self.near
+        out[[columns.EYE_X, columns.EYE_Y, columns.EYE_Z]] = self.eye
+        out[columns.CORNER_STRETCH] = np.sqrt(1 + half @ half / self.focal**2) if self.perspective else 1.0
+        out[[columns.SCREEN_WIDTH, columns.SCREEN_HEIGHT]] = self.width, self.height
         return out.astype(np.float32)
 
 

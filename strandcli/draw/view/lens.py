@@ -1,10 +1,10 @@
-"""Depth of field and motion blur: which views and moments a picture is averaged over.
+"""Depth of field and motion blur: the lens points and times of the exposures that a picture averages.
 
-A picture is the mean of whole pictures, each through one point of a thin lens at one moment (the accumulation buffer of
-Haeberli and Akeley 1990): exact in visibility, shading and shadow, and any resolver's. Points and moments follow an
-additive recurrence that begins at random: each is spread evenly by itself and against the others (Roberts 2018, as for
-roots), the mean has no bias, and the seed alone decides it. What goes into a z-buffer is moved by a part of a sample
-besides, another one each time, so that what is sharp is antialiased too.
+A picture is the mean of whole pictures, each through one point of a thin lens at one time (the accumulation buffer of
+Haeberli and Akeley 1990), so visibility, shading and shadows are exact for any resolver. Lens points and times follow
+an additive recurrence with a random start: each coordinate is evenly distributed alone and jointly with the others
+(Roberts 2018, as for roots), the mean is unbiased, and it depends on the seed alone. Pictures in a z-buffer are also
+jittered by a fraction of a sample, a different one in each exposure, so that sharp edges are antialiased too.
 """
 
 from __future__ import annotations
@@ -27,27 +27,28 @@ class Exposure(NamedTuple):
     """One of the pictures that are averaged."""
 
     at: float
-    """Moment, seconds."""
+    """Time, seconds."""
     share: float
-    """Of the way from the frame before (0) to the frame itself (1)."""
+    """Time as a fraction, from the previous frame (0) to the frame itself (1)."""
     right: float = 0.0
     up: float = 0.0
-    """Point of the lens, metres from its middle."""
+    """Point of the lens, metres from its centre."""
     x: float = 0.0
     y: float = 0.0
-    """Part of a sample that the picture is moved by, from −1/2 to 1/2."""
+    """Jitter of the picture, samples, from −1/2 to 1/2."""
 
 
 def is_sampled(camera: Camera) -> bool:
-    """Whether a picture takes more than one exposure at all."""
+    """Return whether lens or shutter is open, so that a picture needs several exposures."""
     return camera.aperture > 0 or camera.shutter > 0
 
 
 def exposures(camera: Camera, seed: int, at: float, fps: float) -> list[Exposure]:
-    """The exposures of the frame at a time; one through a pinhole where neither lens nor shutter is open.
+    """Return the exposures of the frame at a time, seconds; a single one through a pinhole if lens and shutter are
+    closed.
 
-    The shutter is open from ``at`` − shutter / fps to ``at``, and everything stands still before time 0. Every frame
-    has the same points of the lens, so that what stands still does not flicker.
+    The shutter is open from ``at`` − shutter / fps to ``at``; before time 0 nothing moves. Every frame uses the same
+    lens points, so that still scenes do not flicker.
     """
     if not is_sampled(camera):
         return [Exposure(at, 1.0)]
@@ -57,17 +58,17 @@ def exposures(camera: Camera, seed: int, at: float, fps: float) -> list[Exposure
     across = concentric((start[0] + index / PLASTIC) % 1.0, (start[1] + index / PLASTIC**2) % 1.0)
     offsets = camera.aperture / 2 * across
     ago = camera.shutter * (1.0 - (index + start[2]) / count)
-    # irrational steps whose sums with places of the lens, too, are spread evenly: many others, √2 and √5 say, are not
-    aside = (start[3:, None] + index * np.sqrt([[13.0], [22.0]])) % 1.0 - 0.5
+    # steps √13 and √22 are evenly distributed jointly with the lens points too; many others, such as √2 and √5, are not
+    jitter = (start[3:, None] + index * np.sqrt([[13.0], [22.0]])) % 1.0 - 0.5
     return [
         Exposure(max(at - float(late) / fps, 0.0), 1.0 - float(late), float(right), float(up), float(x), float(y))
-        for late, (right, up), (x, y) in zip(ago, offsets, aside.T, strict=True)
+        for late, (right, up), (x, y) in zip(ago, offsets, jitter.T, strict=True)
     ]
 
 
 def concentric(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, 2) points of the unit disc from points of the unit square, areas kept and neighbours left neighbours
-    (Shirley and Chiu 1997)."""
+    """Map points of the unit square to points (n, 2) of the unit disc, preserving areas and neighbourhoods (Shirley and
+    Chiu 1997)."""
     a, b = 2 * u - 1, 2 * v - 1
     wide = np.abs(a) > np.abs(b)
     radius = np.where(wide, a, b)
@@ -78,7 +79,7 @@ def concentric(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def focus_of(camera: Camera, at: float) -> float:
-    """The depth that is sharp, metres."""
+    """Return the depth in focus, metres."""
     if camera.focus is not None:
         return camera.focus
     view = camera_at(camera, at)
@@ -86,21 +87,22 @@ def focus_of(camera: Camera, at: float) -> float:
 
 
 def through_lens(view: View, camera: Camera, exposure: Exposure) -> View:
-    """A pinhole's view from an exposure's point of the lens."""
+    """Return the view through an exposure's point of the lens, from that through its centre."""
     if camera.aperture == 0:
         return view
     return view.through(exposure.right, exposure.up, focus_of(camera, exposure.at))
 
 
-def between(
+def interpolate(
     before: NDArray[np.float32], after: NDArray[np.float32], emitter: Emitter, carried: bool,
     start: float, end: float, exposure: Exposure, out: NDArray[np.float32],
 ) -> NDArray[np.float32]:  # fmt: skip
-    """Strands (blocks, rows, 3 W) at an exposure's moment, from those at ``start`` and ``end``, seconds; into ``out``.
+    """Return strands (blocks, rows, 3 W) at an exposure's time, interpolated between the times ``start`` and ``end``,
+    seconds; written to ``out``.
 
-    Linear in the emitter's frame where it carries the strands, else in the world. So what moves rigidly with the
-    emitter is exact, roots above all; anything else is off by at most |a| (end − start)² / 8, a being its acceleration
-    in that frame.
+    Interpolation is linear, in the emitter's frame if it carries the strands, else in the world. Rigid motion with the
+    emitter is therefore exact, that of roots above all; otherwise the error is at most |a| (end − start)² / 8, where a
+    is the acceleration in that frame.
     """
     share = exposure.share
     first, second = (1 - share) * np.eye(3), share * np.eye(3)

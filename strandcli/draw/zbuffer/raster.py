@@ -13,7 +13,7 @@ from ..geometry.kernels.screen_lines import ScreenLines
 from ..view.camera import View
 from ..view.kernels import project
 from ..view.kernels.depth_slope import FLAT, DepthSlope
-from .kernels import bands as band_lists
+from .kernels import bands as lists
 from .kernels import raster as kernel
 from .kernels.bands import Bands
 
@@ -27,12 +27,12 @@ def to_screen(
     """Return (V, 3) x and y in pixels, and the depth number of `kernels.project.points`, which grows toward the eye, of
     every ``stride``-th vertex of each strand, ends included."""
     strands = len(lines.first) - 1
-    screen = scratch.take(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
+    screen = scratch.borrow(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
     project.points(lines.first, lines.world, stride, view.pack(), screen)
     return screen
 
 
-def into_bands(
+def sort_into_bands(
     first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
 ) -> Bands:
     """Return strands sorted into bands of `ROWS` rows, or one band for a single worker. The picture does not depend on
@@ -40,12 +40,12 @@ def into_bands(
     if workers == 1:
         strands = len(first) - 1
         return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
-    ranges = scratch.take("ranges", (len(first) - 1, 2), np.int32)
-    band_lists.find(first, screen, height, ROWS, np.float32(margin), ranges)
+    ranges = scratch.borrow("ranges", (len(first) - 1, 2), np.int32)
+    lists.find(first, screen, height, ROWS, np.float32(margin), ranges)
     begin = np.zeros(-(-height // ROWS) + 1, np.int64)
-    band_lists.count(ranges, begin)
-    members = scratch.take("members", int(begin[-1]), np.int32)
-    band_lists.scatter(ranges, begin[:-1].copy(), members)
+    lists.count(ranges, begin)
+    members = scratch.borrow("members", int(begin[-1]), np.int32)
+    lists.scatter(ranges, begin[:-1].copy(), members)
     return Bands(begin, members, ROWS, workers)
 
 
@@ -71,5 +71,5 @@ def draw(
         )
     width, height = size
     margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
-    bands = into_bands(lines.first, screen, height, margin, workers, scratch)
-    kernel.visible(ScreenLines(lines.first, screen, widths), depth_slope, bands, width, height, base, keys)
+    bands = sort_into_bands(lines.first, screen, height, margin, workers, scratch)
+    kernel.draw_strands(ScreenLines(lines.first, screen, widths), depth_slope, bands, width, height, base, keys)

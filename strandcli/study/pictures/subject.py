@@ -75,7 +75,7 @@ class LinearRenderer(Renderer):
         if not self.keep_shading:
             return super().shade(lighting, batch, *rest)
         lines, begin = batch.lines, batch.begin
-        self.scratch.take("colours", (len(lines.world), 3), np.float32).fill(np.nan)
+        self.scratch.borrow("colours", (len(lines.world), 3), np.float32).fill(np.nan)
         colours = super().shade(lighting, batch, *rest)
         if begin in self.shaded:  # the picture's next rows show others of the same strands
             kept = self.shaded[begin][1]

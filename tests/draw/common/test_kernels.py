@@ -30,7 +30,7 @@ from strandcli.draw.shadows.kernels import (
 from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
 from strandcli.draw.view.kernels.depth_slope import DepthSlope
-from strandcli.draw.view.kernels.project import into
+from strandcli.draw.view.kernels.project import to_view
 from strandcli.draw.zbuffer.kernels import raster
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
@@ -56,11 +56,11 @@ STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
     "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
-    "reach": (curves.reach, (*[ONE] * 7, ROW)),
-    "into": (into, (ONE, ONE, ONE, ROW)),
+    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, ROW)),
+    "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
-    "cubic": (curves.cubic, (ONE, ONE, ONE)),
-    "slack": (curves.slack, (ONE, ONE, ONE)),
+    "second coefficient": (curves.second_coefficient, (ONE, ONE, ONE)),
+    "third coefficient": (curves.third_coefficient, (ONE, ONE, ONE)),
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
@@ -89,7 +89,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
          column_light.Crossing(*[ONE] * 4), ROW),
     ),
     "area": (column_light.area, (ONE, ONE, ONE)),
-    "rim": (silhouette.rim, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
+    "move end": (silhouette.move_end, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
     "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow line": (minmax.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),

@@ -15,12 +15,12 @@ STAGES = {"strands": ("first", "second", "third"), "surfaces": ("first", "second
 
 def test_rows_that_are_never_held_together_are_the_same() -> None:
     rows = RowAllocator(8, STAGES)
-    assert rows.take("early", 2, strands="first:second") == (0, 8)
-    assert rows.one("late", strands="third") == 0
-    assert rows.one("between", strands="second:third") == 16
-    assert rows.one("of the other", surfaces="first:second") == 0
-    assert rows.take("neighbours", 2, strands="third", surfaces="second") == (24, 32)
-    assert rows.count("strands") == 5
+    assert rows.allocate("early", 2, strands="first:second") == (0, 8)
+    assert rows.allocate_row("late", strands="third") == 0
+    assert rows.allocate_row("between", strands="second:third") == 16
+    assert rows.allocate_row("of the other", surfaces="first:second") == 0
+    assert rows.allocate("neighbours", 2, strands="third", surfaces="second") == (24, 32)
+    assert rows.row_count("strands") == 5
     assert rows.holder(0, "strands", "second") == "early"
     assert rows.holder(0, "strands", "third") == "late"
     assert rows.holder(1, "strands", "third") is None
@@ -28,18 +28,18 @@ def test_rows_that_are_never_held_together_are_the_same() -> None:
 
 def test_two_quantities_that_live_together_in_one_row_are_refused() -> None:
     rows = RowAllocator(W, STAGES)
-    rows.take("texels", 4, strands="first:second")
+    rows.allocate("texels", 4, strands="first:second")
     with pytest.raises(RowOverlapError, match="row 3 would hold radiance beside texels in stage second of strands"):
-        rows.place("radiance", 3, 2, strands="second:third")
-    rows.place("radiance", 3, 2, strands="third")
+        rows.allocate_at("radiance", 3, 2, strands="second:third")
+    rows.allocate_at("radiance", 3, 2, strands="third")
 
 
 def test_stages_are_named_in_order() -> None:
     rows = RowAllocator(W, STAGES)
     with pytest.raises(ValueError, match="strands: stage first is before third"):
-        rows.one("backward", strands="third:first")
+        rows.allocate_row("backward", strands="third:first")
     with pytest.raises(ValueError, match="strands has no stage fourth"):
-        rows.one("nowhere", strands="fourth")
+        rows.allocate_row("nowhere", strands="fourth")
 
 
 def test_the_batches_hold_one_quantity_a_row_at_any_time() -> None:
@@ -60,5 +60,5 @@ def test_the_batches_hold_one_quantity_a_row_at_any_time() -> None:
             if row == same:
                 held = [{layout.layout.holder(row, user, stage)} - {None} for stage in stages]
                 assert len(set().union(*held)) > 1, f"{name} and {other} are one quantity"
-    assert layout.layout.count("strands") == batch.ROWS
-    assert layout.layout.count("surfaces") == surface_batch.ROWS
+    assert layout.layout.row_count("strands") == batch.ROWS
+    assert layout.layout.row_count("surfaces") == surface_batch.ROWS

@@ -33,11 +33,11 @@ class Strands:
         self.p = np.stack(rows, 1).astype(np.float32).astype(np.float64)
         self.count, self.n = count, n
 
-    def flat(self, curves: Curves, view: View | None = None, keep_unseen: bool = True) -> Polylines:
+    def flat(self, curves: Curves, view: View | None = None, keep_off_screen: bool = True) -> Polylines:
         before = self.p[:, :1] - self.direction[:, None] * self.length[:, None, None]
         packed = pack(np.concatenate([before, self.p], 1))
         view = view or camera_view(CAMERA, 0.0, 400, 300, BOX)
-        return flatten(packed, lanes(self.length[:, None]), self.count, curves, view, keep_unseen, Scratch())
+        return flatten(packed, lanes(self.length[:, None]), self.count, curves, view, keep_off_screen, Scratch())
 
     def points(self, pieces: int, printed: bool = False) -> np.ndarray:
         return exact.points(self.p, self.direction, self.length, pieces, printed)
@@ -178,14 +178,14 @@ def test_strands_off_the_screen_are_left_out_unless_a_shadow_map_wants_them() ->
     strands.p[100:200] += [30, 0, 0]  # to the right
     strands.p[200:] += [0, 0, 10]  # behind
     curves = Curves(mode="adaptive", level=4)
-    seen = np.diff(strands.flat(curves, keep_unseen=False).first)
+    seen = np.diff(strands.flat(curves, keep_off_screen=False).first)
     assert (seen[100:] == 0).all()
     assert (seen[:100] > 0).sum() > 90
-    kept = np.diff(strands.flat(curves, keep_unseen=True).first)
+    kept = np.diff(strands.flat(curves, keep_off_screen=True).first)
     assert (kept[100:] == 5).all()  # coarsely: one piece a segment
     np.testing.assert_array_equal(kept[:100][seen[:100] > 0], seen[:100][seen[:100] > 0])
     away = camera_view(Camera(position=(0.0, 500.0, 0.0), target=(0.0, 900.0, 1.0)), 0.0, 64, 48, BOX)
-    off_screen = strands.flat(curves, away, keep_unseen=False)
+    off_screen = strands.flat(curves, away, keep_off_screen=False)
     assert off_screen.segments == 0
     assert len(off_screen.world) == 0
 
@@ -195,7 +195,7 @@ def test_a_strand_that_is_seen_in_part_is_kept_whole() -> None:
     strands = Strands(2000, 5, seed=6, scale=2.0)
     for camera in (CAMERA, Camera(position=(0.3, 0.1, 0.2), near=0.05), Camera(kind="orthographic", height=0.4)):
         view = camera_view(camera, 0.0, 200, 50, BOX)
-        lines = strands.flat(Curves(mode="adaptive", level=3), view, keep_unseen=False)
+        lines = strands.flat(Curves(mode="adaptive", level=3), view, keep_off_screen=False)
         vertices = np.diff(lines.first)
         dense = strands.points(32).reshape(2000, -1, 3)
         shown, z = project(view, dense.reshape(-1, 3))
@@ -220,7 +220,7 @@ def test_a_crop_window_aside_keeps_as_few_strands_as_one_in_the_middle(kind: str
     middle = np.array([project(view, points)[0].mean(0) for points in strands.p])
     for corner in ([0, 0], [300, 0], [0, 230], [300, 230], [150, 115]):
         window = view.cropped(*corner, 100, 70)
-        kept = np.diff(strands.flat(Curves(mode="adaptive", level=1), window, keep_unseen=False).first) > 0
+        kept = np.diff(strands.flat(Curves(mode="adaptive", level=1), window, keep_off_screen=False).first) > 0
         inside = ((middle > corner) & (middle < np.add(corner, [100, 70]))).all(1)
         near = ((middle > np.subtract(corner, 25)) & (middle < np.add(corner, [125, 95]))).all(1)
         assert inside.sum() > 50

@@ -11,7 +11,7 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.blocks import lanes, pack
-from strandcli.draw.geometry.detail import BAND, level_of, near_of, needed, share_at, shares
+from strandcli.draw.geometry.detail import BAND, level_of, near_of, share_at, share_bounds, strands_needed
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.settings import changed
@@ -88,7 +88,7 @@ def test_near_strands_are_all_kept_and_of_far_ones_the_inverse_of_the_distance()
         assert share(far, near=20) == pytest.approx(20 / far)
     assert share(320, near=20, least=0.25) == 0.25
     plain = scene_of((SCENE % (0, 1, 0.1, "true")).replace("detail:", "# detail:"))
-    assert (share_at(plain, 0.0, 1e6), needed(plain, 0.0)) == (1, 1000)
+    assert (share_at(plain, 0.0, 1e6), strands_needed(plain, 0.0)) == (1, 1000)
 
 
 def test_without_a_distance_strands_are_kept_while_they_are_wide_enough_on_the_screen() -> None:
@@ -104,18 +104,18 @@ def test_without_a_distance_strands_are_kept_while_they_are_wide_enough_on_the_s
     assert near_of(flat, 0.0) == (pytest.approx(0.002 * 10 / 0.5), False)
     assert share_at(changed(flat, {"material.width": 0.01}), 0.0, 1e9) == pytest.approx(0.2)
     lines = scene_of(text.replace("width: 0.002", "width: 0"))
-    assert shares(lines, 0.0) == (1, 1)
+    assert share_bounds(lines, 0.0) == (1, 1)
 
 
 def test_bounds_hold_for_every_strand_as_camera_and_emitter_move() -> None:
     text = (SCENE % (0, 20, 0.01, "true")).replace("strands: 1000,", "strands: 1000, position: [0, 30, 20],")
     scene = scene_of(text)
-    assert shares(scene, 0.0) == pytest.approx((20 / 30.5, 20 / 29.5))
-    assert shares(scene, 0.1) == pytest.approx((20 / (np.hypot(30, 30) + 0.5), 20 / (np.hypot(30, 30) - 0.5)))
+    assert share_bounds(scene, 0.0) == pytest.approx((20 / 30.5, 20 / 29.5))
+    assert share_bounds(scene, 0.1) == pytest.approx((20 / (np.hypot(30, 30) + 0.5), 20 / (np.hypot(30, 30) - 0.5)))
     for near in (0.2, 1.0, 2.0):
         at = changed(still(500), {"detail.near": near})
         fade, _ = level(at, near)
-        assert not fade[needed(at, 0.0) :].any()
+        assert not fade[strands_needed(at, 0.0) :].any()
 
 
 def test_a_strand_once_kept_is_kept_at_every_greater_share() -> None:

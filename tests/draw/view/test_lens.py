@@ -9,7 +9,7 @@ import pytest
 from strand_kit import frames_of, scene_of
 from strandcli.blocks import pack, unpack
 from strandcli.draw.view.camera import camera_view
-from strandcli.draw.view.lens import Exposure, between, concentric, exposures, focus_of
+from strandcli.draw.view.lens import Exposure, concentric, exposures, focus_of, interpolate
 from strandcli.scene.model import Camera, Emitter, PoseKey
 from strandcli.scene.motion import apply, emitter_pose
 
@@ -192,15 +192,15 @@ def test_between_frames_what_the_emitter_carries_is_exact() -> None:
 
     before, after = (pack(world(time)) for time in (0.2, 0.6))
     shot = Exposure(0.4, 0.5)
-    found = unpack(between(before, after, emitter, True, 0.2, 0.6, shot, np.empty_like(before)), 150)
+    found = unpack(interpolate(before, after, emitter, True, 0.2, 0.6, shot, np.empty_like(before)), 150)
     np.testing.assert_allclose(found, world(0.4), atol=2e-6)
-    chord = unpack(between(before, after, emitter, False, 0.2, 0.6, shot, np.empty_like(before)), 150)
+    chord = unpack(interpolate(before, after, emitter, False, 0.2, 0.6, shot, np.empty_like(before)), 150)
     steps = np.array([world(time) for time in np.linspace(0.2, 0.6, 81)])
     acceleration = np.linalg.norm(np.diff(steps, 2, axis=0), axis=-1).max(0) / 0.005**2
     off = np.linalg.norm(chord - world(0.4), axis=-1)
     assert (off < acceleration * 0.4**2 / 8 + 1e-5).all()
     assert off.max() > 0.1
-    ends = [between(before, after, emitter, True, 0.2, 0.6, Exposure(t, s), np.empty_like(before)) for t, s in
+    ends = [interpolate(before, after, emitter, True, 0.2, 0.6, Exposure(t, s), np.empty_like(before)) for t, s in
             ((0.2, 0.0), (0.6, 1.0))]  # fmt: skip
     np.testing.assert_allclose(ends[0], before, atol=2e-6)
     np.testing.assert_allclose(ends[1], after, atol=2e-6)

@@ -1,11 +1,11 @@
-"""Elementary functions for kernels: float32 in, float32 out, the same bits on every machine.
+"""Elementary functions for kernels, float32 to float32, with the same bits on every machine.
 
 A C library's exp, acos and so on differ by a unit in the last place from one CPU or library version to the next. These
-use only +, −, ×, sqrt and integer shifts, which IEEE 754 fixes to the bit, and a compiler without fastmath keeps their
-order. The polynomials are minimax fits made for this file (iteratively reweighted least squares in float64), with the
-constant term pinned so that acos(1) = 0, asin(0) = 0 and exp2(0) = 1 hold exactly.
+use only +, −, ×, /, sqrt and integer shifts, which IEEE 754 fixes to the bit, and a compiler without fastmath keeps
+their order. The polynomials are minimax fits made for this file (iteratively reweighted least squares in float64), with
+a fixed constant term so that acos(1) = 0, asin(0) = 0 and exp2(0) = 1 hold exactly.
 
-Largest errors over dense samples, against float64 (tests/test_render_approximations.py asserts them):
+Largest errors over dense samples, against float64 (tests/draw/common/test_approximations.py asserts them):
 
 =============  =========================  ==========================================================
 function       domain                     error
@@ -13,10 +13,10 @@ function       domain                     error
 acos, asin     [-1, 1]                    5e-7 rad, absolute
 exp2           [-126, 127]                2.5e-7, relative
 exp            [-87, 88]                  (3e-7 + 1.5e-7 |x|), relative (the scaling by log2 e rounds)
-log            [1e-37, 1e38]              2e-7 max(1, |log x|), absolute; of less, as of 1e-37
+log            [1e-37, 1e38]              2e-7 max(1, |log x|), absolute
 =============  =========================  ==========================================================
 
-Arguments outside of a domain, infinities and NaN are clamped into it: the result is always finite.
+Arguments outside of a domain, infinities and NaN are clamped to it: the result is always finite.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ E5 = np.float32(0.0013264726)
 EXPONENT_LOW = np.float32(-126.0)
 EXPONENT_HIGH = np.float32(127.0)
 EXPONENT_BIAS = np.float32(127.0)
-ROUNDING = np.float32(127.5)  # the bias and a half: what truncation then leaves is the nearest exponent, biased
+ROUNDING = np.float32(127.5)  # bias + 1/2, so that truncation rounds to the nearest biased exponent
 MANTISSA_BITS = np.int32(23)
 
 # log(m) = 2 (s + s³/3 + s⁵/5 + s⁷/7 + s⁹/9), s = (m - 1) / (m + 1), m in [2/3, 4/3]: the series of artanh
@@ -63,14 +63,14 @@ LEAST = np.float32(1e-37)
 
 @function
 def clamp(x: np.float32, low: np.float32, high: np.float32) -> np.float32:
-    """``x`` limited to [low, high]; NaN becomes ``high``, so that an index made from the result is always in range."""
+    """Return ``x`` limited to [low, high]. NaN becomes ``high``, so an index from the result is always in range."""
     y = x if x < high else high
     return y if y > low else low
 
 
 @function
 def acos(x: np.float32) -> np.float32:
-    """Angle in [0, π], in radians, whose cosine is ``x``."""
+    """Return the angle in [0, π], in radians, whose cosine is ``x``."""
     a = abs(x)
     a = a if a < ONE else ONE  # in this order NaN becomes 1
     p = (((((A6 * a + A5) * a + A4) * a + A3) * a + A2) * a + A1) * a + A0
@@ -80,7 +80,7 @@ def acos(x: np.float32) -> np.float32:
 
 @function
 def asin(x: np.float32) -> np.float32:
-    """Angle in [-π/2, π/2], in radians, whose sine is ``x``."""
+    """Return the angle in [-π/2, π/2], in radians, whose sine is ``x``."""
     a = abs(x)
     a = a if a < ONE else ONE  # in this order NaN becomes 1
     p = (((((A6 * a + A5) * a + A4) * a + A3) * a + A2) * a + A1) * a + A0
@@ -90,7 +90,7 @@ def asin(x: np.float32) -> np.float32:
 
 @function
 def exp2(x: np.float32) -> np.float32:
-    """2 to the power ``x``. The whole part of ``x`` goes straight into the exponent bits."""
+    """Return 2 to the power ``x``: the nearest integer goes into the exponent bits, the rest through a polynomial."""
     y = clamp(x, EXPONENT_LOW, EXPONENT_HIGH)
     biased = np.int32(y + ROUNDING)
     f = y - (np.float32(biased) - EXPONENT_BIAS)
@@ -101,15 +101,16 @@ def exp2(x: np.float32) -> np.float32:
 
 @function
 def exp(x: np.float32) -> np.float32:
-    """e to the power ``x``."""
+    """Return e to the power ``x``."""
     return exp2(x * LOG2_E)
 
 
 @function
 def log(x: np.float32) -> np.float32:
-    """Natural logarithm of ``x``. Its exponent is what is left of the bits above those of 2/3."""
+    """Return the natural logarithm of ``x``; of 1e-37 if ``x`` is less."""
     y = x if x > LEAST else LEAST
     bits = np.float32(y).view(np.int32)
+    # an exponent that leaves the mantissa in [2/3, 4/3)
     whole = np.int32(np.int32(bits - TWO_THIRDS) >> MANTISSA_BITS)
     m = np.int32(bits - np.int32(whole << MANTISSA_BITS)).view(np.float32)
     s = (m - ONE) / (m + ONE)

@@ -1,47 +1,48 @@
-"""Rows of a batch of W vertices that are shaded together, and those that a batch of a solid's points shares with it.
+"""Rows of a batch of W vertices that are shaded together; those with a lifetime for `surfaces` also serve W points of a
+solid.
 
-Each name is the offset of a row of W numbers, or of the first of neighbouring rows, in one float32 array.
+Each name is the offset of a row of W numbers, or of the first of consecutive rows, in one float32 array.
 """
 
 from __future__ import annotations
 
-from . import soft_rows  # noqa: F401  rows are handed out in one order, whoever is imported first
+from . import soft_rows  # noqa: F401  imported first, so that rows are always allocated in the same order
 from .layout import layout
 
 CHANNELS = 24
-"""Of a node of the tables of dual scattering (`strandcli.draw.fibre.kernels.dual`)."""
+"""Channels of a node of the dual scattering tables (`strandcli.draw.fibre.kernels.dual`)."""
 
-# Position in metres, unit tangent, unit direction to the eye.
-X, Y, Z = layout.take("position", 3, strands="gather:out", surfaces="gather:out")
-TX, TY, TZ = layout.take("tangent", 3, strands="gather:out")
-EX, EY, EZ = layout.take("eye", 3, strands="gather:out", surfaces="ambient:out")
-# In red, green and blue: colour of a mass, absorption beyond the tables' in 1/radius, radiance.
-COLOUR = layout.take("colour", 3, strands="gather:out")[0]
-EXTRA = layout.take("extra absorption", 3, strands="gather:out")[0]
-RADIANCE = layout.take("radiance", 3, strands="ambient:out", surfaces="ambient:out")[0]
-# Of one light: unit direction to it, its distance, and what of it arrives.
-LX, LY, LZ = layout.take("light", 3, strands="light:darken", surfaces="light:reflect")
-REACH = layout.one("distance of the light", strands="light:darken", surfaces="light:reflect")
-ARRIVES = layout.one("what arrives", strands="light:darken", surfaces="light:reflect")
-# Place in a shadow map, texels, and the depth there; 1 inside of the map, −1 inside of one before it.
-INSIDE = layout.one("inside of a map", strands="light:maps", surfaces="light:maps")
-U, V = layout.take("place in a map", 2, strands="maps", surfaces="maps")
-DEPTH = layout.one("depth in a map", strands="maps", surfaces="maps")
-# Of a map: eight numbers of the texels about a vertex, or what opacity maps tell.
-TEXELS = layout.take("texels", 8, strands="maps")[0]
-# Strands in front of a vertex and behind it; what arrives where no strand is in the way.
-PASSED, LEFT = layout.take("strands before and behind", 2, strands="maps:dual")
-UNBLOCKED = layout.one("what arrives without strands", strands="maps:dual")
-# Dual scattering: angles, the place in its tables, a node of them, and its two longitudinal lobes.
-SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = layout.take("angles", 6, strands="dual")
-TABLE = layout.take("node of dual scattering", CHANNELS, strands="dual")[0]
-RETURNED, FORWARD = layout.take("lobes of dual scattering", 2, strands="dual")
-# Highlights: the place in the azimuthal tables, and weights of what they hold.
-NODE_X, NODE_Y = layout.take("place in azimuthal tables", 2, strands="highlights")
-R, TT, TRT, REST = layout.take("longitudinal lobes", 4, strands="highlights")
-# Radiance as it was before light of one kind was added, and that light in one channel.
-BEFORE = layout.take("radiance before", 3, strands="dual:darken")[0]
-ADDED = layout.one("radiance added", strands="darken")
+# Position, metres; unit tangent; unit direction to the eye.
+X, Y, Z = layout.allocate("position", 3, strands="gather:out", surfaces="gather:out")
+TX, TY, TZ = layout.allocate("tangent", 3, strands="gather:out")
+EX, EY, EZ = layout.allocate("eye", 3, strands="gather:out", surfaces="ambient:out")
+# Red, green and blue of: colour of a mass of strands; absorption in addition to the tables', 1/radius; radiance.
+COLOUR = layout.allocate("colour", 3, strands="gather:out")[0]
+EXTRA = layout.allocate("extra absorption", 3, strands="gather:out")[0]
+RADIANCE = layout.allocate("radiance", 3, strands="ambient:out", surfaces="ambient:out")[0]
+# Of the current light: unit direction to it; its distance, metres; its falloff × visibility.
+LX, LY, LZ = layout.allocate("light", 3, strands="light:darken", surfaces="light:reflect")
+REACH = layout.allocate_row("distance of the light", strands="light:darken", surfaces="light:reflect")
+ARRIVES = layout.allocate_row("what arrives", strands="light:darken", surfaces="light:reflect")
+# Position in a shadow map, texels, and depth there, metres; INSIDE: 1 in this map, −1 in an earlier one, else 0.
+INSIDE = layout.allocate_row("inside of a map", strands="light:maps", surfaces="light:maps")
+U, V = layout.allocate("place in a map", 2, strands="maps", surfaces="maps")
+DEPTH = layout.allocate_row("depth in a map", strands="maps", surfaces="maps")
+# Eight numbers of the texels around a vertex, or results from opacity maps.
+TEXELS = layout.allocate("texels", 8, strands="maps")[0]
+# Optical depth of the strands in front of a vertex and behind it; falloff × visibility without strands.
+PASSED, LEFT = layout.allocate("strands before and behind", 2, strands="maps:dual")
+UNBLOCKED = layout.allocate_row("what arrives without strands", strands="maps:dual")
+# Dual scattering: angles, position in the tables, one node of them, and the two longitudinal lobes.
+SIN_L, COS_L, SIN_V, COS_V, COS_PHI, PLACE = layout.allocate("angles", 6, strands="dual")
+TABLE = layout.allocate("node of dual scattering", CHANNELS, strands="dual")[0]
+RETURNED, FORWARD = layout.allocate("lobes of dual scattering", 2, strands="dual")
+# Highlights: position in the azimuthal tables, and the weights of their entries.
+NODE_X, NODE_Y = layout.allocate("place in azimuthal tables", 2, strands="highlights")
+R, TT, TRT, REST = layout.allocate("longitudinal lobes", 4, strands="highlights")
+# Radiance before a light contribution was added, and that contribution in one channel.
+BEFORE = layout.allocate("radiance before", 3, strands="dual:darken")[0]
+ADDED = layout.allocate_row("radiance added", strands="darken")
 
-ROWS = layout.count("strands")
-"""Rows of a batch of vertices."""
+ROWS = layout.row_count("strands")
+"""Rows of the array of a batch of vertices."""

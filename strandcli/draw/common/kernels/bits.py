@@ -1,4 +1,4 @@
-"""Words of bits."""
+"""Bit counts of 64-bit words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ....jit import inlined
 
 @inlined
 def popcount(x):
-    """How many bits of a uint64 are set: of each two, each four, each byte; then of all bytes."""
+    """Return the number of set bits of a uint64, by sums over pairs of bits, groups of four, bytes, and all bytes."""
     x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
     x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
     x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)

@@ -1,4 +1,4 @@
-"""Who works on a batch, and in which stages: rows are handed out in `soft_rows`, `batch` and `surface_batch`."""
+"""Users of a batch's rows and their stages, in order. `soft_rows`, `batch` and `surface_batch` allocate the rows."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..rows import RowAllocator
 layout = RowAllocator(
     W,
     {
-        # from "light" to "darken" once a light; "soft": shadows of solids in lights with a size
+        # "light" to "darken" run once for each light; "soft": shadows of solids in lights with a size
         "strands": ("gather", "ambient", "light", "soft", "maps", "dual", "highlights", "darken", "out"),
         "surfaces": ("gather", "ambient", "light", "soft", "maps", "reflect", "out"),
     },

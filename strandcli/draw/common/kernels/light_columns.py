@@ -1,19 +1,19 @@
 """Columns of the lights as kernels read them: (lights, 16) float32, a row a light, packed by `pack_lights`."""
 
 KIND = 0
-"""0 directional, 1 point."""
+"""0: directional, 1: point."""
 PLACE_X, PLACE_Y, PLACE_Z = 1, 2, 3
 """Unit direction to a directional light; position of a point light, metres."""
 POWER_R, POWER_G, POWER_B = 4, 5, 6
 """Irradiance of a directional light; intensity of a point light, W/sr."""
 FIRST_MAP, MAP_COUNT = 7, 8
-"""The light's shadow maps."""
+"""Number of the light's first shadow map, and how many it has."""
 BIAS = 9
-"""Depth in front of which a map shades nothing, metres."""
+"""Depth bias of shadow maps, metres."""
 MAP_LAYERS = 10
-"""Layers of its opacity maps; 0 for min/max maps."""
+"""Layers of the light's opacity maps; 0: it has min/max maps."""
 CLEAR_ROW = 11
-"""0, or one more than the row of `clear` that tells exactly what strands leave of the light at marked vertices."""
+"""0, or 1 + the row of `clear` with the light's exact visibility at marked vertices."""
 LIGHT_SIZE = 12
 """Sine of the angular radius of a directional light; radius of a point light, metres."""
 STRAND_WIDTH = 13

@@ -1,8 +1,8 @@
-"""The scale of the table of light that strands keep from what is behind them."""
+"""Scale of the table of light that strands take from what lies behind them, over optical depth."""
 
 from __future__ import annotations
 
 import numpy as np
 
 HALF_WAY = np.float32(2.0)
-"""Strands τ in the middle of the table."""
+"""Optical depth τ at the middle of the table."""

@@ -1,27 +1,29 @@
 """Columns of a view as kernels read it: (26,) float32, packed by `strandcli.draw.view.camera.View.pack`.
 
-Three rows (right, up, forward), each a unit vector and a shift, take a point of the world to the view, metres.
+Three rows (right, up, forward), each a unit vector and a shift, transform world to view coordinates, metres
+(`strandcli.draw.view.kernels.project.to_view`).
 """
 
 RIGHT_X, RIGHT_Y, RIGHT_Z, RIGHT_SHIFT = range(4)
 UP_X, UP_Y, UP_Z, UP_SHIFT = range(4, 8)
 FORWARD_X, FORWARD_Y, FORWARD_Z, FORWARD_SHIFT = range(8, 12)
 PERSPECTIVE = 12
-"""1 for a perspective view, 0 for an orthographic one."""
+"""1: perspective, 0: orthographic."""
 FOCAL = 13
 """Pixels a metre: at a depth of one metre (perspective) or anywhere (orthographic)."""
 NEAR_PLANE = 14
-"""Metres."""
+"""Depth of the near plane, metres."""
 AXIS_X, AXIS_Y = 15, 16
-"""Pixel that the view's axis goes through."""
+"""Pixel on the view's axis."""
 SLANT_X, SLANT_Y = 17, 18
-"""How much further out a slanted side of the view lies for a margin of one."""
+"""Distance by which the sides of the view volume move out horizontally for a margin of one perpendicular to them."""
 DEPTH_RANGE = 19
-"""Far less near, metres."""
+"""Far − near, metres."""
 EYE_X, EYE_Y, EYE_Z = 20, 21, 22
-"""Metres."""
+"""Position of the eye, metres."""
 CORNER_STRETCH = 23
-"""How many times longer than in the middle of the screen a short way can be in its corner, at the same depth."""
+"""Factor by which lengths on the screen are greater in its corners than at its centre, at the same depth."""
 SCREEN_WIDTH, SCREEN_HEIGHT = 24, 25
 """Pixels."""
 SIZE = 26
+"""Numbers of a view."""

@@ -1,8 +1,7 @@
-"""From particles to smooth polylines (thesis §3): each segment becomes a cubic Bézier curve, cut into pieces.
+"""Smooth polylines from particles (thesis §3): each segment becomes a cubic Bézier curve, cut into straight pieces.
 
-Tangents point from root to tip here, the opposite of the source's sign, so the control points of the segment
-p_{i-1} p_i are p_{i-1} + t_{i-1} L / 3 and p_i − t_i L / 3. The first tangent is the strand's direction, the last is
-zero.
+Tangents point from root to tip, the opposite of the source's sign, so the control points of the segment p_{i-1} p_i are
+p_{i-1} + t_{i-1} L / 3 and p_i − t_i L / 3. The first tangent is the strand's direction, the last is zero.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from ...common.kernels.view_columns import (
     SLANT_X,
     SLANT_Y,
 )
-from ...view.kernels.project import into
+from ...view.kernels.project import to_view
 from .tangents import difference, tangent
 
 ZERO = np.float32(0.0)
@@ -36,37 +35,38 @@ THREE = np.float32(3.0)
 THIRD = np.float32(1 / 3)
 TINY = np.float32(1e-30)
 WANG = np.float32(0.75)
+"""Factor of Wang's bound, see `count`."""
 
 
 class Splitting(NamedTuple):
-    """How segments are cut into pieces."""
+    """Settings of how segments are cut into pieces."""
 
     most: int
     """Greatest number of pieces of a segment."""
     tolerance: np.float32
-    """Pixels."""
-    unseen: int
-    """Pieces of segments that are off the screen; 0: strands that are off it altogether are left out."""
-    kept: NDArray[np.float32]
-    """(strands,) 0 for strands that are left out; (0,) where none is."""
+    """Greatest distance of a piece from its curve, pixels."""
+    off_screen: int
+    """Number of pieces of a segment off the screen; 0: strands that are entirely off the screen are left out."""
+    fade: NDArray[np.float32]
+    """(strands,) 0 for strands that are left out; (0,): none is."""
     as_printed: bool
-    """Whether tangents are the source's."""
+    """Whether tangents are computed as the source prints them."""
 
 
 @parallel
 def count(positions, lengths, strands, view, split, out, sizes, error):
-    """How many pieces each segment needs on the screen.
+    """Write the number of pieces that each segment needs on the screen.
 
     A cubic cut evenly into m pieces departs from its chords by at most 3/4 D / m², where D is the greater second
-    difference of its control points (Wang 1984); D is taken in pixels, where the segment can come nearest.
+    difference of its control points (Wang 1984). D is converted to pixels at the segment's nearest possible depth.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; view (26,) as in `view_columns`;
-    split: `Splitting`; out (strands, n − 1) uint16; sizes (strands,) int64: vertices of each strand, 0 where it is left
-    out; error (strands,) float32: bound in pixels that is left.
+    positions (blocks, n + 1, 3 W), metres; lengths (blocks, W), or None: those of the chords; view: `view_columns`;
+    split: `Splitting`; out (strands, n − 1) uint16; sizes (strands,) int64: number of vertices of each strand, 0 if it
+    is left out; error (strands,) float32: bound on the distance from the curve, pixels.
     """
-    kept = split.kept
+    fade = split.fade
     for s in prange(strands):
-        if kept.shape[0] > 0 and kept[s] == ZERO:
+        if fade.shape[0] > 0 and fade[s] == ZERO:
             sizes[s] = 0
             error[s] = ZERO
         else:
@@ -76,17 +76,18 @@ def count(positions, lengths, strands, view, split, out, sizes, error):
 
 @device
 def count_pieces(block, lane, third, lengths, view, split, out):
-    """Into out (n − 1,): pieces of each segment of one strand, of a block (n + 1, 3 W); returns how many vertices it
-    has, and the bound in pixels that is left. third: of the segments' length, where lengths is not None."""
+    """Write the number of pieces of each segment of one strand to out (n − 1,); return its number of vertices and the
+    bound on the distance from the curve, pixels. block (n + 1, 3 W); third: a third of the segments' length, if lengths
+    is not None."""
     per = ONE / split.tolerance
     limit = np.float32(split.most)
-    unseen = split.unseen
+    off_screen = split.off_screen
     n = block.shape[0] - 1
     tx, ty, tz = difference(block, lane, 0, n)
     ax = block[1, lane]
     ay = block[1, W + lane]
     az = block[1, 2 * W + lane]
-    u0, v0, z0 = into(ax, ay, az, view)
+    u0, v0, z0 = to_view(ax, ay, az, view)
     bound = ZERO
     seen = False
     total = 1
@@ -96,10 +97,10 @@ def count_pieces(block, lane, third, lengths, view, split, out):
         by = block[i + 1, W + lane]
         bz = block[i + 1, 2 * W + lane]
         if lengths is None:
-            third = chord(bx - ax, by - ay, bz - az) * THIRD
-        u1, v1, z1 = into(bx, by, bz, view)
-        pieces = np.int64(unseen)
-        scale = reach(u0, v0, z0, u1, v1, z1, third, view)
+            third = norm(bx - ax, by - ay, bz - az) * THIRD
+        u1, v1, z1 = to_view(bx, by, bz, view)
+        pieces = np.int64(off_screen)
+        scale = greatest_scale(u0, v0, z0, u1, v1, z1, third, view)
         if scale > ZERO:
             seen = True
             d = WANG * scale * np.sqrt(second_difference(bx - ax, by - ay, bz - az, tx, ty, tz, sx, sy, sz, third))
@@ -117,17 +118,18 @@ def count_pieces(block, lane, third, lengths, view, split, out):
         u0 = u1
         v0 = v1
         z0 = z1
-    if unseen == 0 and seen:  # a strand that is seen in part is drawn whole, coarsely where it is not seen
+    if off_screen == 0 and seen:  # a strand partly on the screen is drawn whole, coarsely off the screen
         for i in range(n - 1):
             if out[i] == 0:
                 out[i] = 1
                 total += 1
-    return total if seen or unseen > 0 else 0, bound
+    return total if seen or off_screen > 0 else 0, bound
 
 
 @device
 def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
-    """Square of the greater second difference of a, a + t L/3, b − s L/3, b, with b − a = e and third = L/3."""
+    """Return the square of the greater second difference of the control points a, a + t L/3, b − s L/3, b, with
+    b − a = e and third = L/3."""
     px = ex - (TWO * tx + sx) * third
     py = ey - (TWO * ty + sy) * third
     pz = ez - (TWO * tz + sz) * third
@@ -138,13 +140,13 @@ def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
 
 
 @device
-def reach(u0, v0, z0, u1, v1, z1, margin, view):
-    """The most pixels that a metre can cover on a segment, given in view coordinates, and within a margin in metres
-    about it; 0 where that cannot touch the picture."""
+def greatest_scale(u0, v0, z0, u1, v1, z1, margin, view):
+    """Return the greatest number of pixels a metre within a margin, metres, around a segment in view coordinates; 0 if
+    none of that is on the screen."""
     near = view[NEAR_PLANE]
     if max(z0, z1) + margin < near:
         return ZERO
-    # where the picture ends on each side, at a depth of one: a crop window may lie aside of the axis
+    # distances of the picture's sides from the axis at a depth of one: those of a crop window differ
     left = view[AXIS_X] / view[FOCAL]
     right = (view[SCREEN_WIDTH] - view[AXIS_X]) / view[FOCAL]
     above = view[AXIS_Y] / view[FOCAL]
@@ -158,7 +160,7 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
         least = max(min(z0, z1) - margin, near)
         u = max(abs(u0), abs(u1)) + margin
         v = max(abs(v0), abs(v1)) + margin
-        # off the middle a way along the depth shows as well
+        # away from the axis a length along the depth shows as well
         scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[CORNER_STRETCH]) / least
     wide = margin * view[SLANT_X]
     tall = margin * view[SLANT_Y]
@@ -171,11 +173,12 @@ def reach(u0, v0, z0, u1, v1, z1, margin, view):
 
 @parallel
 def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):
-    """Write each strand's polyline.
+    """Write the polylines of strands.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W) or None: that of each chord; pieces (strands, n − 1) uint16, or
-    (0, 0) with `fixed` pieces for every segment; as_printed, straight: whether tangents are the source's, and whether
-    nothing is smoothed; first (strands + 1,) int64 vertex offsets; world (V, 3) float32 metres.
+    positions (blocks, n + 1, 3 W), metres; lengths (blocks, W), or None: those of the chords; pieces (strands, n − 1)
+    uint16, or (0, 0): every segment has `fixed` pieces; as_printed: whether tangents are computed as the source prints
+    them; straight: whether segments stay straight; first (strands + 1,) int64 vertex offsets; world (V, 3) float32,
+    metres, written.
     """
     for s in prange(strands):
         if first[s + 1] != first[s]:
@@ -184,7 +187,7 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
 
 @inlined
 def write_polyline(block, lengths, s, pieces, fixed, as_printed, straight, v, world):
-    """Write the polyline of strand s, which is of a block (n + 1, 3 W), from vertex v on; all else as in `flatten`."""
+    """Write the polyline of strand s, in a block (n + 1, 3 W), from vertex v on; other arguments as in `flatten`."""
     n = block.shape[0] - 1
     lane = s % W
     ax, ay, az = block[1, lane], block[1, W + lane], block[1, 2 * W + lane]
@@ -199,7 +202,7 @@ def write_polyline(block, lengths, s, pieces, fixed, as_printed, straight, v, wo
         if not straight:
             sx, sy, sz = tangent(block, lane, i, n, lengths, as_printed)
             if lengths is None:
-                third = chord(ex, ey, ez) * THIRD
+                third = norm(ex, ey, ez) * THIRD
             for j in range(1, m):
                 t = np.float32(j) * per
                 x = bezier(t, ax, ex, tx * third, sx * third)
@@ -218,7 +221,7 @@ def write_polyline(block, lengths, s, pieces, fixed, as_printed, straight, v, wo
 
 @inlined
 def write_vertex(world, v, x, y, z):
-    """Write the place of one vertex."""
+    """Write the position of one vertex."""
     world[v, 0] = x
     world[v, 1] = y
     world[v, 2] = z
@@ -226,20 +229,19 @@ def write_vertex(world, v, x, y, z):
 
 @inlined
 def bezier(t, a, e, g, h):
-    """A coordinate of a Bézier segment at t, 0 to 1, from its Bernstein form: control points a, a + g, a + e − h and
-    a + e."""
-    return a + t * (THREE * g + t * (cubic(e, g, h) + t * slack(e, g, h)))
+    """Return a coordinate at t, 0 to 1, of the Bézier curve with the control points a, a + g, a + e − h and a + e."""
+    return a + t * (THREE * g + t * (second_coefficient(e, g, h) + t * third_coefficient(e, g, h)))
 
 
 @device
-def chord(x, y, z):
-    """A vector's length."""
+def norm(x, y, z):
+    """Return the length of a vector."""
     return np.sqrt(x * x + y * y + z * z)
 
 
 @parallel
-def longest(positions):
-    """The longest segment of positions (blocks, n + 1, 3 W), metres."""
+def longest_segment(positions):
+    """Return the length of the longest segment of positions (blocks, n + 1, 3 W), metres."""
     found = np.zeros(positions.shape[0], np.float32)
     for block in prange(positions.shape[0]):
         most = ZERO
@@ -248,18 +250,18 @@ def longest(positions):
                 x = positions[block, i, k] - positions[block, i - 1, k]
                 y = positions[block, i, W + k] - positions[block, i - 1, W + k]
                 z = positions[block, i, 2 * W + k] - positions[block, i - 1, 2 * W + k]
-                most = max(most, chord(x, y, z))
+                most = max(most, norm(x, y, z))
         found[block] = most
     return found.max()
 
 
 @device
-def cubic(e, g, h):
-    """Coefficient of t² of a Bézier segment with chord e and control points g after its start, h before its end."""
+def second_coefficient(e, g, h):
+    """Return the coefficient of t² of a Bézier curve; arguments as in `bezier`."""
     return THREE * (e - TWO * g - h)
 
 
 @device
-def slack(e, g, h):
-    """Coefficient of t³."""
+def third_coefficient(e, g, h):
+    """Return the coefficient of t³ of a Bézier curve; arguments as in `bezier`."""
     return THREE * (g + h) - TWO * e

@@ -1,4 +1,4 @@
-"""Level of detail strand by strand (see `strandcli.draw.geometry.detail`)."""
+"""Level of detail of each strand (see `strandcli.draw.geometry.detail`)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ TINY = np.float32(1e-30)
 
 
 @parallel
-def choose(positions, ids, total, eye, near, least, band, fade, wider):
-    """What is drawn of each strand, and by how much wider.
+def fade_by_distance(positions, ranks, total, eye, near, least, band, fade, scale):
+    """Write how much of each strand is drawn, 0 to 1, and the factor of its width.
 
-    positions (blocks, n + 1, 3 W) float32; ids (strands,) int32: places in the order of all `total`, or (0,) where they
-    are 0, 1, …; eye (3,) float64 metres, or (0,) where `near` is the share itself; near: distance up to which all are
-    kept; least: smallest share; band: see `strandcli.draw.geometry.detail`; fade, wider (strands,) float32.
+    positions (blocks, n + 1, 3 W) float32, metres; ranks (strands,) int32: in the order of all `total` strands, or
+    (0,): 0, 1, …; eye (3,) float64, metres, or (0,): `near` is the fraction k of all strands; near: distance up to
+    which all strands are drawn, metres; least: smallest fraction; band: width of the fade as a fraction of k; fade,
+    scale (strands,) float32, written.
     """
     for s in prange(fade.shape[0]):
         k = near
@@ -32,32 +33,33 @@ def choose(positions, ids, total, eye, near, least, band, fade, wider):
             k = near / max(math.sqrt(square), 1e-30)
         k = min(max(k, least), 1.0)
         wide = max(band * k, 1.0 / total)
-        place = ((s if ids.shape[0] == 0 else np.int64(ids[s])) + 0.5) / total
-        fade[s] = min(max((k + wide - place) / wide, 0.0), 1.0)
+        rank = ((s if ranks.shape[0] == 0 else np.int64(ranks[s])) + 0.5) / total
+        fade[s] = min(max((k + wide - rank) / wide, 0.0), 1.0)
         beyond = max(k + wide - 1.0, 0.0)
-        wider[s] = 1.0 / (k + 0.5 * wide - 0.5 * beyond * beyond / wide)
+        scale[s] = 1.0 / (k + 0.5 * wide - 0.5 * beyond * beyond / wide)
 
 
 @parallel
 def shorten(first, world, fade):
-    """Of strands that fade the part next to the root is left, by length: all vertices beyond come to one point.
+    """Shorten each strand that fades to the fraction `fade` of its length from the root; vertices beyond that are moved
+    to the new tip.
 
-    first (S + 1,) int64; world (V, 3) metres; fade (S,).
+    first (S + 1,) int64; world (V, 3) metres, changed; fade (S,).
     """
     for s in prange(fade.shape[0]):
         if fade[s] < ONE:
-            cut(world, first[s], first[s + 1], fade[s])
+            shorten_one(world, first[s], first[s + 1], fade[s])
 
 
 @device
-def cut(world, begin, end, part):
-    """Leave a part of the length of one polyline."""
+def shorten_one(world, begin, end, part):
+    """Shorten the polyline begin … end − 1 to a fraction of its length."""
     left = ZERO
     for v in range(begin + 1, end):
-        left += apart(world, v - 1, v)
+        left += distance(world, v - 1, v)
     left *= part
     for v in range(begin + 1, end):
-        length = apart(world, v - 1, v)
+        length = distance(world, v - 1, v)
         t = min(left / max(length, TINY), ONE)
         left -= t * length
         if t < ONE:
@@ -70,8 +72,8 @@ def cut(world, begin, end, part):
 
 
 @function
-def apart(world, v, w):
-    """Distance between two vertices."""
+def distance(world, v, w):
+    """Return the distance between two vertices."""
     x = world[w, 0] - world[v, 0]
     y = world[w, 1] - world[v, 1]
     z = world[w, 2] - world[v, 2]

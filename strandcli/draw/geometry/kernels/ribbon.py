@@ -1,4 +1,4 @@
-"""Wide segments on the screen: their ends, joints and width, and the depth of their round side."""
+"""Ribbons, the wide segments of strands on the screen: ends, joints, width, and the depth of their round side."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ TWO = np.float32(2.0)
 
 
 class Ribbon(NamedTuple):
-    """A wide segment on the screen, from vertex v − 1 to v, in pixels; a: along the axis that it follows more, b: along
-    the other one."""
+    """A wide segment on the screen, from vertex v − 1 to v, pixels; a: coordinate along the screen axis that it is more
+    nearly parallel to, b: the other coordinate."""
 
     flat: bool
-    """Whether a is x and b is y."""
+    """Whether a is x and b is y; else a is y and b is x."""
     a0: np.float32
     b0: np.float32
-    """Where it begins."""
+    """Beginning of its axis."""
     a1: np.float32
     b1: np.float32
-    """Where it ends."""
+    """End of its axis."""
     da: np.float32
     db: np.float32
-    """Its direction, of length 1."""
+    """Unit direction."""
     ma0: np.float32
     mb0: np.float32
     """Normal of the joint at its beginning (`joints.mitre`)."""
@@ -39,19 +39,19 @@ class Ribbon(NamedTuple):
     """Normal of the joint at its end."""
     w0: np.float32
     widening: np.float32
-    """Width at its beginning, and how much greater it is at its end."""
+    """Width at its beginning, and increase of the width to its end."""
     q0: np.float32
     rise: np.float32
-    """Depth number at its beginning, and how much greater it is at its end."""
+    """Depth number at its beginning, and increase of the depth number to its end."""
     per_length: np.float32
     """One over its length."""
     steep: np.float32
-    """Growth of the depth number a pixel along it, as if no segment were shorter than half its width."""
+    """Increase of the depth number a pixel along it, for a length of at least half its width."""
 
 
 @inlined
 def measure_ribbon(screen, v, begin, end, w0, w1, flat):
-    """The `Ribbon` from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 pixels wide; screen as of
+    """Return the `Ribbon` from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 pixels wide; screen: as in
     `ScreenLines`; flat: whether a is x."""
     x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
     x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
@@ -68,7 +68,7 @@ def measure_ribbon(screen, v, begin, end, w0, w1, flat):
 
 @inlined
 def direction(screen, v):
-    """Unit direction from vertex v − 1 to v on the screen, and one over their distance."""
+    """Return the unit direction from vertex v − 1 to v on the screen, and one over their distance."""
     dx = screen[v, 0] - screen[v - 1, 0]
     dy = screen[v, 1] - screen[v - 1, 1]
     per_length = ONE / math.sqrt(dx * dx + dy * dy)
@@ -77,10 +77,10 @@ def direction(screen, v):
 
 @inlined
 def cross_section(ribbon, per, slope, past):
-    """Where a line of pixels crosses the middle of a ribbon: the share of its length, its width, and b.
+    """Return the position t ∈ [0, 1] along a ribbon, its width and the coordinate b of its axis, where a column of
+    pixels crosses the axis; a row of pixels if the ribbon is not flat.
 
-    per: one over the ribbon's way along a; slope: its rise across over its way along; past: how far beyond its
-    beginning the line is.
+    per: 1 / (a1 − a0); slope: (b1 − b0) / (a1 − a0); past: distance of the column's centre from a0.
     """
     t = min(max(past * per, ZERO), ONE)
     return t, ribbon.w0 + t * ribbon.widening, ribbon.b0 + slope * past
@@ -88,7 +88,7 @@ def cross_section(ribbon, per, slope, past):
 
 @inlined
 def offsets_across(ribbon, t, width, a, b, depth_slope):
-    """`depth_offsets` toward greater b, at a place (a, b) of a ribbon's middle; t, width: from `cross_section`."""
+    """Return `depth_offsets` toward greater b, at a point (a, b) of a ribbon's axis; t, width: from `cross_section`."""
     x, y = (a, b) if ribbon.flat else (b, a)
     dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
     depth = ribbon.q0 + ribbon.rise * t
@@ -99,26 +99,24 @@ def offsets_across(ribbon, t, width, a, b, depth_slope):
 
 @inlined
 def round_depth(ribbon, t, h, forward, tilt):
-    """Depth number of a ribbon's round side at the share t of its length, h across: −1 to 1 from edge to edge; forward,
-    tilt: from
-    `offsets_across`."""
+    """Return the depth number of a ribbon's round side; t: position along it, 0 to 1; h: position across it, −1 to 1;
+    forward, tilt: from `offsets_across`."""
     return ribbon.q0 + ribbon.rise * t + tilt * h + forward * math.sqrt(max(ONE - h * h, ZERO))
 
 
 @device
 def depth_offsets(q, half, steep, x, y, dx, dy, depth_slope):
-    """By how much the depth number on the side toward the eye of a strand, `half` a width in pixels, exceeds that in
-    its middle: in front of the middle, and what is added at the edge toward (−dy, dx) and taken off at the other one;
-    0 where strands are flat.
+    """Return by how much the depth number of a strand's round side exceeds that of its axis: `forward` in front of the
+    axis, and `tilt`, which is added at the edge toward (−dy, dx) and subtracted at the other; both 0 for flat strands.
 
-    q: in the middle, which the pixel (x, y) shows, where it grows by `steep` a pixel along the strand's direction (dx,
-    dy), of length 1; depth_slope: `DepthSlope`. A ray (u, v, 1) that passes a slanted cylinder aside of the
-    view's axis meets it further in front of its middle, and not at the same depth on both sides. With p and w, what of
-    (u, v) lies along the strand and across it, and the strand's way E − g (u, v, 1), E = (dx, dy, 0), that is
+    q: depth number of the axis at the pixel (x, y); half: half the width, pixels; steep: increase of q a pixel along
+    the strand's unit direction (dx, dy); depth_slope: `DepthSlope`. Away from the view's axis, a ray (u, v, 1) meets a
+    slanted cylinder farther in front of its axis, and at different depths on its two sides. With p and w, the
+    components of (u, v) along and across the strand, and the strand's direction E − g (u, v, 1), E = (dx, dy, 0),
 
-        q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²)   and   q half w (1 − g p) / (1 + w²),
+        forward = q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²),   tilt = q half w (1 − g p) / (1 + w²):
 
-    the first terms in powers of half of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
+    the first terms, in powers of half, of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
     """
     per = depth_slope.per_depth * q + depth_slope.constant
     if per <= ZERO:

@@ -1,4 +1,4 @@
-"""Strands on the screen, as kernels take them."""
+"""Polylines on the screen, as a tuple for kernels."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class ScreenLines(NamedTuple):
     first: NDArray[np.int64]
     """(S + 1,)"""
     screen: NDArray[np.float32]
-    """(V, 3) x to the right and y down in pixels, and the depth number, which grows toward the eye; 0 where nothing is
-    seen (see `strandcli.draw.view.kernels.project.points`)."""
+    """(V, 3) x to the right and y down, pixels, and the depth number, which grows toward the eye; 0 for a vertex that
+    is not seen (see `strandcli.draw.view.kernels.project.points`)."""
     widths: NDArray[np.float32] | None
     """(V,) pixels; None: every line is one pixel wide."""

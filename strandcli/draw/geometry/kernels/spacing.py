@@ -1,4 +1,4 @@
-"""How far strands lie from each other."""
+"""Distances from points to the nearest strands."""
 
 from __future__ import annotations
 
@@ -12,41 +12,45 @@ from ....jit import device, parallel, prange
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
-SURE = np.float32(0.98)
+SAFE = np.float32(0.98)
+"""Factor of the distance to a bounding box, so that rounding never makes it too great."""
+X, Y, Z = range(3)
+"""Columns of `points`."""
+LOW_X, LOW_Y, LOW_Z, HIGH_X, HIGH_Y, HIGH_Z = range(6)
+"""Columns of `boxes`: least and greatest coordinates of a block."""
 
 
 @parallel
 def nearest(positions, strands, points, own, out):
-    """Into out (P, k): how far the nearest k strands but its ``own`` (P,) int64 are from each of the points (P, 3),
-    ascending, metres; infinite where there are no more.
+    """Write the distances from each point to its k nearest strands, ascending, metres; inf if there are fewer.
 
-    positions (blocks, n + 1, 3 W): of the first ``strands``, from row 1 on. All but indices float32.
+    positions (blocks, n + 1, 3 W): row 1 is the root; the first ``strands`` count; points (P, 3); own (P,) int64: a
+    strand that is left out for each point, −1 for none; out (P, k). All but indices float32.
     """
     blocks = np.int64((strands + W - 1) // W)
     boxes = np.empty((blocks, 6), np.float32)
     for block in prange(blocks):
-        enclose(positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes)
+        bound(positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes)
     for p in prange(points.shape[0]):
         least = np.empty(W, np.float32)
         for k in range(out.shape[1]):
             out[p, k] = np.inf
-        home = max(own[p], 0) // W  # first, so that few others are near enough
+        home = max(own[p], 0) // W  # searched first, so that most other blocks are too far away
         for turn in range(blocks):
             block = np.int64(turn if turn > home else turn - 1 if turn > 0 else home)
-            if beyond(boxes, block, points[p, 0], points[p, 1], points[p, 2]) > out[p, -1]:
+            if square_to_box(boxes, block, points[p, X], points[p, Y], points[p, Z]) > out[p, -1]:
                 continue
-            approach(positions, block, points[p, 0], points[p, 1], points[p, 2], least)
+            squares_to_strands(positions, block, points[p, X], points[p, Y], points[p, Z], least)
             for k in range(min(W, strands - block * W)):
                 if block * W + k != own[p] and least[k] < out[p, -1]:
-                    put_in_order(out, p, least[k])
+                    insert_sorted(out, p, least[k])
         for k in range(out.shape[1]):
             out[p, k] = math.sqrt(out[p, k])
 
 
 @device
-def enclose(positions, block, lanes, low, high, boxes):
-    """Into boxes[block]: the least and the greatest coordinates of the block's strands, of which there are `lanes`;
-    low, high (W,): to work with."""
+def bound(positions, block, lanes, low, high, boxes):
+    """Write the bounding box of a block's first `lanes` strands to boxes[block]; low, high (W,): scratch."""
     for c in range(3):
         for k in range(W):
             low[k] = np.inf
@@ -55,25 +59,25 @@ def enclose(positions, block, lanes, low, high, boxes):
             for k in range(W):
                 low[k] = min(low[k], positions[block, row, c * W + k])
                 high[k] = max(high[k], positions[block, row, c * W + k])
-        boxes[block, c] = np.inf
-        boxes[block, c + 3] = -np.inf
+        boxes[block, LOW_X + c] = np.inf
+        boxes[block, HIGH_X + c] = -np.inf
         for k in range(lanes):
-            boxes[block, c] = min(boxes[block, c], low[k])
-            boxes[block, c + 3] = max(boxes[block, c + 3], high[k])
+            boxes[block, LOW_X + c] = min(boxes[block, LOW_X + c], low[k])
+            boxes[block, HIGH_X + c] = max(boxes[block, HIGH_X + c], high[k])
 
 
 @device
-def beyond(boxes, block, x, y, z):
-    """Square of what a point is off a block at least, whatever the rounding."""
-    x = max(max(boxes[block, 0] - x, x - boxes[block, 3]), ZERO)
-    y = max(max(boxes[block, 1] - y, y - boxes[block, 4]), ZERO)
-    z = max(max(boxes[block, 2] - z, z - boxes[block, 5]), ZERO)
-    return SURE * (x * x + y * y + z * z)
+def square_to_box(boxes, block, x, y, z):
+    """Return a lower bound of the squared distance from a point to the strands of a block."""
+    x = max(max(boxes[block, LOW_X] - x, x - boxes[block, HIGH_X]), ZERO)
+    y = max(max(boxes[block, LOW_Y] - y, y - boxes[block, HIGH_Y]), ZERO)
+    z = max(max(boxes[block, LOW_Z] - z, z - boxes[block, HIGH_Z]), ZERO)
+    return SAFE * (x * x + y * y + z * z)
 
 
 @device
-def approach(positions, block, x, y, z, least):
-    """Into least (W,): squares of the distances from a point to the strands of a block."""
+def squares_to_strands(positions, block, x, y, z, least):
+    """Write the squared distances from a point to the strands of a block to least (W,)."""
     for k in range(W):
         least[k] = np.inf
     for row in range(2, positions.shape[1]):
@@ -92,8 +96,8 @@ def approach(positions, block, x, y, z, least):
 
 
 @device
-def put_in_order(out, p, value):
-    """Into its place among out[p], whose last drops out."""
+def insert_sorted(out, p, value):
+    """Insert a value into the ascending row out[p]; the greatest drops out."""
     k = out.shape[1] - 1
     while k > 0 and out[p, k - 1] > value:
         out[p, k] = out[p, k - 1]

@@ -11,12 +11,15 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 STRAIGHT = np.float32(0.1)
+"""Length below which the source's construction has no tangent, see `printed`."""
 
 
 @device
 def difference(block, lane, i, n):
-    """Unit tangent at particle i, root to tip: the central difference p_{i+1} − p_{i−1}, which for equal segments is
-    the direction that the source constructs and has no singular case. block (n + 1, 3 W): row i + 1 is particle i."""
+    """Return the unit tangent at particle i, toward the tip: the central difference p_{i+1} − p_{i−1}; zero at the tip.
+
+    For equal segments it is the direction that the source constructs, but never singular. block (n + 1, 3 W): row i + 1
+    is particle i, row 0 stands one segment before the root."""
     if i == n - 1:
         return ZERO, ZERO, ZERO
     high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
@@ -29,8 +32,8 @@ def difference(block, lane, i, n):
 
 @device
 def circle(block, lane, i, n):
-    """The same where segments differ in length: the tangent of the circle through three particles, e₁ / |e₁|² +
-    e₂ / |e₂|² with the segments before and after."""
+    """Return the unit tangent at particle i for segments of different lengths: that of the circle through three
+    particles, e₁ / |e₁|² + e₂ / |e₂|² with the segments e₁ before and e₂ after; arguments as in `difference`."""
     if i == 0 or i == n - 1:
         return difference(block, lane, i, n)
     ax = block[i + 1, lane] - block[i, lane]
@@ -50,9 +53,10 @@ def circle(block, lane, i, n):
 
 @device
 def printed(block, lane, i, n):
-    """The tangent as the source gives it: v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w,
-    t = u × (v + w), here turned to point from root to tip; zero where |u| or |v + w| < 0.1, whatever the scene's
-    scale."""
+    """Return the unit tangent at particle i as the source prints it, but toward the tip; arguments as in `difference`.
+
+    v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w, t = u × (v + w); zero if |u| or |v + w| is less
+    than `STRAIGHT`, whatever the scale of the scene."""
     if i == 0 or i == n - 1:
         return difference(block, lane, i, n)
     vx = block[i + 1, lane] - block[i, lane]
@@ -67,7 +71,7 @@ def printed(block, lane, i, n):
     sx = vx + wx
     sy = vy + wy
     sz = vz + wz
-    # (v + w) × u, the opposite of the source's sign
+    # (v + w) × u, the opposite of the source's sign, for a tangent toward the tip
     tx = sy * uz - sz * uy
     ty = sz * ux - sx * uz
     tz = sx * uy - sy * ux
@@ -78,7 +82,8 @@ def printed(block, lane, i, n):
 
 @device
 def tangent(block, lane, i, n, lengths, as_printed):
-    """The tangent at particle i: the source's where ``as_printed``, that of a circle where lengths is None."""
+    """Return the unit tangent at particle i: `printed` if `as_printed`, `circle` if lengths is None, else
+    `difference`."""
     if as_printed:
         return printed(block, lane, i, n)
     if lengths is None:

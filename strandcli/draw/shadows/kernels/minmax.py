@@ -12,25 +12,8 @@ import numpy as np
 
 from ....jit import device, function, parallel, prange
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    FOCAL,
-    FORWARD_SHIFT,
-    FORWARD_X,
-    FORWARD_Y,
-    FORWARD_Z,
-    NEAR_PLANE,
-    PERSPECTIVE,
-    RIGHT_SHIFT,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGHT_Z,
-    UP_SHIFT,
-    UP_X,
-    UP_Y,
-    UP_Z,
-)
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, NEAR_PLANE, PERSPECTIVE
+from ...view.kernels.project import to_view_number
 from ...zbuffer.kernels.raster import FIXED, POINT
 
 HALF = np.float32(0.5)
@@ -139,9 +122,7 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
 def texel_of(x, y, z, views, one):
     """Return column, row and depth (metres) of a point in map number `one`; columns and rows are integers at texel
     centres."""
-    sx = views[one, RIGHT_X] * x + views[one, RIGHT_Y] * y + views[one, RIGHT_Z] * z + views[one, RIGHT_SHIFT]
-    sy = views[one, UP_X] * x + views[one, UP_Y] * y + views[one, UP_Z] * z + views[one, UP_SHIFT]
-    d = views[one, FORWARD_X] * x + views[one, FORWARD_Y] * y + views[one, FORWARD_Z] * z + views[one, FORWARD_SHIFT]
+    sx, sy, d = to_view_number(x, y, z, views, one)
     scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
     return views[one, AXIS_X] + scale * sx - HALF, views[one, AXIS_Y] - scale * sy - HALF, d
 

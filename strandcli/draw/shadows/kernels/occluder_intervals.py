@@ -13,26 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, inlined
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    DEPTH_RANGE,
-    FOCAL,
-    FORWARD_SHIFT,
-    FORWARD_X,
-    FORWARD_Y,
-    FORWARD_Z,
-    NEAR_PLANE,
-    PERSPECTIVE,
-    RIGHT_SHIFT,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGHT_Z,
-    UP_SHIFT,
-    UP_X,
-    UP_Y,
-    UP_Z,
-)
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
+from ...view.kernels.project import to_view_number
 from .grid import (
     ALONG,
     ALONG_X,
@@ -153,24 +135,7 @@ def darken_line(ends, p, v, one, lists, own, cuts, dark):
 @inlined
 def project(world, v, views, one, bias):
     """Return the position of vertex v in a view, in cells, and its biased depth number; 0 where it is not in front."""
-    x = (
-        views[one, RIGHT_X] * world[v, 0]
-        + views[one, RIGHT_Y] * world[v, 1]
-        + views[one, RIGHT_Z] * world[v, 2]
-        + views[one, RIGHT_SHIFT]
-    )
-    y = (
-        views[one, UP_X] * world[v, 0]
-        + views[one, UP_Y] * world[v, 1]
-        + views[one, UP_Z] * world[v, 2]
-        + views[one, UP_SHIFT]
-    )
-    z = (
-        views[one, FORWARD_X] * world[v, 0]
-        + views[one, FORWARD_Y] * world[v, 1]
-        + views[one, FORWARD_Z] * world[v, 2]
-        + views[one, FORWARD_SHIFT]
-    )
+    x, y, z = to_view_number(world[v, 0], world[v, 1], world[v, 2], views, one)
     if not z >= views[one, NEAR_PLANE]:
         return ZERO, ZERO, ZERO
     near = max(z - bias, views[one, NEAR_PLANE])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
-from ...view.kernels.project import wider
+from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
 from .opacity import FIVE, HEAD, cell_of
 
@@ -109,7 +109,7 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks):
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         w = (width - thin * (np.float32(v - a) - HALF)) * scale
         if far <= ZERO:  # perspective widens strands away from the axis
-            w *= wider(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
+            w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:
             widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
         else:

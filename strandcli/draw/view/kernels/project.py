@@ -1,4 +1,4 @@
-"""World to screen, for a camera or a light."""
+"""Projection of polylines from the world to the screen of a camera or a light, and their widths there."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ from ...common.kernels.view_columns import (
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 STEPS = np.arange(VECTOR // 2 // 4, dtype=np.float32)
-MOST = np.float32(1e8)
+OFF_SCREEN = np.float32(1e8)
+"""Pixels. Points this far off the screen are invisible, because single precision cannot place them."""
 INF = np.float32(np.inf)
 TINY = np.float32(1e-12)
 STRANDS = 64
@@ -47,8 +48,8 @@ ROWS = 4
 
 
 @device
-def into(x, y, z, view):
-    """Return view coordinates of a point: right, up, and depth along the view direction."""
+def to_view(x, y, z, view):
+    """Return view coordinates of a point, metres: right, up, and depth along the view direction."""
     return (
         view[RIGHT_X] * x + view[RIGHT_Y] * y + view[RIGHT_Z] * z + view[RIGHT_SHIFT],
         view[UP_X] * x + view[UP_Y] * y + view[UP_Z] * z + view[UP_SHIFT],
@@ -56,14 +57,26 @@ def into(x, y, z, view):
     )
 
 
+@device
+def to_view_number(x, y, z, views, number):
+    """Return the coordinates of a point as `to_view` does, in one of several views (M, SIZE)."""
+    return (
+        views[number, RIGHT_X] * x + views[number, RIGHT_Y] * y + views[number, RIGHT_Z] * z
+        + views[number, RIGHT_SHIFT],
+        views[number, UP_X] * x + views[number, UP_Y] * y + views[number, UP_Z] * z + views[number, UP_SHIFT],
+        views[number, FORWARD_X] * x + views[number, FORWARD_Y] * y + views[number, FORWARD_Z] * z
+        + views[number, FORWARD_SHIFT],
+    )  # fmt: skip
+
+
 @parallel
-def widths(first, screen, view, thickness, taper, scale, aside, least, out):
+def widths(first, screen, view, thickness, taper, scale, off_axis, least, out):
     """Write the widths of strands on the screen to out (V,) float32, pixels, at least `least`.
 
     thickness: metres at the root; taper: share by which it is smaller at the tip; scale (S,): factor of each strand's
-    width, or None; aside: 1 to apply the perspective widening of `wider`, else 0; first, screen, view: as in `points`.
+    width, or None; off_axis: 1 to apply `perspective_widening`, else 0; first, screen, view: as in `points`.
     """
-    aslant = view[PERSPECTIVE] * aside > ZERO
+    widened = view[PERSPECTIVE] * off_axis > ZERO
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * ROW, np.float32)
@@ -73,18 +86,18 @@ def widths(first, screen, view, thickness, taper, scale, aside, least, out):
             per = taper / np.float32(max(end - begin - 1, 1))
             for v in range(begin, end, VERTICES):
                 count = min(end - v, VERTICES)
-                beside(screen, begin, end, v, count, work)
+                load_with_neighbours(screen, begin, end, v, count, work)
                 widen(
-                    work, count, v - begin, view, thickness, per, None if scale is None else scale[s], aslant, least,
+                    work, count, v - begin, view, thickness, per, None if scale is None else scale[s], widened, least,
                 )  # fmt: skip
                 for k in range(np.uint64(count)):
                     out[np.uint64(v) + k] = work[np.uint64(WIDE) + k]
 
 
 @device
-def beside(screen, begin, end, v, count, work):
-    """Load `count` vertices from number v on, and those before and after them, whose depth number is 0 beyond the
-    strand's ends."""
+def load_with_neighbours(screen, begin, end, v, count, work):
+    """Load `count` vertices from number v on, and the ones before and after them; a neighbour beyond the strand's end
+    gets the depth number 0."""
     low = max(v - 1, begin)
     deinterleave(half_width_pointer(screen), 3 * low, min(v + count, end - 1) + 1 - low, work, X + low + 1 - v, ROW)
     if v == begin:
@@ -94,8 +107,9 @@ def beside(screen, begin, end, v, count, work):
 
 
 @device
-def widen(work, count, past, view, thickness, per, scale, aslant, least):
-    """Store the widths of `count` vertices; past: number of the first one within its strand."""
+def widen(work, count, past, view, thickness, per, scale, widened, least):
+    """Store the widths of `count` vertices in the row `WIDE`; past: number of the first one within its strand; per:
+    taper a vertex; widened: whether to apply `perspective_widening`; else as in `widths`."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
@@ -105,7 +119,7 @@ def widen(work, count, past, view, thickness, per, scale, aslant, least):
             wide *= scale
         if view[PERSPECTIVE] > ZERO:
             wide *= q
-        if aslant:
+        if widened:
             before = load(rows, NUMBER + k) > ZERO
             after = load(rows, NUMBER + 2 + k) > ZERO
             dx = where(after, load(rows, X + 2 + k), x) - where(before, load(rows, X + k), x)
@@ -118,7 +132,7 @@ def widen(work, count, past, view, thickness, per, scale, aslant, least):
 
 
 @device
-def wider(x, y, dx, dy, focal):
+def perspective_widening(x, y, dx, dy, focal):
     """Return how many times wider a thin cylinder appears at (x, y) pixels from the view's axis than at the centre, at
     the same depth; (dx, dy): its direction on the screen.
 
@@ -136,13 +150,12 @@ def wider(x, y, dx, dy, focal):
 def points(first, world, stride, view, screen):
     """Project polylines.
 
-    first (S + 1,) int64; world (V, 3) metres; stride: of each strand every which vertex, where all have a multiple of
-    that and one; view (26,) float32, built by `strandcli.draw.view.camera.View.pack`: three
-    rows of a rigid transform to (right, up, depth); [12] 1 for perspective, 0 for orthographic; [13] pixels a metre (at
-    depth 1 for perspective); [14] near; [15], [16] the pixel of the axis; [17], [18] margins; [19] depth
-    range of an orthographic view. screen (V, 3): x right and y down in pixels, and a number in (0, 1 / near] that grows
-    toward the eye and is linear on the screen; 0 where the point is behind `near`. A vertex behind is moved to the near
-    plane where a neighbour is in front of it, so that a piece that crosses is clipped and not lost.
+    first (S + 1,) int64; world (V, 3) metres; stride: only every stride-th vertex of a strand is projected, and the
+    number of its vertices is a multiple of stride plus one; view: `view_columns`; screen (V, 3): x right and y down in
+    pixels, and the depth number, which grows toward the eye, is linear on the screen and 0 for a point that is not
+    seen. For a perspective view it is 1 / depth, in (0, 1 / near]; for an orthographic one 1 at the near plane and 0 at
+    the far one. A vertex behind the near plane is moved onto it if a neighbour is in front, so that the segment between
+    them is clipped.
     """
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
@@ -150,23 +163,23 @@ def points(first, world, stride, view, screen):
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
             begin = first[s]
             end = first[s + 1]
-            at = (begin - s) // stride + s
+            out = (begin - s) // stride + s
             for low in range(begin, end, VERTICES * stride):
                 count = min((end - 1 - low) // stride + 1, VERTICES)
-                fetch(world, low, stride, count, work)
-                if turn(work, count, view):
+                load_vertices(world, low, stride, count, work)
+                if transform(work, count, view):
                     clip(world, low, stride, count, begin, end, view, work)
                 to_screen(work, count, view)
                 for k in range(np.uint64(count)):
-                    v = np.uint64(at) + k
+                    v = np.uint64(out) + k
                     screen[v, 0] = work[np.uint64(X) + k]
                     screen[v, 1] = work[np.uint64(Y) + k]
                     screen[v, 2] = work[np.uint64(NUMBER) + k]
-                at += count
+                out += count
 
 
 @device
-def fetch(world, low, stride, count, work):
+def load_vertices(world, low, stride, count, work):
     """Load `count` vertices, `stride` apart, from number `low` on."""
     points = half_width_pointer(world)
     if stride == 1:
@@ -180,13 +193,13 @@ def fetch(world, low, stride, count, work):
 
 
 @device
-def turn(work, count, view):
+def transform(work, count, view):
     """Transform vertices from world to view coordinates; return whether any lies behind the near plane."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     behind = False
     for k in range(0, count, lane_count(rows)):
-        x, y, z = into(load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k), view)
+        x, y, z = to_view(load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k), view)
         store(rows, X + k, x)
         store(rows, Y + k, y)
         store(rows, NUMBER + k, z)
@@ -223,7 +236,7 @@ def to_screen(work, count, view):
             q = max(ONE - (z - view[NEAR_PLANE]) * far, ZERO)
             x = view[AXIS_X] + focal * x
             y = view[AXIS_Y] - focal * y
-        seen = (z >= view[NEAR_PLANE]) & (abs(x) < MOST) & (abs(y) < MOST)
+        seen = (z >= view[NEAR_PLANE]) & (abs(x) < OFF_SCREEN) & (abs(y) < OFF_SCREEN)
         store(rows, X + k, where(seen, x, ZERO))
         store(rows, Y + k, where(seen, y, ZERO))
         store(rows, NUMBER + k, where(seen, q, ZERO))
@@ -236,7 +249,7 @@ def cross_near_plane(world, view, v, stride, begin, end, x, y, z):
     near = view[NEAR_PLANE]
     for w in (v - stride, v + stride):
         if begin <= w < end:
-            x1, y1, z1 = into(world[w, 0], world[w, 1], world[w, 2], view)
+            x1, y1, z1 = to_view(world[w, 0], world[w, 1], world[w, 2], view)
             if z1 >= near:
                 t = (near - z) / (z1 - z)
                 return True, x + t * (x1 - x), y + t * (y1 - y)

@@ -27,11 +27,11 @@ class Bands(NamedTuple):
 
 @function
 def find(first, screen, height, rows, margin, out):
-    """Find the bands of rows that each strand overlaps.
+    """Find the bands that each strand overlaps.
 
-    first (S + 1,) int64 vertex offsets; screen (V, 3) float32 pixels and inverse depth; bands are `rows` high; margin:
-    half the greatest width of a line, in pixels;
-    out (S, 2) int32: first and last band, first > last for a strand that is not on the screen.
+    first (S + 1,) int64 vertex offsets; screen (V, 3) float32, as in `ScreenLines`; height: of the screen, pixels;
+    rows: height of a band; margin: half the greatest width of a line, pixels; out (S, 2) int32: first and last band,
+    first > last for a strand that is not on the screen.
     """
     last_band = (height - 1) // rows
     for s in range(first.shape[0] - 1):

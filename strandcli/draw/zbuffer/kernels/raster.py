@@ -1,14 +1,14 @@
-"""Lines into a z-buffer, without colours: which segment is seen in each pixel.
+"""Rasterisation of lines and ribbons into a z-buffer that holds, for each pixel, the visible segment.
 
-A pixel holds one 64-bit key: the inverse depth, complemented so that nearer is smaller, above the index of the
+A pixel holds one 64-bit key: the depth number, complemented so that nearer is smaller, above the index of the
 segment's first vertex. The smallest key wins, and equal depths go to the lower index, so neither the order of drawing
-nor the number of threads can change a picture. What is not seen is never shaded.
+nor the number of threads can change a picture. Colours are computed afterwards, for visible segments alone.
 
-A line takes one sample a pixel along its longer axis, where that axis crosses the pixel's centre:
+A line draws one sample a pixel along its longer axis, where that axis crosses the pixel's centre:
 
         .   .   .   .            a polyline's joints are drawn once,
-      x---o . | .   .            because each piece covers the half-open
-        .   o---o---x            range of centres between its ends
+      x---o . | .   .            because each segment covers the half-
+        .   o---o---x            open range of centres between its ends
 """
 
 from __future__ import annotations
@@ -25,43 +25,45 @@ HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
-"""Pixels. What is shorter is a point, and draws nothing."""
+"""Pixels. A shorter segment draws nothing."""
 POINT = 24
+"""Bits after the point of fixed-point positions."""
 FIXED = np.float32(2.0**POINT)
 
 
 class Window(NamedTuple):
-    """The rows top <= y < bottom of a picture of this width."""
+    """The rows top <= y < bottom of a picture."""
 
     top: int
     bottom: int
     width: int
+    """Of the picture, pixels."""
 
 
 class Sides(NamedTuple):
-    """What is the same for all columns of a ribbon, or rows where it is not flat."""
+    """Numbers of a ribbon that all its columns of pixels share, or all its rows if it follows y."""
 
     round0: bool
     round1: bool
-    """Whether its beginning and its end are round."""
+    """Whether beginning and end have round caps."""
     w0: np.float32
     w1: np.float32
-    """Width there, pixels."""
+    """Width at beginning and end, pixels."""
     low: np.float32
     high: np.float32
-    """Pixels across that are drawn: low … high − 1."""
+    """Pixels across that are in the window: low … high − 1."""
     along: int
     across: int
-    """What a pixel along and one across are in `keys`."""
+    """Steps in `keys` for a pixel along and a pixel across."""
 
 
 @parallel
-def visible(lines, depth_slope, bands_, width, height, base, keys):
-    """Draw lines.
+def draw_strands(lines, depth_slope, bands_, width, height, base, keys):
+    """Draw all strands into a z-buffer.
 
     lines: `ScreenLines`; depth_slope: `DepthSlope`; bands_: `bands.Bands`; base: number added to a vertex index in the
-    key; keys (height * width,) uint64, drawn into. Each band has one owner; the workers take them in turn, so that busy
-    bands are shared out.
+    key; keys (height * width,) uint64, changed. One worker draws a band; worker i draws each band i + k · workers, so
+    that crowded bands, which are neighbours, go to different workers.
     """
     for task in prange(bands_.workers):
         for b in range(task, bands_.begin.shape[0] - 1, bands_.workers):
@@ -72,7 +74,7 @@ def visible(lines, depth_slope, bands_, width, height, base, keys):
 
 @device
 def draw_band(lines, widths, depth_slope, bands_, b, window, base, keys):
-    """All that `visible` does in band number `b`, which is the rows of the window; widths: those of the lines."""
+    """Draw the strands of band number `b`, whose rows are the window; widths: of the lines; else as `draw_strands`."""
     first, screen = lines.first, lines.screen
     members, begin = bands_.members, bands_.begin
     above = np.float32(window.top)
@@ -109,9 +111,9 @@ def draw_band(lines, widths, depth_slope, bands_, b, window, base, keys):
 def draw_line(x0, y0, q0, x1, y1, q1, window, identity, keys):
     """Draw one segment into the rows of a `Window`.
 
-    Which axis is longer, and which end comes first along it, is as good as random: both are chosen by selects, so that
-    there is one loop and no branch to be guessed. Positions across the longer axis step in fixed point, 24 bits behind
-    the point, whole steps from the first centre on the screen, so that the band's place does not matter.
+    x, y: pixels; q: depth number; identity: low half of the key. The longer axis, and the end that comes first along
+    it, are chosen without branches, which could not be predicted. Positions across the longer axis are in fixed point
+    and step from the first centre on the screen, so that they do not depend on the band.
     """
     top, bottom, width = window
     wide = abs(x1 - x0) >= abs(y1 - y0)
@@ -152,17 +154,18 @@ def draw_line(x0, y0, q0, x1, y1, q1, window, identity, keys):
 
 @device
 def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, keys):
-    """Draw the segment from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 >= 1 pixels wide, into the rows
-    of a `Window`: a sample for each centre that its band covers, which ends where the next segment's begins
-    (`joints.mitre`), straight across at the strand's ends, and round where the strand turns too sharply for either.
-    Depth is that of a strand's round side toward the eye; a strand that is no wider than a pixel is flat."""
+    """Draw the segment from vertex v − 1 to v of the strand begin … end − 1 into the rows of a `Window`.
+
+    It is w0 >= 1 to w1 >= 1 pixels wide and covers each pixel whose centre is in its ribbon. Joints are mitred
+    (`joints.mitre`), a strand's ends are square, and joints too sharp for a mitre have round caps. The depth is that of
+    the round side toward the eye, or of the axis if the strand is no wider than a pixel."""
     top, bottom, width = window
     if max(abs(screen[v, 0] - screen[v - 1, 0]), abs(screen[v, 1] - screen[v - 1, 1])) < TINY:
         return
     dx, dy, _ = direction(screen, v)
     flat = abs(dx) >= abs(dy)
     ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
-    # there is a neighbour, and yet the joint goes straight across
+    # a cap is round where there is a neighbour without a mitre
     round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db
     round1 = v + 1 < end and screen[v + 1, 2] > ZERO and ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db
     reach0 = reach(w0, ribbon.ma0, ribbon.mb0, ribbon.da, ribbon.db, round0)
@@ -178,10 +181,10 @@ def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, ke
 
 @inlined
 def draw_across(ribbon, sides, c, depth_slope, identity, keys):
-    """Draw the samples of a ribbon in one column of pixels, number c, or in one row where the ribbon is not flat."""
+    """Draw the samples of a ribbon in column number c of the picture, or in row number c if the ribbon follows y."""
     per = ONE / (ribbon.a1 - ribbon.a0)
     tall = HALF / abs(ribbon.da)
-    lean = ribbon.db * ribbon.per_length  # pixels along to the nearest point of the middle, for each pixel aside
+    lean = ribbon.db * ribbon.per_length  # change of t at the nearest point of the axis, for each pixel across
     centre = np.float32(c) + HALF
     past = centre - ribbon.a0
     left = centre - ribbon.a1
@@ -197,9 +200,9 @@ def draw_across(ribbon, sides, c, depth_slope, identity, keys):
         off = b - middle
         b0 = b - ribbon.b0
         b1 = b - ribbon.b1
-        if past * ribbon.ma0 + b0 * ribbon.mb0 < ZERO and not (sides.round0 and near_by(past, b0, sides.w0)):
+        if past * ribbon.ma0 + b0 * ribbon.mb0 < ZERO and not (sides.round0 and in_cap(past, b0, sides.w0)):
             continue
-        if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (sides.round1 and near_by(left, b1, sides.w1)):
+        if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (sides.round1 and in_cap(left, b1, sides.w1)):
             continue
         t = min(max(past * per + lean * off, ZERO), ONE)
         near = round_depth(ribbon, t, off / half, forward, tilt)
@@ -208,18 +211,20 @@ def draw_across(ribbon, sides, c, depth_slope, identity, keys):
 
 @inlined
 def reach(width, ma, mb, da, db, is_round):
-    """How far a segment of the direction d reaches along a beyond an end whose joint has the normal m."""
+    """Return the distance along a that a segment with the direction (da, db) extends beyond an end whose joint has the
+    normal (ma, mb)."""
     return HALF * width * (ONE if is_round else abs(mb) / (ma * da + mb * db))
 
 
 @device
-def near_by(x, y, wide):
-    """Return whether (x, y) is within half a width of the origin."""
+def in_cap(x, y, wide):
+    """Return whether (x, y), relative to a segment's end, is in its round cap."""
     return x * x + y * y <= HALF * HALF * wide * wide
 
 
 @device
 def deposit(q, identity, pixel, keys):
-    """Keep the nearer of a pixel's key and this one. Rounding may make q negative, and its bits would count as near."""
+    """Keep the nearer of a pixel's key and this one."""
+    # rounding may make q negative, whose bits would count as near
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
     keys[pixel] = min(key, keys[pixel])  # an unconditional store, since a branch could not be predicted
