@@ -6,8 +6,8 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal")
-"""Functions that a shape may have."""
+OPTIONAL = ("meet", "normal", "look")
+"""Compiled functions that a shape may have."""
 
 
 class SolidShape(Protocol):
@@ -27,6 +27,14 @@ class SolidShape(Protocol):
       t ≥ 0 of d; `math.inf` where it does not. Else rays go forward by the distance, step by step.
     * ``normal(x, y, z, numbers)``: three numbers, not all 0, along the outward normal at the point of the surface that
       is nearest to a point, which may be on it, inside or outside. Else differences of the distance are taken.
+    * ``look(x, y, z, width, numbers)``: how it is drawn at a point of its surface where a pixel is ``width`` metres
+      wide, as three triples: a vector along the normal, the point from which shadow rays set out, and the linear
+      colour, which with a negative number is the solid's `colour`. Else `normal`, the point and `colour`.
+    * ``folds = True``: it may hide parts of itself, and such edges are antialiased.
+    * ``data(solids, time)``: what does not fit into a few numbers, for all solids of the kind (their settings, in a
+      list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked
+      for at every frame and step, and should return the same arrays until they change. The functions above then take
+      it as one more argument, and the last of their ``numbers`` is the solid's place in the list.
     * ``convex = True``: it is convex, and so is its distance along every line. The deepest place of a segment is then
       searched for; else segments are looked at in a few places.
 
@@ -40,6 +48,11 @@ class SolidShape(Protocol):
     def numbers(self, settings: Any) -> tuple[float, ...]: ...
     def reach(self, settings: Any) -> float: ...
     def distance(self, x: Any, y: Any, z: Any, numbers: Any) -> Any: ...
+
+
+def has_data(shape: Any) -> bool:
+    """Whether the functions of a shape read arrays besides its numbers."""
+    return getattr(shape, "data", None) is not None
 
 
 def add(shape: SolidShape) -> None:

@@ -11,6 +11,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
     rows[o]                          a number
+    array_at(np.int32, a, (n, 3))    an array of numbers that begin at an address
     lane_count(rows)                 numbers in a vector
     x = load(rows, o)                a vector from place o on
     gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
@@ -59,6 +60,7 @@ from .lanes import (
     with_lane,
 )
 from .memory import (
+    array_at,
     deinterleave,
     gather,
     half_width_pointer,
@@ -79,6 +81,7 @@ from .memory import (
 
 __all__ = [
     "any_lane",
+    "array_at",
     "broadcast",
     "cosine",
     "count_true",

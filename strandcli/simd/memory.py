@@ -7,10 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.extending import intrinsic, lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.np.arrayobj import populate_array
 
 from ..constants import VECTOR
 from ..jit import device
@@ -60,6 +61,32 @@ pointer_at: Any = intrinsic(_addressed(False))
 """The numbers of a type, such as np.float32, that begin at an address."""
 vector_pointer_at: Any = intrinsic(_addressed(True))
 """The vectors of such numbers."""
+
+
+@intrinsic
+def array_at(typingctx: Any, kind: Any, address: Any, shape: Any) -> Any:
+    """A contiguous array of a type, such as np.float32, and a shape, at an address. Whoever made it keeps it."""
+    if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
+        return None
+    made = types.Array(kind.instance_type, len(shape), "C")
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        sizes = [
+            context.cast(builder, one, given, types.intp)
+            for one, given in zip(cgutils.unpack_tuple(builder, args[2]), sig.args[2], strict=True)
+        ]
+        array = context.make_array(made)(context, builder)
+        place = builder.inttoptr(args[1], context.get_value_type(kind.instance_type).as_pointer())
+        width = context.get_abi_sizeof(context.get_data_type(kind.instance_type))
+        step = context.get_constant(types.intp, width)
+        steps: list[Any] = []
+        for one in reversed(sizes):
+            steps.insert(0, step)
+            step = builder.mul(step, one)
+        populate_array(array, place, sizes, steps, width, None)
+        return array._getvalue()
+
+    return made(kind, address, shape), emit
 
 
 @infer_global(operator.getitem)

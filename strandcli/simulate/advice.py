@@ -11,7 +11,7 @@ from .. import solids
 from ..groom.record import Groom
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
-from ..solids.shapes import other
+from ..solids.shapes import other, other_code
 from .material import TORSION, matter_along, stiffness
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
@@ -188,6 +188,6 @@ def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Fl
     further below zero than the surface is away."""
     if solid.kind not in solids.SHAPES:
         row = other.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
-        return other.depth(solid, row, points)
+        return other_code.depth(solid, row, points, time)
     row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

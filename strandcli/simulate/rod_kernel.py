@@ -35,7 +35,10 @@ class StepKernel:
         self.scratch = aligned((workers, size // edges.itemsize), edges.dtype)
         """(workers, size)."""
         self._kept = arrays, surroundings.solids(0.0, 0.0)
-        self._descriptor = rod_step.descriptor_of(strands, segments, iterations, flags, self.scratch, *self._kept)
+        self._surroundings, self._data = surroundings, surroundings.data
+        self._descriptor = rod_step.descriptor_of(
+            strands, segments, iterations, flags, self.scratch, *self._kept, self._data
+        )
         self._others, self._double = surroundings.others, edges.dtype == np.float64
         self._code: int | None = None
         # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
@@ -47,7 +50,10 @@ class StepKernel:
         """Move all strands by one step, as `Forcing` says."""
         self._descriptor[work_queue.NEXT] = 0
         if self._code is None:  # compiled no sooner than anything moves, which need not be
-            self._code = code_among(self._others, self._double) if self._others else _code(self._double)
+            self._code = code_among(self._others, self._data, self._double) if self._others else _code(self._double)
+        if self._data is not self._surroundings.data:
+            self._data = self._surroundings.data
+            self._descriptor[rod_step.DATA :] = rod_step.data_numbers(self._data)
         # the other threads may be drawing frames: a step that took them away would wait for them
         workers = len(self.scratch)
         if workers > 1:

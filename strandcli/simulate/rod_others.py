@@ -6,8 +6,10 @@ import functools
 from collections.abc import Sequence
 from typing import Any
 
+from numpy.typing import NDArray
+
 from .. import runtime
-from ..solids.shapes.other import module_for
+from ..solids.shapes.other_code import module_for
 from ..written import module_of
 from .kernels import work_queue
 
@@ -19,26 +21,27 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strandcli.jit import device, function
-from strandcli.simulate.kernels.rod_step import others_of, solids_of, work
-from {solids} import deepest_at, distance_at, normal_at
+from strandcli.simd import array_at
+from strandcli.simulate.kernels.rod_step import DATA, others_of, solids_of, work
+from {solids} import Others, deepest, distance, normal
 
 
-class Others(NamedTuple):
+class Met(NamedTuple):
     """Solids without kernels of their own, as `strandcli.simulate.kernels.contact_others` takes them."""
 
-    rows: Any
+    all: Any
     last: Any
     columns: Any
 
 
-Others.distance, Others.normal, Others.deepest = distance_at, normal_at, deepest_at
+Met.distance, Met.normal, Met.deepest = distance, normal, deepest
 
 
 @device
 def all_of(kind, descriptor):
     a, b, c, d = solids_of(kind, descriptor)
     rows, last, columns = others_of(kind, descriptor)
-    return a, b, c, d, Others(rows, last, columns)
+    return a, b, c, d, Met(Others(rows{data}), last, columns)
 
 
 @function
@@ -52,15 +55,20 @@ def double(descriptor, worker):
 '''
 
 
-def code_among(others: Sequence[Any], double: bool) -> int:
-    """Address of the step, compiled for a precision and the kinds of these solids."""
-    module = module_among(others)
+def code_among(others: Sequence[Any], data: Sequence[NDArray[Any]], double: bool) -> int:
+    """Address of the step, compiled for a precision, the kinds of these solids and the types of their arrays."""
+    module = module_among(others, data)
     return work_queue.address(module.double if double else module.single)
 
 
-def module_among(others: Sequence[Any]) -> Any:
-    """The module that holds the step among solids of these kinds, `single` and `double`."""
-    return _load(TEMPLATE.format(solids=module_for(others).__name__))
+def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]]) -> Any:
+    """The module that holds the step among solids of these kinds with such arrays, `single` and `double`."""
+    arrays, place = "", 0
+    for one in data:
+        shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))
+        arrays += f", array_at(np.{one.dtype}, descriptor[DATA + {place}], ({shape}))"
+        place += 1 + one.ndim
+    return _load(TEMPLATE.format(solids=module_for(others).__name__, data=arrays))
 
 
 @functools.cache

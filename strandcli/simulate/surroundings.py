@@ -57,6 +57,8 @@ class Surroundings:
         """Solids without kernels of their own; their kind here is ""."""
         if self.others:
             kinds[""] = self.others
+        self.data = other.data_of(self.others, scene.time.pose_time(0.0))
+        """The arrays of their shapes at the end of the last step."""
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
         self._packed = tuple(packed.values())
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
@@ -95,7 +97,8 @@ class Surroundings:
 
     def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
         """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``:
-        spheres, capsules, planes, boxes, and where there are any, `others`. Always the same arrays."""
+        spheres, capsules, planes, boxes, and where there are any, `others`. Always the same arrays; those of `data` are
+        others when a shape changes."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
         outer = outer or emitter_pose(emitter, now)
@@ -115,13 +118,17 @@ class Surroundings:
             row[:-MOTION] = self._numbers(one, pose, len(row) - MOTION)
             row[-MOTION:] = (*a, *b, *c, *moved)
         self._poses = now, outer, after
+        if self.data:
+            found = other.data_of(self.others, now)
+            if any(a is not b for a, b in zip(found, self.data, strict=True)):
+                self.data = found
         return self._packed
 
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
         """A solid's packed row."""
         if solid.kind in solids.COLUMNS:
             return solids.numbers(solid, pose)
-        found = other.numbers(solid, pose, other.kinds_of(self.others))
+        found = other.numbers(solid, pose, self.others)
         return found + [0.0] * (columns - len(found))
 
     def _moves(self, solid: Any) -> bool:

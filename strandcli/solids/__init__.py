@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..scene.motion import Pose, solid_pose
 from ..scene.solid_shape import add as register
-from .shapes import box, capsule, other, plane, sphere
+from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [
     "COLUMNS", "SHAPES", "Solids", "in_order", "joined", "numbers", "others", "pack", "pack_all", "register",
@@ -56,7 +56,7 @@ def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any,
     if not found:
         return Solids(*shipped)
     rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
-    made: Solids = other.type_of(found)(*shipped, rows)
+    made: Solids = other_code.type_of(found)(*shipped, rows, *other.data_of(found, time))
     return made
 
 

@@ -21,7 +21,7 @@ from strandcli.simulate.kernels import measure, work_queue
 from strandcli.simulate.rod_others import module_among
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all, register
-from strandcli.solids.shapes.other import depth as depth_by_distance
+from strandcli.solids.shapes.other_code import depth as depth_by_distance
 
 Floats = NDArray[np.float64]
 STILL = Emitter()
@@ -288,7 +288,7 @@ def test_its_kernels_can_be_kept_in_the_cache() -> None:
     rays.lit(solids, *[one] * 6, FAR, SKIN)
     measured = np.zeros((1, 2), np.float32)
     measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
-    step = module_among([of(SHAPES_OF_IT["cone"])]).single
+    step = module_among([of(SHAPES_OF_IT["cone"])], []).single
     work_queue.address(step)
     for kernel in (rays.meet, rays.normal, rays.lit, measure.depths, step):
         assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__

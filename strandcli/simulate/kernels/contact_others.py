@@ -1,9 +1,9 @@
 """Where solids without kernels of their own are from a particle of a rod: as `contact_shapes`, by the functions that
-`strandcli.solids.shapes.other` writes.
+`strandcli.solids.shapes.other_code` writes.
 
-`shape` is rows and, of solids whose rows begin at a place there, the distance, the normal and the deepest place of a
-segment. Rows come first: Numba takes a tuple of functions alone for one of values. The functions come with a type, and
-what they are handed to is inlined: machine code that holds their addresses could not be kept.
+`shape` is its `Others` and, of solids whose rows begin at a place there, the distance, the normal and the deepest place
+of a segment. `Others` comes first: Numba takes a tuple of functions alone for one of values. The functions come with a
+type, and what they are handed to is inlined: machine code that holds their addresses could not be kept.
 
 Each lane by itself, in scalars. Such a solid is met as a flat face: the one that touches its surface where the
 particle's way out ends, which turns as the particle moves.
@@ -31,7 +31,7 @@ def depth(shape, m, x, y, z):
     nx = broadcast(x, 0.0)
     ny = broadcast(x, 1.0)
     nz = nx
-    for k in range(lane_count(others)):
+    for k in range(lane_count(others.rows)):
         a, b, c = lane(x, k), lane(y, k), lane(z, k)
         under = with_lane(under, k, -1.0 * distance(others, m, a, b, c))
         u, v, w = normal(others, m, a, b, c)
@@ -44,8 +44,9 @@ def depth(shape, m, x, y, z):
 @device
 def in_reach(others, m, x, y, z, far):
     """Whether any lane is within `far` of the ball about a solid."""
-    dx, dy, dz = x - others[m + X], y - others[m + Y], z - others[m + Z]
-    far += others[m + REACH]
+    rows = others.rows
+    dx, dy, dz = x - rows[m + X], y - rows[m + Y], z - rows[m + Z]
+    far += rows[m + REACH]
     return any_lane(dx * dx + dy * dy + dz * dz < far * abs(far))
 
 
@@ -58,7 +59,7 @@ def deepest(shape, m, point, edges, lever):
     if not any_lane(lever > 0.0):
         return under, nx, ny, nz
     others, _, normal, place = shape
-    for k in range(lane_count(others)):
+    for k in range(lane_count(others.rows)):
         begin = lane(x, k), lane(y, k), lane(z, k)
         most = max(lane(under, k), 0.0)
         for side in range(2):
@@ -80,13 +81,15 @@ def deepest(shape, m, point, edges, lever):
 def nearest(s, places, most, point, edges, lever, at, others, shape):
     """What `contact_shapes.nearest` goes on with: the greatest depth and the place of that solid, others included."""
     found, other = places
-    rows, last, columns = others
+    all_of, last, columns = others
     x, y, z = point
     for m in range(0, last, columns):
-        if in_reach(rows, m, x, y, z, lever - most):
+        if in_reach(all_of, m, x, y, z, lever - most):
             d, ox, oy, oz = deepest(shape, m, point, edges, lever)
             level = d + x * ox + y * oy + z * oz
-            found, other = find(s, found, other, d > most, 0.0, (ox, oy, oz), level, rows, m + columns - MOTION, at)
+            found, other = find(
+                s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
+            )
             most = max(most, d)
     return most, found
 
@@ -102,5 +105,5 @@ def _by_others(s, places, most, point, edges, lever, at, solids):
     form = solids[4].instance_class
     distance, normal, place = form.distance, form.normal, form.deepest
     return lambda s, places, most, point, edges, lever, at, solids: nearest(
-        s, places, most, point, edges, lever, at, solids[4], (solids[4].rows, distance, normal, place)
+        s, places, most, point, edges, lever, at, solids[4], (solids[4].all, distance, normal, place)
     )

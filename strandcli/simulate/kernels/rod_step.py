@@ -7,6 +7,7 @@ next one begins.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,30 +40,38 @@ from .rod_sweep import ROW
 from .work_queue import TASKS, take
 
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
-# the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their own
+# the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
+# own, and the address and shape of each array of their data
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, SCRATCH, SCRATCH_BYTES, STATE = 2, 3, 4, 5, 6, 7, 8, 9, 10
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
 SIZES = SOLIDS + 4
-OTHERS, OTHERS_SIZE, OTHERS_COLUMNS = SIZES + 4, SIZES + 5, SIZES + 6
+OTHERS, OTHERS_SIZE, OTHERS_COLUMNS, DATA = SIZES + 4, SIZES + 5, SIZES + 6, SIZES + 7
 
 
 def descriptor_of(
     strands: int, segments: int, iterations: int, flags: Flags, scratch: NDArray[Any],
-    arrays: tuple[State, Material, Forcing], solids: tuple[NDArray[Any], ...],
+    arrays: tuple[State, Material, Forcing], solids: tuple[NDArray[Any], ...], data: Sequence[NDArray[Any]] = (),
 ) -> NDArray[np.int64]:  # fmt: skip
     """(columns,) int64, what the kernel is given: numbers and addresses. The caller keeps all arrays alive.
 
     ``scratch`` is (workers, size), of the same floating type as all arrays; ``solids`` are rows of spheres, capsules,
-    planes and boxes, and perhaps a fifth array of solids without kernels of their own.
+    planes and boxes, and perhaps a fifth array of solids without kernels of their own, whose ``data`` are arrays of any
+    type.
     """
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
     numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
+    others += data_numbers(data)
     return np.array([*numbers, *addresses, *(one.size for one in solids[:4]), *others])
+
+
+def data_numbers(data: Sequence[NDArray[Any]]) -> list[int]:
+    """What a descriptor has from `DATA` on: address and shape of each array."""
+    return [number for one in data for number in (one.ctypes.data, *one.shape)]
 
 
 @device

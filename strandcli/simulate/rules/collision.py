@@ -54,7 +54,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
     from ...solids import others
-    from ...solids.shapes import other
+    from ...solids.shapes import other_code
     from . import collision_segments as segments
 
     ends = _ends(parameters, scene)
@@ -64,7 +64,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     caught = [Pass(through[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene) if kind in through]
     foreign = others(chosen(parameters, scene))
     if foreign:
-        caught.append(Pass(other.module_for(foreign).catch, _packed_others(parameters)))
+        caught.append(Pass(other_code.module_for(foreign).catch, _packed_others(parameters)))
     return caught + ends
 
 
@@ -96,13 +96,13 @@ def _ends(parameters: Parameters, scene: Scene) -> list[Pass]:
     """One pass a kind of solid, for particles alone."""
     from ...solids import others
     from ...solids.kernels import box, capsule, plane, sphere
-    from ...solids.shapes import other
+    from ...solids.shapes import other_code
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
     found = [Pass(points[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene)]
     foreign = others(chosen(parameters, scene))
     if foreign:
-        found.append(Pass(other.module_for(foreign).collide, _packed_others(parameters)))
+        found.append(Pass(other_code.module_for(foreign).collide, _packed_others(parameters)))
     return found
 
 
@@ -114,16 +114,16 @@ def _packed(parameters: Parameters, kind: str) -> Callable[[Moment], Any]:
 
 
 def _packed_others(parameters: Parameters) -> Callable[[Moment], Any]:
-    """The same for those of other packages."""
+    """The same for those without kernels of their own, with the data of their shapes."""
     import numpy as np
 
     from ...scene.motion import solid_pose
     from ...solids import others
-    from ...solids.shapes import other
+    from ...solids.shapes import other, other_code
 
-    def rows(moment: Moment) -> Any:
+    def packed(moment: Moment) -> Any:
         there = others(chosen(parameters, moment.scene))
         poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
-        return other.pack(there, poses, np.float32)
+        return other_code.together(there, other.pack(there, poses, np.float32), moment.pose_time)
 
-    return rows
+    return packed

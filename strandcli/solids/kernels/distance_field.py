@@ -1,9 +1,10 @@
 """Solids by their signed distance, in kernels: rays, normals, shadows and contact.
 
-`distance(p, m, x, y, z)` is that of a written module (`strandcli.solids.shapes.other`), p an array of packed solids and
-m the number of one of them. So are `meet`, `normal` and `deepest`: a shape's own where it has one, else `march` and
-`gradient` below, and what `segment_depth` has. What is handed functions is inlined: machine code that holds their
-addresses could not be kept.
+`distance(p, m, x, y, z)` is that of a written module (`strandcli.solids.shapes.other_code`). p is its `Others`: the
+packed solids, `rows`, and the arrays that their shapes have besides; m tells one of them. Where rows are an array, m is
+the number of a row, in kernels of rods, where they are numbers at an address, the place where a row begins. `meet`,
+`normal` and `deepest` come from there too: a shape's own where it has one, else `march` and `gradient` below, and what
+`segment_depth` has. What is handed functions is inlined: machine code that holds their addresses could not be kept.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from ...jit import device, inlined
 from ..shapes.other import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
@@ -34,29 +37,38 @@ CLEAR = np.float32(2.0)
 """More than any sine."""
 
 
+def number(p, m, column):
+    """A number of solid m: that of a column of its row."""
+
+
+@overload(number)
+def _number(p, m, column):
+    if isinstance(p.types[p.fields.index("rows")], types.Array):
+        return lambda p, m, column: p.rows[m, column]
+    return lambda p, m, column: p.rows[m + column]
+
+
+def rounded(p, value):
+    """A number in single precision where rows are an array; kernels of rods, which may be in double, keep it."""
+
+
+@overload(rounded)
+def _rounded(p, value):
+    if isinstance(p.types[p.fields.index("rows")], types.Array):
+        return lambda p, value: np.float32(value)
+    return lambda p, value: value
+
+
 @device
 def own(p, m, x, y, z):
     """A point in the frame of solid m."""
-    x -= p[m, X]
-    y -= p[m, Y]
-    z -= p[m, Z]
+    x -= number(p, m, X)
+    y -= number(p, m, Y)
+    z -= number(p, m, Z)
     return (
-        p[m, ROW_X] * x + p[m, ROW_Y] * y + p[m, ROW_Z] * z,
-        p[m, ROW_X + 1] * x + p[m, ROW_Y + 1] * y + p[m, ROW_Z + 1] * z,
-        p[m, ROW_X + 2] * x + p[m, ROW_Y + 2] * y + p[m, ROW_Z + 2] * z,
-    )
-
-
-@device
-def own_at(p, m, x, y, z):
-    """The same of the solid whose row begins at place m."""
-    x -= p[m + X]
-    y -= p[m + Y]
-    z -= p[m + Z]
-    return (
-        p[m + ROW_X] * x + p[m + ROW_Y] * y + p[m + ROW_Z] * z,
-        p[m + ROW_X + 1] * x + p[m + ROW_Y + 1] * y + p[m + ROW_Z + 1] * z,
-        p[m + ROW_X + 2] * x + p[m + ROW_Y + 2] * y + p[m + ROW_Z + 2] * z,
+        number(p, m, ROW_X) * x + number(p, m, ROW_Y) * y + number(p, m, ROW_Z) * z,
+        number(p, m, ROW_X + 1) * x + number(p, m, ROW_Y + 1) * y + number(p, m, ROW_Z + 1) * z,
+        number(p, m, ROW_X + 2) * x + number(p, m, ROW_Y + 2) * y + number(p, m, ROW_Z + 2) * z,
     )
 
 
@@ -66,9 +78,9 @@ def ray_in_own(p, m, x, y, z, dx, dy, dz):
     u, v, w = own(p, m, x, y, z)
     return (
         np.float64(u), np.float64(v), np.float64(w),
-        np.float64(p[m, ROW_X] * dx + p[m, ROW_Y] * dy + p[m, ROW_Z] * dz),
-        np.float64(p[m, ROW_X + 1] * dx + p[m, ROW_Y + 1] * dy + p[m, ROW_Z + 1] * dz),
-        np.float64(p[m, ROW_X + 2] * dx + p[m, ROW_Y + 2] * dy + p[m, ROW_Z + 2] * dz),
+        np.float64(number(p, m, ROW_X) * dx + number(p, m, ROW_Y) * dy + number(p, m, ROW_Z) * dz),
+        np.float64(number(p, m, ROW_X + 1) * dx + number(p, m, ROW_Y + 1) * dy + number(p, m, ROW_Z + 1) * dz),
+        np.float64(number(p, m, ROW_X + 2) * dx + number(p, m, ROW_Y + 2) * dy + number(p, m, ROW_Z + 2) * dz),
     )  # fmt: skip
 
 
@@ -78,21 +90,32 @@ def outward(p, m, n):
     f = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
     a, b, c = f * n[0], f * n[1], f * n[2]
     return (
-        p[m, ROW_X] * a + p[m, ROW_X + 1] * b + p[m, ROW_X + 2] * c,
-        p[m, ROW_Y] * a + p[m, ROW_Y + 1] * b + p[m, ROW_Y + 2] * c,
-        p[m, ROW_Z] * a + p[m, ROW_Z + 1] * b + p[m, ROW_Z + 2] * c,
+        number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c,
+        number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c,
+        number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c,
     )
 
 
 @device
-def outward_at(p, m, n):
-    """The same of the solid whose row begins at place m."""
-    f = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
-    a, b, c = f * n[0], f * n[1], f * n[2]
+def look_in_world(p, m, look):
+    """How solid m looks: its normal, place and colour from those of its own frame, in single precision."""
+    n, place, colour = look
+    x, y, z = outward(p, m, n)
+    a, b, c = place
     return (
-        p[m + ROW_X] * a + p[m + ROW_X + 1] * b + p[m + ROW_X + 2] * c,
-        p[m + ROW_Y] * a + p[m + ROW_Y + 1] * b + p[m + ROW_Y + 2] * c,
-        p[m + ROW_Z] * a + p[m + ROW_Z + 1] * b + p[m + ROW_Z + 2] * c,
+        (np.float32(x), np.float32(y), np.float32(z)),
+        (
+            np.float32(
+                number(p, m, X) + number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c
+            ),
+            np.float32(
+                number(p, m, Y) + number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c
+            ),
+            np.float32(
+                number(p, m, Z) + number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c
+            ),
+        ),
+        (np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])),
     )
 
 
@@ -113,14 +136,14 @@ def gradient(distance, p, m, h, x, y, z):
 def through(p, m, ox, oy, oz, dx, dy, dz):
     """Where a ray enters the ball about solid m and leaves it, in units of |d|; the second is negative for a miss."""
     dd = dx * dx + dy * dy + dz * dz
-    cx = p[m, X] - ox
-    cy = p[m, Y] - oy
-    cz = p[m, Z] - oz
+    cx = number(p, m, X) - ox
+    cy = number(p, m, Y) - oy
+    cz = number(p, m, Z) - oz
     t = (cx * dx + cy * dy + cz * dz) / dd
     cx -= t * dx
     cy -= t * dy
     cz -= t * dz
-    left = p[m, REACH] * p[m, REACH] - (cx * cx + cy * cy + cz * cz)
+    left = number(p, m, REACH) * number(p, m, REACH) - (cx * cx + cy * cy + cz * cz)
     if left <= ZERO:
         return ZERO, -ONE
     half = np.float32(math.sqrt(left / dd))
@@ -133,7 +156,7 @@ def march(distance, p, m, x, y, z, dx, dy, dz, end):
     1996, "Sphere Tracing")."""
     t = ZERO
     per = ONE / np.float32(math.sqrt(dx * dx + dy * dy + dz * dz))
-    near = NEAR * p[m, REACH]
+    near = NEAR * number(p, m, REACH)
     for _ in range(STEPS):
         away = distance(p, m, x + t * dx, y + t * dy, z + t * dz)
         if t > end:
@@ -164,7 +187,7 @@ def hides(distance, meet, p, m, x, y, z, way, reach, skin):
     lx, ly, lz = way
     t, end = through(p, m, x, y, z, lx, ly, lz)
     end = min(end, reach)
-    near = NEAR * p[m, REACH]
+    near = NEAR * number(p, m, REACH)
     before = -INF
     for _ in range(STEPS):
         if t > end:
@@ -184,13 +207,13 @@ def least_sine(distance, p, m, x, y, z, way, reach, skin):
     """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
     least of its distance over the distance travelled, in steps of that distance."""
     lx, ly, lz = way
-    cx = p[m, X] - x
-    cy = p[m, Y] - y
-    cz = p[m, Z] - z
+    cx = number(p, m, X) - x
+    cy = number(p, m, Y) - y
+    cz = number(p, m, Z) - z
     middle = cx * lx + cy * ly + cz * lz
-    end = min(middle + p[m, REACH], reach)
-    step = (p[m, REACH] + p[m, REACH]) / np.float32(ACROSS)
-    t = max(middle - p[m, REACH], HALF * step)
+    end = min(middle + number(p, m, REACH), reach)
+    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(ACROSS)
+    t = max(middle - number(p, m, REACH), HALF * step)
     least = CLEAR
     while t < end:
         away = distance(p, m, x + t * lx, y + t * ly, z + t * lz) + skin
@@ -202,10 +225,10 @@ def least_sine(distance, p, m, x, y, z, way, reach, skin):
 @inlined
 def put_outside(distance, normal, p, m, x, y, z, clear):
     """A point, moved to `clear` metres off the surface of solid m where it is nearer or inside."""
-    dx = x - p[m, X]
-    dy = y - p[m, Y]
-    dz = z - p[m, Z]
-    reach = p[m, REACH] + clear
+    dx = x - number(p, m, X)
+    dy = y - number(p, m, Y)
+    dz = z - number(p, m, Z)
+    reach = number(p, m, REACH) + clear
     if dx * dx + dy * dy + dz * dz < reach * reach:
         for _ in range(ROUNDS):
             under = clear - distance(p, m, x, y, z)
@@ -221,7 +244,7 @@ def put_outside(distance, normal, p, m, x, y, z, clear):
 @inlined
 def put_outside_all(distance, normal, p, x, y, z, clear):
     """A point out of all of these solids, one after the other."""
-    for m in range(p.shape[0]):
+    for m in range(p.rows.shape[0]):
         x, y, z = put_outside(distance, normal, p, m, x, y, z, clear)
     return x, y, z
 
@@ -229,7 +252,7 @@ def put_outside_all(distance, normal, p, x, y, z, clear):
 @inlined
 def lit_past_all(distance, meet, p, x, y, z, way, reach, skin):
     """`lit` of all of these solids."""
-    for m in range(p.shape[0]):
+    for m in range(p.rows.shape[0]):
         if hides(distance, meet, p, m, x, y, z, way, reach, skin):
             return ZERO
     return ONE
@@ -239,6 +262,6 @@ def lit_past_all(distance, meet, p, x, y, z, way, reach, skin):
 def least_sine_of_all(distance, p, x, y, z, way, reach, skin):
     """`least_sine` of all of these solids."""
     least = CLEAR
-    for m in range(p.shape[0]):
+    for m in range(p.rows.shape[0]):
         least = min(least, least_sine(distance, p, m, x, y, z, way, reach, skin))
     return least

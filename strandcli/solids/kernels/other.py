@@ -39,9 +39,9 @@ def _meet(solids, m, ox, oy, oz, dx, dy, dz):
     form = form_of(solids)
     if form is None:
         return lambda solids, m, ox, oy, oz, dx, dy, dz: field.INF
-    distance, first = form.distance, form.meet
+    distance, first, among = form.distance, form.meet, form.among
     return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(
-        distance, first, solids.others, m, ox, oy, oz, dx, dy, dz
+        distance, first, among(solids), m, ox, oy, oz, dx, dy, dz
     )
 
 
@@ -55,10 +55,10 @@ def _normal(solids, m, x, y, z):
     if form is None:
         return lambda solids, m, x, y, z: (field.ZERO, field.ONE, field.ZERO)
 
-    outward = form.normal
+    outward, among = form.normal, form.among
 
     def found(solids, m, x, y, z):
-        nx, ny, nz = outward(solids.others, m, x, y, z)
+        nx, ny, nz = outward(among(solids), m, x, y, z)
         return np.float32(nx), np.float32(ny), np.float32(nz)
 
     return found
@@ -73,9 +73,9 @@ def _lit(solids, x, y, z, lx, ly, lz, reach, skin):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE
-    distance, first = form.distance, form.meet
+    distance, first, among = form.distance, form.meet, form.among
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.lit_past_all(
-        distance, first, solids.others, x, y, z, (lx, ly, lz), reach, skin
+        distance, first, among(solids), x, y, z, (lx, ly, lz), reach, skin
     )
 
 
@@ -88,9 +88,9 @@ def _lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.CLEAR
-    distance = form.distance
+    distance, among = form.distance, form.among
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.least_sine_of_all(
-        distance, solids.others, x, y, z, (lx, ly, lz), reach, skin
+        distance, among(solids), x, y, z, (lx, ly, lz), reach, skin
     )
 
 
@@ -103,8 +103,8 @@ def _outside(solids, x, y, z, clear):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, clear: (x, y, z)
-    distance, outward = form.distance, form.normal
-    return lambda solids, x, y, z, clear: field.put_outside_all(distance, outward, solids.others, x, y, z, clear)
+    distance, outward, among = form.distance, form.normal, form.among
+    return lambda solids, x, y, z, clear: field.put_outside_all(distance, outward, among(solids), x, y, z, clear)
 
 
 def deepest(solids, positions, b):
@@ -116,5 +116,5 @@ def _deepest(solids, positions, b):
     form = form_of(solids)
     if form is None:
         return lambda solids, positions, b: (field.ZERO, field.ZERO)
-    distance, place = form.distance, form.deepest
-    return lambda solids, positions, b: segment_depth.deepest_of_block(distance, place, solids.others, positions, b)
+    distance, place, among = form.distance, form.deepest, form.among
+    return lambda solids, positions, b: segment_depth.deepest_of_block(distance, place, among(solids), positions, b)

@@ -99,7 +99,7 @@ def deepest_of_block(distance, deepest, p, positions, b):
         for k in range(W):
             x, y, z = positions[b, i - 1, k], positions[b, i - 1, W + k], positions[b, i - 1, 2 * W + k]
             qx, qy, qz = positions[b, i, k], positions[b, i, W + k], positions[b, i, 2 * W + k]
-            for m in range(p.shape[0]):
+            for m in range(p.rows.shape[0]):
                 root = max(-distance(p, m, x, y, z), ZERO) if i == 2 else ZERO
                 under = -distance(p, m, qx, qy, qz)
                 _, depth = deepest(p, m, (x, y, z), (qx - x, qy - y, qz - z))

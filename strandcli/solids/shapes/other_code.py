@@ -1,0 +1,262 @@
+"""Code of solids that have no kernels of their own: a module written for the kinds that a scene has."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import sys
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UsageError
+from ...scene.solid_shape import OPTIONAL, has_data, shape_of
+from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
+
+MODULE = '''\
+"""Solids that have no kernels of their own, written by strandcli.solids.shapes.other_code for: {title}."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from strandcli.constants import W
+from strandcli.jit import device, function
+from strandcli.solids.kernels.distance_field import gradient, look_in_world, march, number, outward, own
+from strandcli.solids.kernels.distance_field import FINE, put_outside, ray_in_own, rounded
+from strandcli.solids.kernels.segment_depth import deepest_of_all_places, deepest_of_some, put_segment_outside
+{imports}
+
+class {name}(NamedTuple):
+    """`strandcli.solids.Solids` and solids of these kinds."""
+
+    spheres: Any
+    capsules: Any
+    planes: Any
+    boxes: Any
+    others: Any
+{fields}
+
+class Others_{name}(NamedTuple):
+    """Solids of these kinds, and the arrays of their shapes."""
+
+    rows: Any
+{fields}
+
+Others = Others_{name}
+
+
+@device
+def among(solids):
+    """Solids of these kinds among all."""
+    return Others({given})
+
+
+@device
+def distance(p, m, x, y, z):
+    """Distance of a point from the surface of solid m."""
+    u, v, w = own(p, m, x, y, z)
+{distance}
+
+@device
+def normal(p, m, x, y, z):
+    """Its unit outward normal where the surface is nearest to a point."""
+    u, v, w = own(p, m, x, y, z)
+{normal}
+
+@device
+def deepest(p, m, begin, edge):
+    """The share of a segment after which it is deepest in it, and the depth there."""
+{deepest}
+
+@device
+def meet(p, m, x, y, z, dx, dy, dz, end):
+    """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
+    u, v, w, a, b, c = ray_in_own(p, m, x, y, z, dx, dy, dz)
+{meet}
+{look}
+Solids = {name}
+Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
+Solids.among, Solids.look, Solids.folds = among, {has_look}, {folds}
+
+
+@function
+def distances(p, points, out):
+    """The distances (k,) of points (k, 3) from the first of these solids."""
+    for k in range(points.shape[0]):
+        out[k] = distance(p, 0, points[k, 0], points[k, 1], points[k, 2])
+
+
+def collide(x, parent, grandparent, root, length, p, i, n):
+    """Put particles inside of solids onto their surfaces, as `strandcli.solids.kernels.sphere.collide`."""
+    for m in range(p.rows.shape[0]):
+        for k in range(W):
+            x[k], x[W + k], x[2 * W + k] = put_outside(
+                distance, normal, p, m, x[k], x[W + k], x[2 * W + k], np.float32(0.0)
+            )
+
+
+def catch(x, parent, grandparent, root, length, p, i, n):
+    """Bring segments out of solids by turning them."""
+    for m in range(p.rows.shape[0]):
+        for k in range(W):
+            begin = parent[k], parent[W + k], parent[2 * W + k]
+            x[k], x[W + k], x[2 * W + k] = put_segment_outside(
+                normal, deepest, p, m, begin, x[k], x[W + k], x[2 * W + k]
+            )
+'''
+LOOK = '''
+
+@device
+def look(p, m, x, y, z, width):
+    """How solid m looks at a point of its surface: the normal, where shadow rays begin, and the colour; a negative one
+    is that of the solid. width: that of a pixel there."""
+    u, v, w = own(p, m, x, y, z)
+{look}
+
+'''
+
+
+class Kind(NamedTuple):
+    """A kind of solid among those that a module is written for."""
+
+    place: int
+    numbers: int
+    """How many numbers its functions are given."""
+    shape: Any
+
+
+def type_of(solids: Sequence[Any]) -> Any:
+    """The named tuple's type for the kinds of some solids."""
+    return module_for(solids).Solids
+
+
+def together(solids: Sequence[Any], rows: NDArray[Any], time: float) -> Any:
+    """Packed solids and the data of their shapes, as kernels take them by themselves."""
+    return module_for(solids).Others(rows, *data_of(solids, time))
+
+
+def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], time: float = 0.0) -> NDArray[np.float64]:
+    """(k,) depth of points (k, 3) below the surface of a packed solid at a time, metres; not positive outside."""
+    shape: Any = shape_of(solid.kind)
+    own = (points - row[:3]) @ row[ROW_X:REACH].reshape(3, 3)
+    outside = np.linalg.norm(own, axis=1) - row[REACH]
+    if has_data(shape):
+        found = outside.copy()
+        near = np.flatnonzero(outside <= 0)
+        away = np.zeros(len(near))
+        module_for([solid]).distances(together([solid], row[None], time), np.ascontiguousarray(points[near]), away)
+        found[near] = away
+        return -found
+    given = tuple(row[NUMBERS:].tolist())
+    pairs = zip(outside.tolist(), own.tolist(), strict=True)
+    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in pairs])
+
+
+def module_for(solids: Sequence[Any]) -> Any:
+    """The module, written for the kinds of some solids, that holds the named tuple, `Others`, `distance`, `normal`,
+    `deepest`, `meet`, `collide` and `catch`. Raises `UsageError` for a function that an import statement cannot
+    reach."""
+    first = {solid.kind: solid for solid in solids}
+    kinds = kinds_of(solids)
+    return _module(tuple(Kind(place, count_of(first[kind]), shape_of(kind)) for place, kind in enumerate(kinds)))
+
+
+@functools.lru_cache(maxsize=64)
+def _module(kinds: tuple[Kind, ...]) -> Any:
+    from ... import runtime
+    from ...written import module_of
+
+    imports = "".join(_imports(one) for one in kinds)
+    data = fields_of(kinds)
+    parts = {
+        "distance": _chosen([f"rounded(p, distance_{one.place}(u, v, w, {_given(one)}))" for one in kinds]),
+        "normal": _chosen([_normal(one) for one in kinds]),
+        "deepest": _chosen([_deepest(one.shape) for one in kinds]),
+        "meet": _chosen([_meet(one) for one in kinds]),
+        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _any_look(kinds) else "\n",
+        "fields": "".join(f"    {one}: Any\n" for one in data),
+        "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
+        "has_look": "look" if _any_look(kinds) else "None",
+        "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
+    }
+    # kernels are kept by the name of the type, which therefore tells of all that it stands for
+    name = f"Solids_{hashlib.sha256((imports + str(parts)).encode()).hexdigest()[:16]}"
+    title = ", ".join(one.shape.kind for one in kinds)
+    return module_of(MODULE.format(title=title, name=name, imports=imports, **parts), "solids", runtime.cache_folder())
+
+
+def fields_of(kinds: Sequence[Kind]) -> list[str]:
+    """Names of the fields that hold the arrays of the kinds' data."""
+    return [f"data_{one.place}_{field}" for one in kinds if has_data(one.shape) for field in one.shape.Data._fields]
+
+
+def _any_look(kinds: Sequence[Kind]) -> bool:
+    return any(getattr(one.shape, "look", None) is not None for one in kinds)
+
+
+def _imports(kind: Kind) -> str:
+    """Statements that import and compile the functions of a shape."""
+    lines = []
+    shape, place = kind.shape, kind.place
+    for part in ("distance", *OPTIONAL):
+        function = getattr(shape, part, None)
+        if function is None:
+            continue
+        lines.append(_import(shape, part, function, place))
+        lines.append(f"{part}_{place} = device({part}_{place})\n")
+    if has_data(shape):
+        lines.append(_import(shape, "Data", shape.Data, place))
+    return "".join(lines)
+
+
+def _import(shape: Any, part: str, thing: Any, place: int) -> str:
+    where, what = thing.__module__, thing.__qualname__
+    if where not in sys.modules or getattr(sys.modules[where], what, None) is not thing:
+        raise UsageError(
+            f"solid {shape.kind!r}: {part} {where}.{what} must be a plain function of a module that can be imported"
+        )
+    digest = hashlib.sha256(inspect.getsource(sys.modules[where]).encode()).hexdigest()[:16]
+    return f"from {where} import {what} as {part}_{place}  # {digest}\n"
+
+
+def _chosen(lines: list[str]) -> str:
+    """Code that runs, of a line for each kind, that of a solid's kind."""
+    last = len(lines) - 1
+    tests = [f"    if number(p, m, {KIND}) == {place}:\n    " if place < last else "" for place in range(len(lines))]
+    return "".join(f"{test}    return {line}\n" for test, line in zip(tests, lines, strict=True))
+
+
+def _given(kind: Kind) -> str:
+    """What follows the coordinates in a call of a shape's function: its numbers and perhaps its data."""
+    numbers = "".join(f"number(p, m, {NUMBERS + k}), " for k in range(kind.numbers))
+    if not has_data(kind.shape):
+        return f"({numbers})"
+    arrays = ", ".join(f"p.{field}" for field in fields_of([kind]))
+    return f"({numbers}), Data_{kind.place}({arrays})"
+
+
+def _normal(kind: Kind) -> str:
+    if getattr(kind.shape, "normal", None) is None:
+        return f"gradient(distance, p, m, FINE * number(p, m, {REACH}), x, y, z)"
+    return f"outward(p, m, normal_{kind.place}(u, v, w, {_given(kind)}))"
+
+
+def _deepest(shape: Any) -> str:
+    way = "deepest_of_all_places" if getattr(shape, "convex", False) else "deepest_of_some"
+    return f"{way}(distance, p, m, begin, edge)"
+
+
+def _meet(kind: Kind) -> str:
+    if getattr(kind.shape, "meet", None) is None:
+        return "march(distance, p, m, x, y, z, dx, dy, dz, end)"
+    return f"np.float32(meet_{kind.place}(u, v, w, a, b, c, {_given(kind)}))"
+
+
+def _look(kind: Kind) -> str:
+    if getattr(kind.shape, "look", None) is None:
+        return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0))"
+    return f"look_in_world(p, m, look_{kind.place}(u, v, w, width, {_given(kind)}))"
