@@ -24,6 +24,7 @@ APART = (
     ("draw", "groom_file"), ("simulate", "groom_file"), ("groom", "groom_file"), ("scene", "groom_file"),
     ("exchange", "groom_file"), ("groom_file", "draw"), ("groom_file", "simulate"),
     ("exchange", "draw"), ("exchange", "simulate"), ("exchange", "groom"), ("exchange", "scene"),
+    *(("meshes", other) for other in ("draw", "simulate", "groom", "groom_file", "scene", "solids", "output")),
 )  # fmt: skip
 """Packages of which the first may import nothing of the second."""
 FOR_KERNELS = (

@@ -1,0 +1,77 @@
+"""Signed distance from a grid: linear between its nodes, and a lower bound outside of it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...jit import device
+
+
+class DistanceGrid(NamedTuple):
+    """Signed distances from a mesh at the nodes of a grid, negative inside.
+
+    values: (nz, ny, nx) float32, units of the mesh; low: (3,) float32, x, y, z of node (0, 0, 0); spacing: of nodes,
+    the same along all axes.
+    """
+
+    values: NDArray[np.float32]
+    low: NDArray[np.float32]
+    spacing: np.float32
+
+
+@device
+def lower_node(at, count):
+    """The node below a coordinate, counted in nodes."""
+    return min(max(int(at), 0), count - 2)
+
+
+@device
+def within(at, count):
+    """A coordinate, counted in nodes, put within the grid."""
+    return min(max(at, at * 0), at * 0 + (count - 1))
+
+
+@device
+def distance_and_gradient(grid, x, y, z):
+    """Signed distance of a point from the mesh, and its gradient: d, gx, gy, gz.
+
+    Within the grid d is linear between its nodes, and the gradient is that of d; it is not of length 1, and is 0 where
+    the surface on both sides is as near. Outside of the grid d is the hypotenuse of the distances to the grid and from
+    there to the mesh, which is never more than the distance.
+    """
+    values, spacing = grid.values, grid.spacing
+    nz, ny, nx = values.shape
+    u, v, w = (x - grid.low[0]) / spacing, (y - grid.low[1]) / spacing, (z - grid.low[2]) / spacing
+    cu, cv, cw = within(u, nx), within(v, ny), within(w, nz)
+    i, j, k = lower_node(cu, nx), lower_node(cv, ny), lower_node(cw, nz)
+    u1, v1, w1 = cu - np.float32(i), cv - np.float32(j), cw - np.float32(k)
+    a, b = values[k, j, i], values[k, j, i + 1]
+    c, d = values[k, j + 1, i], values[k, j + 1, i + 1]
+    e, f = values[k + 1, j, i], values[k + 1, j, i + 1]
+    g, h = values[k + 1, j + 1, i], values[k + 1, j + 1, i + 1]
+    ab, cd, ef, gh = a + u1 * (b - a), c + u1 * (d - c), e + u1 * (f - e), g + u1 * (h - g)
+    below, above = ab + v1 * (cd - ab), ef + v1 * (gh - ef)
+    near = below + w1 * (above - below)
+    gx0, gx1 = (b - a) + v1 * ((d - c) - (b - a)), (f - e) + v1 * ((h - g) - (f - e))
+    gx, gy = (gx0 + w1 * (gx1 - gx0)) / spacing, ((cd - ab) + w1 * ((gh - ef) - (cd - ab))) / spacing
+    gz = (above - below) / spacing
+    ox, oy, oz = (u - cu) * spacing, (v - cv) * spacing, (w - cw) * spacing
+    out = ox * ox + oy * oy + oz * oz
+    if out > 0.0:
+        far = math.sqrt(out + near * near)
+        scale = 1 / far
+        gx = ox * scale if ox != 0.0 else gx * near * scale
+        gy = oy * scale if oy != 0.0 else gy * near * scale
+        gz = oz * scale if oz != 0.0 else gz * near * scale
+        near = far
+    return near, gx, gy, gz
+
+
+@device
+def distance(grid, x, y, z):
+    """Signed distance of a point, as `distance_and_gradient`."""
+    return distance_and_gradient(grid, x, y, z)[0]

@@ -1,0 +1,175 @@
+"""Distances and winding numbers of sixteen points at once, which walk a tree together.
+
+Points of a packet are neighbours, so nearly all of them want the same nodes. In single precision, about the middle of
+the mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...jit import device
+from ...simd import any_lane, broadcast, pointer, sqrt, where
+from ...simd.local import local_int32
+from .winding import AREA, CX, CY, CZ, NX, NY, NZ, RADIUS_2
+
+ROW = 28
+"""Numbers of a triangle's row: corner a; edges b - a, c - b, a - c; one over their squared lengths; unit normal;
+directions in the plane, from each edge inward; one of padding."""
+A, AB, BC, CA, SHORT, NORMAL, IN_AB, IN_BC, IN_CA = 0, 3, 6, 9, 12, 15, 18, 21, 24
+BOX = 6
+MOMENTS = AREA + 1
+HALF_PI, PI, TURN = np.float32(0.5 * math.pi), np.float32(math.pi), np.float32(2.0 * math.pi)
+TINY = np.float32(1e-37)
+
+
+class PacketTree(NamedTuple):
+    """A tree as packets walk it, in single precision, moved so that the middle of the mesh is the origin.
+
+    boxes: (N, 6), rounded outward; child, counts: (N,) int32, as of `Bvh`; moments: (N, 8), as of `Bvh`;
+    rows: (T, 28) of triangles in tree order.
+    """
+
+    boxes: NDArray[np.float32]
+    child: NDArray[np.int32]
+    counts: NDArray[np.int32]
+    moments: NDArray[np.float32]
+    rows: NDArray[np.float32]
+
+
+@device
+def dot(rows, o, x, y, z):
+    """Scalar product of the vector at place o with vectors of lanes."""
+    return rows[o] * x + rows[o + 1] * y + rows[o + 2] * z
+
+
+@device
+def edge_distance(rows, edge, short, x, y, z):
+    """Squared distance of points from an edge at the origin."""
+    t = min(max(dot(rows, edge, x, y, z) * rows[short], 0.0), 1.0)
+    x = x - t * rows[edge]
+    y = y - t * rows[edge + 1]
+    z = z - t * rows[edge + 2]
+    return x * x + y * y + z * z
+
+
+@device
+def triangle_distance(rows, o, x, y, z):
+    """Squared distance of points from the triangle whose row begins at o: from its plane where they are above it, else
+    from its nearest edge."""
+    ax, ay, az = x - rows[o + A], y - rows[o + A + 1], z - rows[o + A + 2]
+    bx, by, bz = ax - rows[o + AB], ay - rows[o + AB + 1], az - rows[o + AB + 2]
+    cx, cy, cz = ax + rows[o + CA], ay + rows[o + CA + 1], az + rows[o + CA + 2]
+    above = dot(rows, o + NORMAL, ax, ay, az)
+    inside = dot(rows, o + IN_AB, ax, ay, az) > 0.0
+    inside = inside & (dot(rows, o + IN_BC, bx, by, bz) > 0.0) & (dot(rows, o + IN_CA, cx, cy, cz) > 0.0)
+    edges = min(
+        min(edge_distance(rows, o + AB, o + SHORT, ax, ay, az), edge_distance(rows, o + BC, o + SHORT + 1, bx, by, bz)),
+        edge_distance(rows, o + CA, o + SHORT + 2, cx, cy, cz),
+    )
+    return where(inside, above * above, edges)
+
+
+@device
+def box_distance(boxes, o, x, y, z):
+    """Squared distance from the box that begins at o; 0 within. Of lanes or of plain numbers."""
+    dx = max(max(boxes[o] - x, x - boxes[o + 3]), 0.0)
+    dy = max(max(boxes[o + 1] - y, y - boxes[o + 4]), 0.0)
+    dz = max(max(boxes[o + 2] - z, z - boxes[o + 5]), 0.0)
+    return dx * dx + dy * dy + dz * dz
+
+
+@device
+def nearest(tree, x, y, z, middle, best):
+    """Squared distances of points from the mesh, where they are less than `best`, else that; middle: (x, y, z) of the
+    packet."""
+    boxes, rows = pointer(tree.boxes), pointer(tree.rows)
+    nodes = local_int32()
+    nodes[0] = 0
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        node = nodes[waiting]
+        if not any_lane(box_distance(boxes, node * BOX, x, y, z) < best):
+            continue
+        if tree.counts[node] > 0:
+            for i in range(tree.child[node], tree.child[node] + tree.counts[node]):
+                best = min(best, triangle_distance(rows, i * ROW, x, y, z))
+        else:
+            first, second = node + 1, tree.child[node]
+            near = box_distance(boxes, first * BOX, middle[0], middle[1], middle[2])
+            far = box_distance(boxes, second * BOX, middle[0], middle[1], middle[2])
+            if far < near:
+                first, second = second, first
+            nodes[waiting] = second
+            nodes[waiting + 1] = first
+            waiting += 2
+    return best
+
+
+@device
+def half_angle(rows, o, x, y, z):
+    """The complex number whose angle is half the solid angle under which points see a triangle (van Oosterom &
+    Strackee 1983), of length 1."""
+    ax, ay, az = rows[o + A] - x, rows[o + A + 1] - y, rows[o + A + 2] - z
+    bx, by, bz = ax + rows[o + AB], ay + rows[o + AB + 1], az + rows[o + AB + 2]
+    cx, cy, cz = ax - rows[o + CA], ay - rows[o + CA + 1], az - rows[o + CA + 2]
+    a, b, c = sqrt(ax * ax + ay * ay + az * az), sqrt(bx * bx + by * by + bz * bz), sqrt(cx * cx + cy * cy + cz * cz)
+    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    across = a * b * c + (ax * bx + ay * by + az * bz) * c
+    across = across + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b
+    size = sqrt(volume * volume + across * across)
+    scale = 1.0 / max(size, TINY)
+    return where(size > TINY, across * scale, 1.0), volume * scale
+
+
+@device
+def angle(re, im):
+    """Angle of complex numbers of length 1, off by at most .004."""
+    x, y = abs(re), abs(im)
+    t = min(x, y) / max(max(x, y), TINY)
+    found = t * (np.float32(0.25) * PI + np.float32(0.273) * (1.0 - t))
+    found = where(y > x, HALF_PI - found, found)
+    found = where(re < 0.0, PI - found, found)
+    return where(im < 0.0, -found, found)
+
+
+@device
+def winding(tree, x, y, z):
+    """Winding numbers of the mesh about points, as `winding.winding`.
+
+    Solid angles of near triangles are added as a product of complex numbers, and the turns that a product does not
+    show are counted.
+    """
+    numbers, rows = pointer(tree.moments), pointer(tree.rows)
+    re, im = broadcast(x, 1.0), broadcast(x, 0.0)
+    turns, far = broadcast(x, 0.0), broadcast(x, 0.0)
+    nodes = local_int32()
+    nodes[0] = 0
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        node = nodes[waiting]
+        o = node * MOMENTS
+        dx, dy, dz = numbers[o + CX] - x, numbers[o + CY] - y, numbers[o + CZ] - z
+        apart = dx * dx + dy * dy + dz * dz
+        if not any_lane(apart <= numbers[o + RADIUS_2]):
+            through = numbers[o + NX] * dx + numbers[o + NY] * dy + numbers[o + NZ] * dz
+            far = far + through / (apart * sqrt(apart))
+        elif tree.counts[node] > 0:
+            for i in range(tree.child[node], tree.child[node] + tree.counts[node]):
+                cos, sin = half_angle(rows, i * ROW, x, y, z)
+                one = re * sin + im * cos
+                turns = turns + where((im >= 0.0) & (sin >= 0.0) & (one < 0.0), broadcast(x, 1.0), 0.0)
+                turns = turns - where((im < 0.0) & (sin < 0.0) & (one >= 0.0), broadcast(x, 1.0), 0.0)
+                re = re * cos - im * sin
+                im = one
+        else:
+            nodes[waiting] = tree.child[node]
+            nodes[waiting + 1] = node + 1
+            waiting += 2
+    return turns + (angle(re, im) + np.float32(0.5) * far) / TURN

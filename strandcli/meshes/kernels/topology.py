@@ -1,0 +1,60 @@
+"""Which triangles hang together, and which way round they are wound."""
+
+from __future__ import annotations
+
+from ...jit import device, function
+
+
+@device
+def root(parent, i):
+    """The lowest of the items that i hangs together with, so far; paths to it become shorter."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@function
+def join(pairs, parent):
+    """Write for each item the lowest that it hangs together with: pairs (P, 2) of items that do, parent (N,)."""
+    for i in range(parent.shape[0]):
+        parent[i] = i
+    for p in range(pairs.shape[0]):
+        a, b = root(parent, pairs[p, 0]), root(parent, pairs[p, 1])
+        if a < b:
+            parent[b] = a
+        else:
+            parent[a] = b
+    for i in range(parent.shape[0]):
+        parent[i] = root(parent, i)
+
+
+@function
+def orient(neighbours, opposed, part, turned, queue):
+    """The number of parts of a mesh. Triangles are gone through from neighbour to neighbour, and turned where that
+    makes them agree.
+
+    neighbours: (T, 3) int32, the triangle across each edge, or -1; opposed: (T, 3), whether it is wound the other way;
+    part: (T,) int32, of -1, becomes the number of its part; turned: (T,), becomes whether it has to be turned;
+    queue: (T,) int32 scratch.
+    """
+    parts = 0
+    for seed in range(part.shape[0]):
+        if part[seed] >= 0:
+            continue
+        part[seed] = parts
+        turned[seed] = False
+        queue[0] = seed
+        begin, end = 0, 1
+        while begin < end:
+            t = queue[begin]
+            begin += 1
+            for k in range(3):
+                other = neighbours[t, k]
+                if other >= 0 and part[other] < 0:
+                    part[other] = parts
+                    turned[other] = turned[t] != opposed[t, k]
+                    queue[end] = other
+                    end += 1
+        parts += 1
+    return parts

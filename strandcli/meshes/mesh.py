@@ -1,0 +1,135 @@
+"""Triangles with what belongs to them, and the faults that were found in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Vectors = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True)
+class MeshFacts:
+    """What was found in a mesh; all are numbers of things.
+
+    no_area: triangles without area, left out; repeated: triangles that repeat another, left out; unused: vertices
+    of no triangle, left out; merged: vertices that were at the place of another one; boundary: edges of one triangle
+    alone; holes: rings of them; crowded: edges of three triangles or more; turned: triangles that were wound against
+    the others; twisted: edges whose triangles cannot be made to agree; parts: pieces that hang together by edges.
+    """
+
+    no_area: int = 0
+    repeated: int = 0
+    unused: int = 0
+    merged: int = 0
+    boundary: int = 0
+    holes: int = 0
+    crowded: int = 0
+    turned: int = 0
+    twisted: int = 0
+    parts: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriangleMesh:
+    """A mesh whose triangles are wound counter-clockwise, seen from outside, as far as it has an outside.
+
+    vertices: (V, 3) float64, units of the file; triangles: (T, 3) int32, rows of vertices, at least one triangle;
+    normals: (V, 3) float64, unit length, smooth, weighted by angle; corner_normals: (T, 3, 3) float64, unit length, of
+    each corner, where the file has normals of its own, which keep creases; uv: (T, 3, 2) float32, of each corner, the
+    origin at the lower left of the texture; colours: (V, 3) float32, linear, 0 to 1; attributes: named numbers of
+    vertices, (V,) or (V, k) float32; texture: (h, w, 3) uint8, sRGB, first row at the top; closed: whether no edge is
+    where the winding number changes, so that inside and outside are told apart without doubt; facts: what was found;
+    notes: the same as sentences, and what was left out; merge: (file's vertices,) int32, of each of them its row in
+    `vertices` or -1.
+    """
+
+    vertices: Vectors
+    triangles: Indices
+    normals: Vectors
+    corner_normals: Vectors | None = None
+    uv: npt.NDArray[np.float32] | None = None
+    colours: npt.NDArray[np.float32] | None = None
+    attributes: Mapping[str, npt.NDArray[np.float32]] = field(default_factory=dict)
+    texture: npt.NDArray[np.uint8] | None = None
+    closed: bool = False
+    facts: MeshFacts = field(default_factory=MeshFacts)
+    notes: tuple[str, ...] = ()
+    merge: Indices | None = None
+
+    def box(self) -> tuple[Vectors, Vectors]:
+        """Low and high corner (3,) of the vertices."""
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    def size(self) -> float:
+        """Longest side of the box, units of the file."""
+        low, high = self.box()
+        return float((high - low).max())
+
+    def areas(self) -> Vectors:
+        """Area of each triangle (T,)."""
+        found: Vectors = 0.5 * np.linalg.norm(face_vectors(self.vertices[self.triangles]), axis=1)
+        return found
+
+    def face_normals(self) -> Vectors:
+        """Unit normal of each triangle (T, 3), outward."""
+        return unit(face_vectors(self.vertices[self.triangles]))
+
+    def normals_of_corners(self) -> Vectors:
+        """Unit normals (T, 3, 3) to shade with: the file's, or else the smooth ones."""
+        return self.normals[self.triangles] if self.corner_normals is None else self.corner_normals
+
+    def with_vertices(self, vertices: npt.NDArray[Any]) -> TriangleMesh:
+        """The same triangles with their vertices (V, 3) elsewhere; normals are smooth ones."""
+        moved = np.ascontiguousarray(vertices, np.float64)
+        return replace(self, vertices=moved, normals=smooth_normals(moved, self.triangles), corner_normals=None)
+
+    def transformed(self, linear: npt.NDArray[Any], shift: npt.NDArray[Any]) -> TriangleMesh:
+        """The mesh under p ↦ linear (3, 3) · p + shift (3,), which must not be flat; still wound outward where it
+        mirrors."""
+        matrix = np.asarray(linear, np.float64)
+        vertices = self.vertices @ matrix.T + np.asarray(shift, np.float64)
+        normals = np.linalg.inv(matrix)  # of rows: the inverse transposed keeps what is outward, mirrored or not
+        if np.linalg.det(matrix) > 0:
+            corners = None if self.corner_normals is None else unit(self.corner_normals @ normals)
+            return replace(self, vertices=vertices, normals=unit(self.normals @ normals), corner_normals=corners)
+        back = np.array((0, 2, 1))
+        return replace(
+            self, vertices=vertices, triangles=np.ascontiguousarray(self.triangles[:, back]),
+            normals=unit(self.normals @ normals),
+            corner_normals=None if self.corner_normals is None else unit(self.corner_normals[:, back] @ normals),
+            uv=None if self.uv is None else np.ascontiguousarray(self.uv[:, back]),
+        )  # fmt: skip
+
+
+def unit(vectors: npt.NDArray[Any]) -> Vectors:
+    """Vectors of length 1, along the last axis; those of length 0 stay."""
+    found = np.asarray(vectors, np.float64)
+    most = np.abs(found).max(axis=-1, keepdims=True)
+    found = np.divide(found, most, out=np.zeros_like(found), where=most > 0)
+    size = np.linalg.norm(found, axis=-1, keepdims=True)
+    return np.divide(found, size, out=found, where=size > 0)
+
+
+def face_vectors(corners: Vectors) -> Vectors:
+    """Normals of triangles (T, 3, 3), as long as twice their area."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
+    """Normals (V, 3) of vertices: those of their triangles, weighted by the angle there (Thürmer & Wüthrich 1998)."""
+    corners = vertices[triangles]
+    faces = unit(face_vectors(corners))
+    found = np.zeros_like(vertices)
+    for k in range(3):
+        a = unit(corners[:, (k + 1) % 3] - corners[:, k])
+        b = unit(corners[:, (k + 2) % 3] - corners[:, k])
+        angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+        for axis in range(3):
+            found[:, axis] += np.bincount(triangles[:, k], angle * faces[:, axis], vertices.shape[0])
+    return unit(found)

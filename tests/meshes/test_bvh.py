@@ -1,0 +1,172 @@
+"""Rays, nearest points and winding numbers, against all triangles one by one and against libigl."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+import pytest
+
+import mesh_kit as kit
+from strandcli.jit import parallel, prange
+from strandcli.meshes.bvh import Bvh, make_bvh, moved
+from strandcli.meshes.closest import closest
+from strandcli.meshes.kernels.rays import any_hit, first_hit
+from strandcli.meshes.kernels.winding import winding
+from strandcli.meshes.make import make_mesh
+from strandcli.meshes.mesh import TriangleMesh
+
+MESHES = ("ball", "box", "bowl", "soup", "sliver")
+
+
+@parallel
+def cast(bvh, origins, directions, t_max, found, triangles, any_found):
+    for i in prange(origins.shape[0]):
+        ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
+        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
+        found[i, 0], triangles[i], found[i, 1], found[i, 2] = first_hit(bvh, ox, oy, oz, dx, dy, dz, t_max)
+        any_found[i] = any_hit(bvh, ox, oy, oz, dx, dy, dz, t_max)
+
+
+@parallel
+def wind(bvh, points, found):
+    for i in prange(points.shape[0]):
+        found[i] = winding(bvh, points[i, 0], points[i, 1], points[i, 2])
+
+
+def rays(bvh: Bvh, origins: np.ndarray, directions: np.ndarray, t_max: float = np.inf) -> tuple[np.ndarray, ...]:
+    """t, u, v; triangles; whether anything is met."""
+    count = origins.shape[0]
+    found = np.empty((count, 3)), np.empty(count, np.int64), np.empty(count, np.bool_)
+    cast(bvh, origins, directions, t_max, *found)
+    return found
+
+
+def tree(mesh: TriangleMesh) -> Bvh:
+    return make_bvh(mesh.vertices, mesh.triangles)
+
+
+@pytest.mark.parametrize("name", MESHES[:-1])
+def test_first_hits_are_those_of_all_triangles(name: str) -> None:
+    mesh = kit.mesh(name)
+    generator = np.random.default_rng(1)
+    origins, directions = generator.normal(size=(2, 400, 3))
+    aims = mesh.vertices[mesh.triangles[generator.integers(mesh.triangles.shape[0], size=200)]]
+    directions[200:] = np.einsum("rk,rkj->rj", generator.dirichlet(np.ones(3), 200), aims) - origins[200:]
+    directions[:40] = 0.0
+    directions[np.arange(40), np.arange(40) % 3] = np.where(np.arange(40) % 2, 1.0, -2.0)
+    found, triangles, any_found = rays(tree(mesh), origins, directions)
+    t, u, v = kit.all_hits(mesh, origins, directions)
+    first = t.min(axis=1)
+    assert np.array_equal(np.isfinite(found[:, 0]), np.isfinite(first))
+    assert np.array_equal(any_found, np.isfinite(first))
+    met = np.isfinite(first)
+    assert 200 <= met.sum() < 400
+    np.testing.assert_allclose(found[met, 0], first[met], rtol=1e-9, atol=1e-12)
+    rows = np.flatnonzero(met), triangles[met]
+    np.testing.assert_allclose(t[rows], first[met], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found[met, 1:], np.stack([u[rows], v[rows]], axis=1), atol=1e-6)
+    assert (triangles[~met] == -1).all()
+
+
+def test_rays_stop_where_they_are_told() -> None:
+    bvh = tree(kit.mesh("box"))
+    origin, direction = np.array([[0.1, 0.2, -3.0]]), np.array([[0.0, 0.0, 2.0]])
+    for t_max, met in ((0.99, False), (1.0, True), (1.01, True)):
+        found, triangle, any_found = rays(bvh, origin, direction, t_max)
+        assert any_found[0] == met
+        assert (triangle[0] >= 0) == met
+        assert found[0, 0] == (1.0 if met else np.inf)
+
+
+def test_no_ray_slips_through_an_edge_or_a_corner() -> None:
+    """Rays from the middle of a closed mesh that are aimed at its corners and at points of its edges."""
+    mesh = kit.mesh("ball")
+    ends = mesh.vertices[mesh.triangles[:, (0, 1)]]
+    generator = np.random.default_rng(2)
+    share = generator.random((ends.shape[0], 1))
+    aims = np.concatenate([mesh.vertices, ends[:, 0] + share * (ends[:, 1] - ends[:, 0])])
+    for origin in (np.zeros(3), generator.uniform(-0.3, 0.3, 3)):
+        directions = aims - origin
+        found, _, any_found = rays(tree(mesh), np.tile(origin, (aims.shape[0], 1)), directions)
+        assert any_found.all()
+        np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_nearest_points_are_those_of_all_triangles(name: str) -> None:
+    mesh = kit.mesh(name)
+    points = np.random.default_rng(3).normal(size=(500, 3))
+    found = closest(tree(mesh), points)
+    squared, _, near = igl.point_mesh_squared_distance(points, mesh.vertices, mesh.triangles.astype(np.int64))
+    np.testing.assert_allclose(np.abs(found.distances), np.sqrt(squared), rtol=1e-9, atol=1e-12)
+    shares = found.barycentrics
+    assert (shares >= -1e-12).all()
+    np.testing.assert_allclose(shares.sum(axis=1), 1.0)
+    of_corners = np.einsum("pk,pkj->pj", shares, mesh.vertices[mesh.triangles[found.triangles]])
+    np.testing.assert_allclose(of_corners, found.points, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(found.points - points, axis=1), np.sqrt(squared), rtol=1e-9, atol=1e-12)
+    once = np.abs(np.linalg.norm(near - found.points, axis=1)) < 1e-9
+    assert once.mean() > 0.9  # others are as near to two triangles
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_winding_numbers_are_those_of_all_triangles(name: str) -> None:
+    mesh = kit.mesh(name)
+    points = np.random.default_rng(4).normal(size=(500, 3))
+    found = np.empty(500)
+    wind(tree(mesh), points, found)
+    whole = igl.winding_number(mesh.vertices, mesh.triangles.astype(np.int64), points)
+    assert np.abs(found - whole).max() < (0.1 if name == "soup" else 0.06)
+    if mesh.closed:
+        assert np.array_equal(found > 0.5, whole > 0.5)
+
+
+def test_a_tree_holds_every_triangle_once_and_all_of_it() -> None:
+    mesh = kit.mesh("ball")
+    bvh = tree(mesh)
+    assert np.array_equal(np.sort(bvh.triangle), np.arange(mesh.triangles.shape[0]))
+    assert bvh.counts.sum() == mesh.triangles.shape[0]
+    for node in np.flatnonzero(bvh.counts == 0):
+        for child in (node + 1, bvh.child[node]):
+            assert (bvh.boxes[node, :3] <= bvh.boxes[child, :3]).all()
+            assert (bvh.boxes[node, 3:] >= bvh.boxes[child, 3:]).all()
+    for leaf in np.flatnonzero(bvh.counts):
+        corners = bvh.corners[bvh.child[leaf] :][: bvh.counts[leaf]].reshape(-1, 3)
+        assert (bvh.boxes[leaf, :3] <= corners.min(axis=0)).all()
+        assert (bvh.boxes[leaf, 3:] >= corners.max(axis=0)).all()
+
+
+def test_a_tree_follows_its_vertices() -> None:
+    mesh = kit.mesh("ball")
+    vertices = mesh.vertices * (1.0, 2.0, 0.5) + (0.3, 0.0, -1.0)
+    points = np.random.default_rng(5).normal(size=(300, 3))
+    old, new = moved(tree(mesh), vertices, mesh.triangles), make_bvh(vertices, mesh.triangles)
+    for one, other in zip(closest(old, points), closest(new, points), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 4000])
+def test_triangles_at_one_place_make_a_tree(count: int) -> None:
+    """No split parts them by place; a stack holds them all the same."""
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    bvh = make_bvh(vertices, np.tile(np.arange(3, dtype=np.int32), (count, 1)))
+    found, triangle, _ = rays(bvh, np.array([[0.2, 0.2, 1.0]]), np.array([[0.0, 0, -1]]))
+    assert found[0, 0] == 1.0
+    assert triangle[0] == 0
+    assert closest(bvh, np.array([[0.2, 0.2, 3.0]])).triangles[0] == 0
+
+
+def test_long_chains_of_splits_end() -> None:
+    """Triangles that shrink by half each, of which every split parts only some."""
+    size = 0.5 ** np.arange(300.0)
+    corners = size[:, None, None] * np.array([[1.0, 0, 0], [1, 1, 0], [1, 0, 1]])
+    bvh = make_bvh(corners.reshape(-1, 3), np.arange(900, dtype=np.int32).reshape(-1, 3))
+    found = closest(bvh, np.array([[0.4, 0.0, 0.0], [2.0, 0, 0]]))
+    assert found.triangles.tolist() == [1, 0]
+
+
+def test_one_triangle_mesh() -> None:
+    mesh = make_mesh(np.eye(3), np.array([[0, 1, 2]]))
+    found = closest(tree(mesh), np.zeros((1, 3)))
+    np.testing.assert_allclose(found.points, np.full((1, 3), 1 / 3))
+    np.testing.assert_allclose(np.abs(found.distances), np.sqrt(1 / 3))

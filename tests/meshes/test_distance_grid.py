@@ -1,0 +1,106 @@
+"""Grids of signed distances, against closed forms and libigl."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+import pytest
+
+import mesh_kit as kit
+from strandcli.jit import parallel, prange
+from strandcli.meshes.bvh import make_bvh
+from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
+from strandcli.meshes.kernels.distance import distance_and_gradient
+from strandcli.meshes.mesh import TriangleMesh
+
+
+@parallel
+def look(grid, points, found):
+    for i in prange(points.shape[0]):
+        one = distance_and_gradient(grid, points[i, 0], points[i, 1], points[i, 2])
+        for k in range(4):
+            found[i, k] = one[k]
+
+
+def distances(grid: DistanceGrid, points: np.ndarray) -> np.ndarray:
+    """Distance and gradient at points (P, 4)."""
+    found = np.empty((points.shape[0], 4))
+    look(grid, points, found)
+    return found
+
+
+def nodes(grid: DistanceGrid) -> np.ndarray:
+    """The places of all nodes (n, 3)."""
+    axes = [grid.low[2 - k] + grid.spacing * np.arange(count) for k, count in enumerate(grid.values.shape)]
+    z, y, x = np.meshgrid(*axes, indexing="ij")
+    return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1).astype(np.float64)
+
+
+def grid_of(mesh: TriangleMesh, resolution: int) -> DistanceGrid:
+    return make_distance_grid(make_bvh(mesh.vertices, mesh.triangles), mesh.closed, resolution)
+
+
+@pytest.mark.parametrize("name", ["ball", "box", "bowl", "soup"])
+def test_nodes_have_the_distance(name: str) -> None:
+    mesh = kit.mesh(name)
+    grid = grid_of(mesh, 40)
+    points = nodes(grid)
+    triangles = mesh.triangles.astype(np.int64)
+    squared, _, _ = igl.point_mesh_squared_distance(points, mesh.vertices, triangles)
+    found = grid.values.ravel()
+    assert np.abs(np.abs(found) - np.sqrt(squared)).max() < 1e-6 * mesh.size()
+    around = igl.winding_number(mesh.vertices, triangles, points)
+    sure = (np.abs(around - 0.5) > (0.06 if name != "soup" else 0.1)) & (np.sqrt(squared) > 1e-5)
+    assert np.array_equal((found < 0)[sure], (around > 0.5)[sure])
+    assert sure.mean() > 0.6
+    if mesh.closed:
+        assert sure.mean() > 0.85  # nodes on the box itself have no sign
+
+
+def test_a_box_by_its_closed_form() -> None:
+    grid = grid_of(kit.mesh("box"), 33)
+    points = nodes(grid)
+    q = np.abs(points) - 1.0
+    exact = np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(axis=1), 0)
+    np.testing.assert_allclose(grid.values.ravel(), exact, atol=2e-6)
+
+
+def test_interpolation_errs_by_the_square_of_the_spacing() -> None:
+    mesh = kit.mesh("ball")
+    points = np.random.default_rng(1).normal(size=(20000, 3))
+    points *= np.random.default_rng(2).uniform(0.5, 1.05, (20000, 1)) / np.linalg.norm(points, axis=1, keepdims=True)
+    squared, _, _ = igl.point_mesh_squared_distance(points, mesh.vertices, mesh.triangles.astype(np.int64))
+    errors = []
+    for resolution in (24, 48):
+        found = distances(grid_of(mesh, resolution), points)
+        errors.append(np.sqrt(np.mean((np.abs(found[:, 0]) - np.sqrt(squared)) ** 2)))
+        outward = points / np.linalg.norm(points, axis=1, keepdims=True)
+        assert np.mean(np.sum(found[:, 1:] * outward, axis=1)) == pytest.approx(1.0, abs=0.02)
+    assert errors[1] < 0.45 * errors[0]
+    assert errors[0] < 4e-3
+
+
+def test_gradients_are_those_of_the_distance() -> None:
+    grid = grid_of(kit.mesh("box"), 24)
+    points = np.random.default_rng(3).uniform(-2.5, 2.5, (2000, 3))
+    step = 1e-5
+    found = distances(grid, points)
+    for k in range(3):
+        ahead, behind = (distances(grid, points + s * np.eye(3)[k])[:, 0] for s in (step, -step))
+        slope = (ahead - behind) / (2 * step)
+        assert np.median(np.abs(slope - found[:, 1 + k])) < 1e-6
+        assert np.mean(np.abs(slope - found[:, 1 + k]) < 1e-4) > 0.99  # others lie at a cell's side
+
+
+def test_outside_of_the_grid_it_is_never_more_than_the_distance() -> None:
+    mesh = kit.mesh("bowl")
+    grid = grid_of(mesh, 32)
+    points = np.random.default_rng(4).normal(size=(3000, 3)) * 3.0
+    squared, _, _ = igl.point_mesh_squared_distance(points, mesh.vertices, mesh.triangles.astype(np.int64))
+    low = grid.low
+    high = low + grid.spacing * (np.array(grid.values.shape[::-1]) - 1)
+    out = ((points < low) | (points > high)).any(axis=1)
+    found = distances(grid, points)[:, 0]
+    assert out.sum() > 1000
+    assert (found[out] <= np.sqrt(squared[out]) + 1e-3).all()
+    assert (found[out] > 0.6 * np.sqrt(squared[out])).all()
