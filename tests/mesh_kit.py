@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import struct
 from functools import cache
 
 import numpy as np
@@ -73,3 +75,91 @@ def all_hits(mesh: TriangleMesh, origins: np.ndarray, directions: np.ndarray) ->
         t = (across * q).sum(axis=2) * inverse
         met = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0)
     return np.where(met, t, np.inf), u, v
+
+
+def obj(mesh: TriangleMesh) -> bytes:
+    """Wavefront OBJ, with the uv of corners where there are any."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
+    if mesh.uv is None:
+        lines += [f"f {a} {b} {c}" for a, b, c in (mesh.triangles + 1).tolist()]
+    else:
+        lines += [f"vt {u} {v}" for u, v in mesh.uv.reshape(-1, 2).tolist()]
+        for t, (a, b, c) in enumerate((mesh.triangles + 1).tolist()):
+            lines.append(f"f {a}/{3 * t + 1} {b}/{3 * t + 2} {c}/{3 * t + 3}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def ply(
+    mesh: TriangleMesh,
+    order: str = "<",
+    faces: list[list[int]] | None = None,
+    more: dict[str, np.ndarray] | None = None,
+) -> bytes:
+    """PLY of a byte order, or text (""): double coordinates, and further numbers of vertices."""
+    more = more or {}
+    polygons = mesh.triangles.tolist() if faces is None else faces
+    kinds = {"f4": "float", "f8": "double", "u1": "uchar", "i4": "int"}
+    header = ["ply", f"format { {'<': 'binary_little_endian', '>': 'binary_big_endian', '': 'ascii'}[order] } 1.0"]
+    header += ["comment made by a test", f"element vertex {mesh.vertices.shape[0]}"]
+    header += [f"property double {axis}" for axis in "xyz"]
+    header += [f"property {kinds[values.dtype.str[1:]]} {name}" for name, values in more.items()]
+    header += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header", ""]
+    begin = "\n".join(header).encode()
+    columns = [*mesh.vertices.T, *more.values()]
+    if not order:
+        rows = [" ".join(repr(value) for value in row) for row in zip(*(one.tolist() for one in columns), strict=True)]
+        rows += [" ".join(map(str, [len(one), *one])) for one in polygons]
+        return begin + ("\n".join(rows) + "\n").encode()
+    names = ["x", "y", "z", *more]
+    record = np.empty(
+        mesh.vertices.shape[0], [(n, order + c.dtype.str[1:]) for n, c in zip(names, columns, strict=True)]
+    )
+    for name, values in zip(names, columns, strict=True):
+        record[name] = values
+    lists = b"".join(bytes([len(one)]) + np.array(one, order + "i4").tobytes() for one in polygons)
+    return begin + record.tobytes() + lists
+
+
+def stl(mesh: TriangleMesh, text: bool = False) -> bytes:
+    """STL, binary or text."""
+    corners = mesh.vertices[mesh.triangles]
+    if text:
+        lines = ["solid a"]
+        for triangle in corners.tolist():
+            lines += ["facet normal 0 0 0", "outer loop"]
+            lines += [f"vertex {x!r} {y!r} {z!r}" for x, y, z in triangle]
+            lines += ["endloop", "endfacet"]
+        return ("\n".join([*lines, "endsolid a"]) + "\n").encode()
+    rows = np.zeros(corners.shape[0], [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    rows["corners"] = corners
+    return bytes(80) + np.uint32(corners.shape[0]).tobytes() + rows.tobytes()
+
+
+def gltf_tree(mesh: TriangleMesh, **attributes: np.ndarray) -> tuple[dict, bytes]:
+    """The header of a glTF file without its buffer's name, and the buffer; attributes: further ones, float32."""
+    arrays = {"POSITION": mesh.vertices.astype("<f4"), **attributes, "": mesh.triangles.reshape(-1).astype("<u4")}
+    views, accessors, content = [], [], b""
+    for values in arrays.values():
+        views.append({"buffer": 0, "byteOffset": len(content), "byteLength": values.nbytes})
+        kind = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[values.shape[1] if values.ndim > 1 else 1]
+        code = 5125 if values.dtype.kind == "u" else 5126
+        accessors.append({"bufferView": len(views) - 1, "componentType": code, "count": len(values), "type": kind})
+        content += values.tobytes()
+    accessors[0] |= {"min": mesh.vertices.min(axis=0).tolist(), "max": mesh.vertices.max(axis=0).tolist()}
+    primitive = {"attributes": {name: k for k, name in enumerate(arrays) if name}, "indices": len(arrays) - 1}
+    tree = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}], "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(content)}],
+    }  # fmt: skip
+    return tree, content
+
+
+def glb(tree: dict, content: bytes) -> bytes:
+    """A `.glb` of a header and a buffer."""
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    content += bytes(-len(content) % 4)
+    size = 12 + 8 + len(text) + 8 + len(content)
+    head = struct.pack("<4sII", b"glTF", 2, size) + struct.pack("<I4s", len(text), b"JSON")
+    return head + text + struct.pack("<I4s", len(content), b"BIN\0") + content

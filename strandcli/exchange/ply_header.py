@@ -21,14 +21,20 @@ MOST_LINES = 1000
 
 @dataclass(slots=True)
 class Element:
-    """An element: its name, how many there are, the byte that says so, types of its properties by name; ``lists``:
-    whether some property is a list."""
+    """An element: its name, how many there are, the byte that says so, types of its properties by name, those that are
+    lists left out; ``columns``: of all properties in their order the name, the type, and of lists the type of their
+    length, else None."""
 
     name: str
     count: int
     at: int
     properties: dict[str, str] = field(default_factory=dict)
-    lists: bool = False
+    columns: list[tuple[str, str, str | None]] = field(default_factory=list)
+
+    @property
+    def lists(self) -> bool:
+        """Whether some property is a list."""
+        return len(self.columns) > len(self.properties)
 
     def record(self, order: str) -> np.dtype[Any]:
         """A row in the file, in a byte order."""
@@ -53,10 +59,11 @@ def read_header(file: Bounded) -> tuple[str, dict[str, Element], list[str]]:
                 if name in elements:
                     raise file.damaged(f"element {name}: is there twice", at)
                 current = elements[name] = Element(name, int(count), at)
-            case ["property", "list", counts, items, _] if {counts, items} <= TYPES.keys() and current is not None:
-                current.lists = True
+            case ["property", "list", counts, items, name] if {counts, items} <= TYPES.keys() and current is not None:
+                current.columns.append((name, TYPES[items], TYPES[counts]))
             case ["property", kind, name] if kind in TYPES and current is not None and name not in current.properties:
                 current.properties[name] = TYPES[kind]
+                current.columns.append((name, TYPES[kind], None))
             case ["comment" | "obj_info", *text]:
                 comments.append(" ".join(text))
             case ["end_header"] if order is not None:

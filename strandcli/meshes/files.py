@@ -31,7 +31,7 @@ class Beside:
     def get(self, name: str) -> bytes:
         """What a file holds. Raises `ValueError` for one outside of the folder, `OSError` for none."""
         try:
-            found = self._read(unquote(str(name).strip()).replace("\\", "/"))
+            found = self._read(self._place(name))
         except (OSError, ValueError):
             self.missing.append(str(name)[:80])
             raise
@@ -40,15 +40,26 @@ class Beside:
 
     __getitem__ = get
 
+    def size(self, name: str) -> int:
+        """Bytes of a file; 0 of none."""
+        try:
+            path = self._place(name)
+            return path.stat().st_size if path.is_file() else 0
+        except (OSError, ValueError):
+            return 0
+
     @property
     def found(self) -> bool:
         """Whether a file was found that may be a picture."""
         return self.pictures > 0
 
-    def _read(self, name: str) -> bytes:
-        path = (self.folder / name).resolve()
+    def _place(self, name: str) -> Path:
+        path = (self.folder / unquote(str(name).strip()).replace("\\", "/")).resolve()
         if not path.is_relative_to(self.folder):
             raise ValueError("outside of the folder")
+        return path
+
+    def _read(self, path: Path) -> bytes:
         try:
             with opened(path, "file") as file:
                 if file.size > LARGEST:
@@ -77,6 +88,16 @@ def pixels(image: Any) -> npt.NDArray[np.uint8] | None:
             return None
         return np.asarray(image.convert("RGB"))
     except Exception:  # whatever a damaged picture raises
+        return None
+
+
+def picture(beside: Beside, name: str) -> npt.NDArray[np.uint8] | None:
+    """A picture beside a mesh file; None where it cannot be read."""
+    from PIL import Image
+
+    try:
+        return pixels(Image.open(io.BytesIO(beside.get(name))))
+    except Exception:  # likewise
         return None
 
 

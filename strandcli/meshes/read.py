@@ -2,12 +2,14 @@
 
     mesh = read_mesh(Path("head.obj"))
 
-Only the input of trimesh is used, and imported when a mesh is read.
+Only the input of trimesh is used, and imported when a mesh of its is read; PLY is read by `ply`.
 """
 
 from __future__ import annotations
 
+import io
 import logging
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -19,10 +21,15 @@ import numpy.typing as npt
 
 from ..errors import StrandError, UsageError, one_line
 from .files import Beside, pixels, whole
+from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh, smooth_normals
+from .ply import read_ply
+from .polygons import fans, linear
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf")
+RELATIVE = re.compile(rb"^f[^\n]*[ \t/][-0]", re.MULTILINE)
+"""A face of OBJ with an index that counts back, or with 0."""
 MENDS = "write it anew, as .obj, .ply, .stl or .glb with triangles"
 
 
@@ -56,8 +63,8 @@ def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:
 def _raw(path: Path) -> RawMesh:
     """What a file holds, whatever its format."""
     suffix = path.suffix.lower()
-    readers: dict[str, Callable[[Path, Beside], RawMesh]] = {
-        ".obj": _obj, ".ply": _ply, ".stl": _stl, ".glb": _gltf, ".gltf": _gltf,
+    readers: dict[str, Callable[[Path, Beside], list[RawMesh]]] = {
+        ".obj": _obj, ".ply": read_ply, ".stl": _stl, ".glb": read_gltf, ".gltf": read_gltf,
     }  # fmt: skip
     if suffix not in readers:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
@@ -67,7 +74,7 @@ def _raw(path: Path) -> RawMesh:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            found = readers[suffix](path, beside)
+            found = joined(readers[suffix](path, beside))
     except StrandError:
         raise
     except MemoryError:
@@ -83,110 +90,81 @@ def _raw(path: Path) -> RawMesh:
     return found
 
 
-def _obj(path: Path, beside: Beside) -> RawMesh:
+def _obj(path: Path, beside: Beside) -> list[RawMesh]:
     """Wavefront OBJ, with the materials' texture."""
     from trimesh.exchange.obj import load_obj
 
-    found = load_obj(whole(path, ".obj file"), resolver=beside)  # type: ignore[arg-type]
-    return _joined([_part(one, beside.found) for one in reversed(list(found.get("geometry", {}).values()))])
+    content = whole(path, ".obj file")
+    if RELATIVE.search(content.getbuffer()):
+        content = io.BytesIO(absolute(path, content.getvalue()))
+    resolver: Any = beside
+    found = load_obj(content, resolver=resolver)
+    return [_part(one, beside.found) for one in reversed(list(found.get("geometry", {}).values()))]
 
 
-def _ply(path: Path, beside: Beside) -> RawMesh:
-    from trimesh.exchange.ply import load_ply
+def absolute(path: Path, text: bytes) -> bytes:
+    """A text of OBJ whose indices count from the begin, where they counted back from their line. Raises `UsageError`
+    for an index 0 and one before the begin."""
+    counts = {b"v": 0, b"vt": 0, b"vn": 0}
+    lines = text.replace(b"\\\n", b" ").replace(b"\\\r\n", b" ").split(b"\n")
+    for number, line in enumerate(lines):
+        words = line.split()
+        if not words:
+            continue
+        if words[0] in counts:
+            counts[words[0]] += 1
+        elif words[0] == b"f":
+            lines[number] = b" ".join(
+                [b"f", *(_corner(path, number, word, list(counts.values())) for word in words[1:])]
+            )
+    return b"\n".join(lines)
 
-    found = load_ply(whole(path, ".ply file"), resolver=beside, fix_texture=False)  # type: ignore[arg-type]
-    return _joined([_part(found, beside.found)] if "faces" in found else [])
+
+def _corner(path: Path, line: int, word: bytes, counts: list[int]) -> bytes:
+    """A corner v/vt/vn with indices from 1."""
+    found = []
+    for part, count in zip(word.split(b"/")[:3], counts, strict=False):
+        index = int(part) if part else None
+        if index is not None and (index == 0 or index + count < 0):
+            raise UsageError(f"{path}: line {line + 1:,}: index {index:,} of {count:,}; they count from 1: {MENDS}")
+        found.append(b"" if index is None else b"%d" % (index if index > 0 else count + 1 + index))
+    return b"/".join(found)
 
 
-def _stl(path: Path, beside: Beside) -> RawMesh:
+def _stl(path: Path, beside: Beside) -> list[RawMesh]:
+    """STL, text or binary; it has no normals but those of its triangles."""
     from trimesh.exchange.stl import load_stl
 
     found = load_stl(whole(path, ".stl file"))
-    parts = found["geometry"].values() if "geometry" in found else [found]
-    return _joined([_part(one, False) for one in parts])
-
-
-def _gltf(path: Path, beside: Beside) -> RawMesh:
-    import trimesh
-
-    kind = path.suffix.lower()[1:]
-    resolver: Any = beside
-    content = whole(path, f".{kind} file")
-    scene: Any = trimesh.load(content, file_type=kind, resolver=resolver, process=False, force="scene")
-    parts = []
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if hasattr(mesh, "faces"):
-            parts.append(_placed(_part(_of_trimesh(mesh), True), np.asarray(matrix)))
-    return _joined(parts)
-
-
-def _of_trimesh(mesh: Any) -> dict[str, Any]:
-    """The arguments that a mesh of trimesh is made of."""
-    found = {"vertices": mesh.vertices, "faces": mesh.faces, "visual": mesh.visual}
-    if "vertex_normals" in mesh._cache.cache:
-        found["vertex_normals"] = mesh.vertex_normals
-    found["vertex_attributes"] = dict(mesh.vertex_attributes)
-    return found
+    return [_part(one, False) for one in (found["geometry"].values() if "geometry" in found else [found])]
 
 
 def _part(found: dict[str, Any], textured: bool) -> RawMesh:
     """A part from trimesh's arguments; textured: whether its picture is one of the file's, not trimesh's own."""
     vertices = np.asarray(found["vertices"], np.float64)
     triangles = fans(np.asarray(found["faces"]))
-    normals = found.get("vertex_normals")
-    visual = found.get("visual")
-    uv, texture = getattr(visual, "uv", None), None
+    normals, visual = found.get("vertex_normals"), found.get("visual")
+    colours: Any = found.get("vertex_colors")
+    uv: Any = getattr(visual, "uv", None)
     image = getattr(getattr(visual, "material", None), "image", None)
-    if image is None:
-        image = getattr(getattr(visual, "material", None), "baseColorTexture", None)
-    if textured and image is not None:
-        texture = pixels(image)
-    colours = found.get("vertex_colors")
-    if colours is None and getattr(visual, "kind", None) == "vertex":
-        colours = visual.vertex_colors  # type: ignore[union-attr]
+    coloured = colours is not None and np.ndim(colours) == 2 and np.shape(colours)[0] == vertices.shape[0]
     return RawMesh(
         vertices, triangles,
         np.asarray(normals, np.float64) if normals is not None and np.shape(normals) == vertices.shape else None,
-        np.asarray(uv, np.float64)[triangles] if uv is not None and np.shape(uv) == (vertices.shape[0], 2) else None,
-        _linear(colours, vertices.shape[0]),
-        {str(k).strip("_").lower(): v for k, v in found.get("vertex_attributes", {}).items()},
-        texture,
+        _of_corners(np.asarray(uv), triangles) if uv is not None and np.shape(uv) == (vertices.shape[0], 2) else None,
+        linear(np.asarray(colours)) if coloured and np.shape(colours)[1] >= 3 else None,
+        texture=pixels(image) if textured and image is not None else None,
     )  # fmt: skip
 
 
-def fans(faces: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """Triangles (T, 3) of polygons (F, k), each a fan about its first corner."""
-    if faces.ndim != 2 or faces.shape[1] < 3:
-        return np.zeros((0, 3), np.int64)
-    count = faces.shape[1]
-    return np.stack([faces[:, (0, k, k + 1)] for k in range(1, count - 1)], axis=1).reshape(-1, 3).astype(np.int64)
+def _of_corners(values: npt.NDArray[Any], triangles: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
+    """Values of vertices at the corners of triangles, whose indices may yet be wrong."""
+    return (
+        values[np.clip(triangles, 0, max(values.shape[0] - 1, 0))] if values.size else np.zeros((*triangles.shape, 2))
+    )
 
 
-def _linear(colours: Any, count: int) -> npt.NDArray[np.float32] | None:
-    """Linear colours (V, 3) from sRGB ones, bytes or 0 to 1."""
-    if colours is None or np.ndim(colours) != 2 or np.shape(colours)[0] != count or np.shape(colours)[1] < 3:
-        return None
-    values = np.asarray(colours)[:, :3]
-    shown = values.astype(np.float64) / (255.0 if values.dtype.kind in "iu" else 1.0)
-    shown = np.clip(np.nan_to_num(shown), 0.0, 1.0)
-    linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)
-
-
-def _placed(part: RawMesh, matrix: npt.NDArray[Any]) -> RawMesh:
-    """A part where its node puts it."""
-    if np.array_equal(matrix, np.eye(4)):
-        return part
-    linear = matrix[:3, :3]
-    normals = part.normals
-    if normals is not None:
-        normals = normals @ np.linalg.inv(linear) if abs(np.linalg.det(linear)) > 0 else None
-    return replace(part, vertices=part.vertices @ linear.T + matrix[:3, 3], normals=normals)
-
-
-def _joined(parts: Sequence[RawMesh]) -> RawMesh:
+def joined(parts: Sequence[RawMesh]) -> RawMesh:
     """Several parts as one."""
     if not parts:
         return RawMesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64))

@@ -1,0 +1,198 @@
+"""`.ply` with faces: text, or binary of either byte order; any polygons, and every number of a vertex as an attribute.
+
+trimesh reads no file whose polygons differ in their number of corners, and keeps no attributes: hence a reader of our
+own.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..exchange.bounded import Bounded, opened
+from ..exchange.ply_header import Element, read_header
+from .files import Beside, picture
+from .kernels.lists import walk, walk_text
+from .make import RawMesh
+from .polygons import fans_of_lists, linear
+
+Numbers = npt.NDArray[Any]
+FACES = ("vertex_indices", "vertex_index")
+UV = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"))
+XYZ, NORMAL, RGB = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
+TEXTURE = "texturefile"
+LONGEST_ROW = 4096
+"""Bytes of a row of lists, at most, to be read with others at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Rows of an element: of each property by name its items, one after the other, and of lists how many each row
+    has."""
+
+    count: int
+    items: Mapping[str, Numbers]
+    lengths: Mapping[str, npt.NDArray[np.int64]]
+
+
+def read_ply(path: Path, beside: Beside) -> list[RawMesh]:
+    """What a file holds. Raises `UsageError`."""
+    with opened(path, ".ply mesh") as file:
+        order, elements, comments = read_header(file)
+        vertex, face = elements.get("vertex"), elements.get("face")
+        if vertex is None or not set(XYZ) <= vertex.properties.keys() or vertex.lists:
+            raise file.damaged("header: tells of no element vertex with x, y and z", 0)
+        if face is None or not face.count:
+            raise file.fault("header: tells of no element face; a surface is needed, not points or strands", vertex.at)
+        if not any(name in FACES and counts and kind[0] != "f" for name, kind, counts in face.columns):
+            raise file.fault("element face: has no list vertex_indices", face.at)
+        found = _binary(file, elements, order) if order else _text(file, elements)
+    names = [line.split(None, 1)[1] for line in comments if line.lower().startswith(TEXTURE + " ")]
+    return [_mesh(found["vertex"], found["face"], picture(beside, names[0]) if names else None)]
+
+
+def _binary(file: Bounded, elements: dict[str, Element], order: str) -> dict[str, Rows]:
+    """The elements of a binary file, up to the last one that is wanted."""
+    found: dict[str, Rows] = {}
+    for one in elements.values():
+        if not one.columns:
+            continue
+        least = sum(np.dtype(counts or kind).itemsize for _, kind, counts in one.columns)
+        file.need(f"element {one.name}", one.count, least, one.at)
+        if one.lists:
+            found[one.name] = _lists(file, one, order)
+        else:
+            record = np.frombuffer(file.take(f"element {one.name}", one.count * least), one.record(order))
+            found[one.name] = Rows(one.count, {name: record[name] for name in one.properties}, {})
+        if found.keys() >= {"vertex", "face"}:
+            break
+    return found
+
+
+def _lists(file: Bounded, element: Element, order: str) -> Rows:
+    """Rows with lists: at once where all are as long as those of the first row, else one by one."""
+    begin = file.position
+    data = np.frombuffer(file.take(f"element {element.name}", file.left), np.uint8)
+    layout, big = _layout(element), order == ">"
+    begins, lengths = (np.empty((min(element.count, 1), len(layout)), np.int64) for _ in range(2))
+    size = int(walk(data, layout, big, begins, lengths))
+    if 0 < size <= min(LONGEST_ROW, data.size // max(element.count, 1)):
+        rows = data[: element.count * size].view(_record(element, order, lengths[0]))
+        if all((rows[f"length {k}"] == lengths[0, k]).all() for k, one in enumerate(element.columns) if one[2]):
+            file.seek(element.name, begin + element.count * size)
+            whole = {name: rows[str(k)].reshape(-1) for k, (name, _, _) in enumerate(element.columns)}
+            return _rows(element, whole, np.broadcast_to(lengths, (element.count, len(layout))))
+    begins, lengths = (np.empty((element.count, len(layout)), np.int64) for _ in range(2))
+    size = int(walk(data, layout, big, begins, lengths))
+    if size < 0:
+        raise file.damaged(f"element {element.name}: row {-1 - size:,} goes beyond the end of the file", begin)
+    file.seek(element.name, begin + size)
+    items = {}
+    for k, (name, kind, _) in enumerate(element.columns):
+        width = np.dtype(kind).itemsize
+        places = _runs(begins[:, k], lengths[:, k], width)
+        items[name] = data[places[:, None] + np.arange(width)].reshape(-1).view(order + kind)
+    return _rows(element, items, lengths)
+
+
+def _record(element: Element, order: str, lengths: npt.NDArray[np.int64]) -> np.dtype[Any]:
+    """A row whose lists are so long."""
+    fields: list[Any] = []
+    for k, (_, kind, length) in enumerate(element.columns):
+        if length:
+            fields.append((f"length {k}", order + length))
+        fields.append((str(k), order + kind, (int(lengths[k]),)))
+    return np.dtype(fields)
+
+
+def _rows(element: Element, items: Mapping[str, Numbers], lengths: npt.NDArray[np.int64]) -> Rows:
+    """Rows of these items; lengths: (rows, properties)."""
+    lists = {name: lengths[:, k] for k, (name, _, length) in enumerate(element.columns) if length}
+    return Rows(element.count, items, lists)
+
+
+def _layout(element: Element) -> npt.NDArray[np.int64]:
+    return np.array([
+        (np.dtype(kind).itemsize, np.dtype(length).itemsize if length else 0, length is not None and length[0] == "i")
+        for _, kind, length in element.columns
+    ], np.int64)  # fmt: skip
+
+
+def _runs(begins: npt.NDArray[np.int64], lengths: npt.NDArray[np.int64], step: int) -> npt.NDArray[np.int64]:
+    """The places of all items of runs."""
+    first = np.cumsum(lengths) - lengths
+    found = np.repeat(begins - first * step, lengths)
+    found += np.arange(found.size) * step
+    return found
+
+
+def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
+    """The elements of a text."""
+    for one in elements.values():
+        file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
+    at, begin = 0, file.position
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            numbers = np.fromstring(file.take("content", file.left).decode("ascii"), np.float64, sep=" ")
+        except (ValueError, DeprecationWarning):
+            raise file.damaged("is not numbers alone, as its header tells", begin) from None
+    found: dict[str, Rows] = {}
+    for one in elements.values():
+        if not one.columns:
+            continue
+        shape = one.count, len(one.columns)
+        begins, lengths = np.empty(shape, np.int64), np.empty(shape, np.int64)
+        size = walk_text(numbers[at:], _layout(one), begins, lengths)
+        if size < 0:
+            raise file.damaged(f"element {one.name}: row {-1 - size:,} goes beyond the end of the file", one.at)
+        items = {}
+        for k, (name, kind, _) in enumerate(one.columns):
+            values = numbers[at:][_runs(begins[:, k], lengths[:, k], 1)]
+            if kind[0] != "f" and not np.isfinite(values).all():
+                raise file.damaged(f"element {one.name}: {name} is not a number everywhere", one.at)
+            items[name] = values if kind[0] == "f" else _whole(values, kind)
+        found[one.name] = _rows(one, items, lengths)
+        at += int(size)
+        if found.keys() >= {"vertex", "face"}:
+            break
+    return found
+
+
+def _whole(values: Numbers, kind: str) -> Numbers:
+    """Finite numbers as whole ones of a type."""
+    most = np.iinfo(kind)
+    return np.clip(values, most.min, most.max).astype(kind)
+
+
+def _mesh(vertex: Rows, face: Rows, texture: npt.NDArray[np.uint8] | None) -> RawMesh:
+    """Vertices and faces as a mesh."""
+    name = next(name for name in FACES if name in face.lengths)
+    lengths = face.lengths[name]
+    indices = face.items[name].astype(np.int64)
+    corners = fans_of_lists(lengths)
+    triangles = indices[corners]
+    uv = None
+    of_vertex = next((names for names in UV if set(names) <= vertex.items.keys()), None)
+    of_corner = face.lengths.get("texcoord")
+    if of_corner is not None and np.array_equal(of_corner, 2 * lengths):
+        uv = face.items["texcoord"].reshape(-1, 2)[corners]
+    elif of_vertex is not None and not ((triangles < 0) | (triangles >= vertex.count)).any():
+        uv = _columns(vertex, of_vertex)[triangles]
+    known = {*XYZ, *NORMAL, *RGB, "alpha", *(of_vertex or ())}
+    return RawMesh(
+        _columns(vertex, XYZ), triangles, _columns(vertex, NORMAL) if set(NORMAL) <= vertex.items.keys() else None, uv,
+        linear(np.stack([vertex.items[one] for one in RGB], axis=1)) if set(RGB) <= vertex.items.keys() else None,
+        {name.lower(): one.astype(np.float32) for name, one in vertex.items.items() if name not in known},
+        texture,
+    )  # fmt: skip
+
+
+def _columns(rows: Rows, names: tuple[str, ...]) -> npt.NDArray[np.float64]:
+    return np.stack([rows.items[name] for name in names], axis=1).astype(np.float64)

@@ -1,0 +1,35 @@
+"""Polygons to triangles, and colours as files have them to linear ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+
+def fans(faces: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """Triangles (T, 3) of polygons (F, k), each a fan about its first corner."""
+    if faces.ndim != 2 or faces.shape[1] < 3:
+        return np.zeros((0, 3), np.int64)
+    count = faces.shape[1]
+    return np.stack([faces[:, (0, k, k + 1)] for k in range(1, count - 1)], axis=1).reshape(-1, 3).astype(np.int64)
+
+
+def fans_of_lists(lengths: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Triangles (T, 3) of polygons that stand one after the other, of so many corners each, as places of corners; none
+    of those of fewer than three."""
+    begins = np.cumsum(lengths) - lengths
+    many = np.maximum(lengths - 2, 0)
+    first = np.repeat(begins, many)
+    turn = np.arange(first.size) - np.repeat(np.cumsum(many) - many, many)
+    return np.stack([first, first + turn + 1, first + turn + 2], axis=1)
+
+
+def linear(colours: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Linear colours (n, 3) from sRGB ones (n, 3 or more), whole numbers to 255 or others to 1."""
+    values = colours[:, :3]
+    shown = values.astype(np.float64) / (255.0 if values.dtype.kind in "iu" else 1.0)
+    shown = np.clip(np.nan_to_num(shown), 0.0, 1.0)
+    found: npt.NDArray[np.float64] = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    return found.astype(np.float32)

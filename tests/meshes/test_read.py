@@ -1,0 +1,244 @@
+"""Files of meshes: what is written comes back, and what is damaged is refused in one line."""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import mesh_kit as kit
+from strandcli.errors import StrandError, UsageError
+from strandcli.meshes.make import RawMesh, mesh_of
+from strandcli.meshes.mesh import TriangleMesh
+from strandcli.meshes.read import read_mesh
+
+SHARED = next((one / "shared/meshes" for one in Path(__file__).parents if (one / "shared/meshes").is_dir()), None)
+BALL = kit.mesh("ball")
+SINGLE = 1e-6
+
+
+def written(folder: Path, name: str, content: bytes) -> Path:
+    path = folder / name
+    path.write_bytes(content)
+    return path
+
+
+def same(found: TriangleMesh, mesh: TriangleMesh, off: float = 0.0) -> None:
+    """The same triangles in the same order, whatever their vertices' numbers."""
+    assert found.vertices.shape == mesh.vertices.shape
+    corners = [np.sort(one.vertices[one.triangles], axis=1) for one in (found, mesh)]
+    np.testing.assert_allclose(corners[0], corners[1], atol=off, rtol=0)
+    assert found.closed == mesh.closed
+
+
+@pytest.mark.parametrize("name", ["ball", "box", "bowl"])
+def test_every_format_reads_a_mesh(name: str, tmp_path: Path) -> None:
+    mesh = kit.mesh(name)
+    tree, buffer = kit.gltf_tree(mesh)
+    same(read_mesh(written(tmp_path, "a.obj", kit.obj(mesh))), mesh)
+    for order in ("<", ">", ""):
+        same(read_mesh(written(tmp_path, "a.ply", kit.ply(mesh, order))), mesh)
+    for text in (False, True):
+        same(read_mesh(written(tmp_path, "a.STL", kit.stl(mesh, text))), mesh, SINGLE)
+    same(read_mesh(written(tmp_path, "a.glb", kit.glb(tree, buffer))), mesh, SINGLE)
+    (tmp_path / "a.bin").write_bytes(buffer)
+    for uri in ("a.bin", "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()):
+        tree["buffers"][0]["uri"] = uri
+        same(read_mesh(written(tmp_path, "a.gltf", json.dumps(tree).encode())), mesh, SINGLE)
+
+
+def polygons() -> tuple[TriangleMesh, list[list[int]]]:
+    """A box of a quad on each side, one of them in two triangles, and a roof of five corners."""
+    faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7, 5]]
+    return kit.mesh("box"), faces
+
+
+@pytest.mark.parametrize("order", ["<", ">", ""])
+def test_polygons_become_triangles(order: str, tmp_path: Path) -> None:
+    mesh, faces = polygons()
+    found = read_mesh(written(tmp_path, "a.ply", kit.ply(mesh, order, faces)))
+    assert found.closed
+    assert found.triangles.shape == (12, 3)
+    assert found.areas().sum() == pytest.approx(24)
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in mesh.vertices)
+    text += "".join(f"f {' '.join(str(k + 1) for k in face)}\n" for face in faces)
+    found = read_mesh(written(tmp_path, "a.obj", text.encode()))
+    assert found.closed
+    assert found.areas().sum() == pytest.approx(24)
+
+
+@pytest.mark.parametrize("corners", [4, 5, 9])
+def test_polygons_of_equally_many_corners(corners: int, tmp_path: Path) -> None:
+    turns = np.arange(corners) / corners * 2 * np.pi
+    ring = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in ring) + "f " + " ".join(str(k + 1) for k in range(corners)) + "\n"
+    found = read_mesh(written(tmp_path, "a.obj", text.encode()))
+    assert found.areas().sum() == pytest.approx(0.5 * corners * np.sin(2 * np.pi / corners))
+    sheet = mesh_of(RawMesh(ring, np.array([(0, k, k + 1) for k in range(1, corners - 1)])), "ring")
+    found = read_mesh(written(tmp_path, "a.ply", kit.ply(sheet, "<", [list(range(corners))])))
+    assert found.triangles.shape[0] == corners - 2
+
+
+def test_indices_of_obj_may_count_back(tmp_path: Path) -> None:
+    text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\nf 1 2 \\\n -1\n"
+    found = read_mesh(written(tmp_path, "a.obj", text))
+    assert found.triangles.shape == (3, 3)
+    assert sorted(found.areas().round(6).tolist()) == [0.5, 0.5, 0.5]
+    for bad in (b"f 0 1 2\n", b"f 1 2 -4\n", b"f 1 2 9\n", b"f 1 2 x\n"):
+        with pytest.raises(UsageError, match=r"a\.obj"):
+            read_mesh(written(tmp_path, "a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n" + bad))
+
+
+def test_seams_of_uv_are_closed(tmp_path: Path) -> None:
+    generator = np.random.default_rng(3)
+    uv = generator.random((BALL.triangles.shape[0], 3, 2)).astype(np.float32).round(4)
+    mesh = mesh_of(RawMesh(BALL.vertices, BALL.triangles, uv=uv), "ball")
+    found = read_mesh(written(tmp_path, "a.obj", kit.obj(mesh)))
+    same(found, mesh)
+    for one in (found, mesh):
+        assert one.uv is not None
+    order = np.lexsort(np.moveaxis(found.vertices[found.triangles], 2, 0), axis=1)
+    other = np.lexsort(np.moveaxis(mesh.vertices[mesh.triangles], 2, 0), axis=1)
+    np.testing.assert_allclose(
+        np.take_along_axis(found.uv, order[:, :, None], 1), np.take_along_axis(mesh.uv, other[:, :, None], 1), atol=1e-6
+    )
+
+
+def test_numbers_of_vertices(tmp_path: Path) -> None:
+    count = BALL.vertices.shape[0]
+    density = np.linspace(0, 2, count).astype(np.float32)
+    red = (np.arange(count) % 256).astype(np.uint8)
+    more = {"density": density, "Length_2": density.astype(float), "red": red, "green": red, "blue": red, "alpha": red}
+    for order in ("<", ">", ""):
+        found = read_mesh(written(tmp_path, "a.ply", kit.ply(BALL, order, more=more)))
+        assert list(found.attributes) == ["density", "length_2"]
+        np.testing.assert_array_equal(found.attributes["density"], density)
+        assert found.colours is not None
+        np.testing.assert_allclose(found.colours[127], ((127 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-5)
+        assert found.colours[255].tolist() == [1, 1, 1]
+    tree, buffer = kit.gltf_tree(BALL, _DENSITY=density, NORMAL=BALL.vertices.astype("<f4"))
+    found = read_mesh(written(tmp_path, "a.glb", kit.glb(tree, buffer)))
+    np.testing.assert_array_equal(found.attributes["density"], density)
+    np.testing.assert_allclose(found.corner_normals, BALL.vertices[BALL.triangles], atol=SINGLE)
+    assert read_mesh(written(tmp_path, "b.glb", kit.glb(*kit.gltf_tree(BALL)))).corner_normals is None
+
+
+def test_nodes_of_gltf_place_their_meshes(tmp_path: Path) -> None:
+    tree, buffer = kit.gltf_tree(BALL)
+    tree["nodes"] = [
+        {"mesh": 0, "translation": [5, 0, 0], "children": [1]},
+        {"mesh": 0, "matrix": [-2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 9, 1]},
+    ]
+    found = read_mesh(written(tmp_path, "a.glb", kit.glb(tree, buffer)))
+    assert found.facts.parts == 2
+    low, high = found.box()
+    np.testing.assert_allclose((low, high), ((3, -2, -1), (7, 2, 11)), atol=1e-5)
+    assert found.closed
+    assert (found.face_normals()[:, 0] * np.sign(found.vertices[found.triangles[:, 0], 0] - 5)).mean() > 0
+
+
+def test_a_texture_is_read_from_the_folder_and_from_nowhere_else(tmp_path: Path) -> None:
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    picture = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    for folder in (tmp_path, inner):
+        Image.fromarray(picture).save(folder / "skin colour.png")
+    uv = np.zeros((BALL.triangles.shape[0], 3, 2))
+    content = kit.obj(mesh_of(RawMesh(BALL.vertices, BALL.triangles, uv=uv), "ball")).replace(
+        b"f 1", b"usemtl m\nf 1", 1
+    )
+    for name, there in (("skin colour.png", True), ("../skin colour.png", False), ("/etc/hostname", False)):
+        (inner / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+        found = read_mesh(written(inner, "a.obj", b"mtllib a.mtl\n" + content))
+        assert (found.texture is not None) == there
+        if there:
+            np.testing.assert_array_equal(found.texture, picture)
+        else:
+            assert any("not in its folder" in note for note in found.notes)
+    for name in ("http://example.org/a.bin", "../a.bin", "/etc/passwd", "none.bin", "file:///etc/passwd"):
+        tree, buffer = kit.gltf_tree(BALL)
+        (tmp_path / "a.bin").write_bytes(buffer)
+        tree["buffers"][0]["uri"] = name
+        with pytest.raises(UsageError):
+            read_mesh(written(inner, "a.gltf", json.dumps(tree).encode()))
+
+
+def test_a_sequence_keeps_its_triangles(tmp_path: Path) -> None:
+    uv = np.random.default_rng(1).random((BALL.triangles.shape[0], 3, 2)).round(3)
+    mesh = mesh_of(RawMesh(BALL.vertices, BALL.triangles, uv=uv), "ball")
+    first = read_mesh(written(tmp_path, "a.obj", kit.obj(mesh)))
+    flat = mesh.with_vertices(mesh.vertices * (1, 0, 1))  # vertices that come to the same place stay two
+    later = read_mesh(written(tmp_path, "b.obj", kit.obj(flat)), like=first)
+    assert later.triangles is first.triangles
+    np.testing.assert_array_equal(later.vertices, first.vertices * (1, 0, 1))
+    with pytest.raises(UsageError, match="vertices"):
+        read_mesh(written(tmp_path, "c.obj", kit.obj(kit.mesh("box"))), like=first)
+
+
+def test_what_is_no_mesh_is_refused_in_one_line(tmp_path: Path) -> None:
+    tree, buffer = kit.gltf_tree(BALL)
+    ball = kit.ply(BALL)
+    begin = ball.index(b"end_header")
+    cases = {
+        "none.obj": None, "a.fbx": b"", "empty.obj": b"", "empty.ply": b"", "empty.stl": b"", "empty.glb": b"",
+        "points.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+        "points.ply": ball[: ball.index(b"element face")] + b"end_header\n",
+        "cut.ply": ball[:-3], "cut.stl": kit.stl(BALL)[:-3], "cut.glb": kit.glb(tree, buffer)[:-300],
+        "many.ply": ball.replace(b"element face 512", b"element face 99999999999"),
+        "lists.ply": ball[: begin + 11] + b"\xff" * (len(ball) - begin), "words.ply": kit.ply(BALL, "") + b"x",
+        "nan.stl": kit.stl(BALL).replace(np.float32(1).tobytes(), np.float32(np.nan).tobytes()),
+    }  # fmt: skip
+    for name, content in cases.items():
+        path = tmp_path / name
+        if content is not None:
+            path.write_bytes(content)
+        with pytest.raises(UsageError) as told:
+            read_mesh(path)
+        text = str(told.value)
+        assert text.startswith(f"{path}: "), text
+        assert text.isprintable()
+        assert len(text) - len(str(path)) < 300
+
+
+def changed(change: str, value: object) -> dict:
+    """A header with one entry, told by its path, set to another value."""
+    tree, _ = kit.gltf_tree(BALL)
+    place: object = tree
+    *path, last = [int(part) if part.isdigit() else part for part in change.split(".")]
+    for part in path:
+        place = place[part]  # type: ignore[index]
+    place[last] = value  # type: ignore[index]
+    return tree
+
+
+@pytest.mark.parametrize(
+    ("change", "value"),
+    [
+        ("accessors.0.count", 10**12), ("accessors.0.count", -1), ("accessors.0.bufferView", 7),
+        ("accessors.0.componentType", 0), ("bufferViews.0.byteLength", 10**12), ("bufferViews.0.byteOffset", -5),
+        ("bufferViews.0.buffer", 3), ("bufferViews.0.byteStride", 10**9), ("nodes", [{"mesh": 0, "children": [0]}]),
+        ("nodes", [{"mesh": 0}, {"children": [2]}, {"children": [1]}]), ("nodes", [{"mesh": 0}] * 10000),
+        ("nodes.0.mesh", 4), ("meshes.0.primitives.0.attributes.POSITION", 9), ("meshes.0.primitives.0.mode", 1),
+        ("meshes.0.primitives.0.indices", 0), ("accessors", "none"), ("scenes", {}),
+        ("extensionsRequired", ["KHR_draco_mesh_compression"]), ("meshes.0.primitives", [{}]),
+        ("bufferViews", [{"buffer": 0, "byteOffset": 0, "byteLength": 6000}] * 100_000), ("buffers", []),
+    ],
+)  # fmt: skip
+def test_headers_of_gltf_are_believed_in_nothing(change: str, value: object, tmp_path: Path) -> None:
+    _, buffer = kit.gltf_tree(BALL)
+    with pytest.raises(StrandError):
+        read_mesh(written(tmp_path, "a.glb", kit.glb(changed(change, value), buffer)))
+
+
+@pytest.mark.skipif(SHARED is None, reason="needs files that are not part of the project")
+def test_real_files() -> None:
+    assert SHARED is not None
+    spot = read_mesh(SHARED / "spot.obj")
+    assert (spot.vertices.shape[0], spot.triangles.shape[0], spot.closed) == (2930, 5856, True)
+    assert spot.uv is not None
+    head = read_mesh(SHARED / "wig_head.obj")
+    assert (head.vertices.shape[0], head.closed, head.facts.parts) == (964, True, 2)
