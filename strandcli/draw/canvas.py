@@ -1,7 +1,7 @@
-"""A linear picture in the making, onto which strands are drawn batch by batch.
+"""The linear picture of an exposure, onto which strands and solids are drawn.
 
-What is not seen is never shaded: either the z-buffer is filled first and holds, for each sample, the segment in front;
-or fragments are sorted first, and those that too much stands before are left out.
+Visibility is resolved before light is computed, so that hidden vertices are never shaded: the z-buffer holds the
+segment in front of each sample, or fragments are sorted by depth and those behind opaque ones are left out.
 """
 
 from __future__ import annotations
@@ -30,39 +30,42 @@ from .strand_batches import StrandBatch
 from .zbuffer import raster
 
 Shade = Callable[[Lighting, StrandBatch, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
-"""Light at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
+"""Returns the radiance at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
 
 
 @dataclass
 class Canvas:
-    """The picture so far: `composite_sorted` all strands, or `rasterise` batch after batch and `finish`."""
+    """The picture so far: call `composite_sorted` with all strands, or `rasterise` for each batch and then `finish`."""
 
     size: tuple[int, int]
-    """Samples."""
+    """Width and height, samples."""
     samples: int
-    """Along each side of a pixel."""
+    """Samples along a side of a pixel."""
     backdrop: NDArray[np.float32]
-    """(height, width, 3)"""
+    """(height, width, 3) linear."""
     lighting: Lighting
     grids: Sequence[VertexShadows]
-    """Of the lights whose shadow models shade vertices."""
+    """One for each light whose shadow model shades vertices."""
     shade: Shade
     recorder: Recorder | None
+    """Records AOVs, if the scene has any."""
     workers: int
     drawing: Drawing
     scratch: Scratch
     trace_unseen: bool = False
     """As `Renderer.trace_unseen`."""
     segments: int = 0
+    """Number of segments drawn."""
     fragments: int = 0
-    """Samples in which a strand is seen; of sorted strands, all that they cover before the solids."""
+    """Samples that show a strand; of sorted strands, all fragments, also those behind solids."""
     keys: NDArray[np.uint64] = field(init=False)
-    """(height * width,) the z-buffer, with solids in it from the beginning."""
+    """(height * width,) the z-buffer, with the solids from the beginning."""
     image: NDArray[np.float32] = field(init=False)
     """(height, width, 3) linear."""
     _base: int = 0
     """Number of the next batch's first vertex."""
     _batches: int = 0
+    """Number of batches drawn."""
 
     def __post_init__(self) -> None:
         width, height = self.size
@@ -74,7 +77,7 @@ class Canvas:
         self.drawing.lap("film")
 
     def composite_sorted(self, batch: StrandBatch, coverage: Coverage) -> None:
-        """Lay all strands, which are in one batch, over the solids, sorted in each pixel."""
+        """Composite all strands, in one batch, over the solids, sorted by depth in each pixel."""
         lines, screen, light = batch.lines, batch.screen, self.lighting
         front = None if self.recorder is None else self.keys.copy()
         edges = None
@@ -87,7 +90,7 @@ class Canvas:
             if edges is not None and layer.fragments.top == 0:
                 self._surfaces(self.keys, self.image)
                 edges.composite(self._surfaces, self.image, self.backdrop)
-            self._lay(layer, batch)
+            self._blend(layer, batch)
             if self.recorder is not None and front is not None:
                 self.recorder.layer(layer, lines, screen, front)
             self.drawing.lap("film")
@@ -96,19 +99,19 @@ class Canvas:
             self.recorder.rest(front, light)
         self.segments, self.fragments = lines.segments, coverage.fragments
 
-    def _lay(self, layer: Layer, batch: StrandBatch) -> None:
-        """Light the strands of a layer and lay it over the picture."""
+    def _blend(self, layer: Layer, batch: StrandBatch) -> None:
+        """Shade the vertices of a layer, and blend it with the picture."""
         batch = self._with_profiles(batch, layer.marks)
         shown = None
         if self.grids and batch.profiles is not None and not self.trace_unseen:
             shown = layer.shown(batch.profiles, self.scratch)
         colours = self._shade(batch, layer.marks, shown)
-        layer.compose(colours, self.image)
+        layer.blend(colours, self.image)
         if batch.profiles is not None:
             layer.add_departures(batch.profiles, self.image)
 
     def rasterise(self, batch: StrandBatch) -> None:
-        """Draw strands in the z-buffer, and light what is seen of them so far."""
+        """Draw a batch into the z-buffer, shade the vertices visible so far, and colour the samples that show them."""
         lines, screen = batch.lines, batch.screen
         raster.draw(
             lines, screen, batch.widths, self._base, self.size, self.workers, self.scratch, self.keys,
@@ -130,8 +133,8 @@ class Canvas:
         self._batches += 1
 
     def finish(self) -> None:
-        """When the z-buffer holds all strands: light the solids that are seen in it."""
-        if self._batches > 1:  # a later one may hide what an earlier one counted
+        """Shade the visible solids, after the last batch."""
+        if self._batches > 1:  # a later batch may hide fragments counted in an earlier one
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < FIRST))
         self._surfaces(self.keys, self.image)
         self.drawing.lap("shade")
@@ -139,7 +142,7 @@ class Canvas:
             self.recorder.rest(self.keys, self.lighting)
 
     def _with_profiles(self, batch: StrandBatch, marks: NDArray[np.uint8]) -> StrandBatch:
-        """A batch with profiles of what is seen of it, where shadows are exact."""
+        """Return a batch with width profiles of its visible vertices, if shadows are exact."""
         if not self.grids or not self.lighting.scene.material.rounded:
             return batch
         lines, screen, widths = batch.lines, batch.screen, batch.widths
@@ -149,12 +152,13 @@ class Canvas:
     def _shade(
         self, batch: StrandBatch, marks: NDArray[np.uint8], shown: NDArray[np.uint64] | None = None
     ) -> NDArray[np.float32]:
-        """(V, 3) light at the marked vertices; shown: places that exact shadows are wanted at, or None: all."""
-        found = None
+        """Return the radiance (V, 3) at the marked vertices; shown: masks from `Layer.shown` of the positions where
+        exact shadows are needed, None: everywhere."""
+        visibility = None
         if self.grids:
-            found = self.scratch.borrow("clear", (len(self.grids), len(batch.lines.world)), np.float32)
+            visibility = self.scratch.borrow("visibility", (len(self.grids), len(batch.lines.world)), np.float32)
             profiles, view = batch.profiles, self.lighting.view
-            for number, (row, grid) in enumerate(zip(found, self.grids, strict=True)):
+            for number, (row, grid) in enumerate(zip(visibility, self.grids, strict=True)):
                 if profiles is None or profiles.shades is None:
                     grid.visibility(batch.lines, marks, batch.screen, row)
                 else:
@@ -162,7 +166,7 @@ class Canvas:
                     slots = profiles.slots
                     grid.visibility_across(batch.lines, marks, batch.screen, row, view, slots, shown, shades)
             self.drawing.lap("shadow")
-        colours = self.shade(self.lighting, batch, marks, found)
+        colours = self.shade(self.lighting, batch, marks, visibility)
         thick = self.lighting.scene.image.haze
         if thick is not None:
             haze.veil_strands(
@@ -174,7 +178,7 @@ class Canvas:
     def _surfaces(
         self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
     ) -> None:
-        """Light solids as `Lighting.shade_surfaces` does, through haze where there is any."""
+        """Shade solids with `Lighting.shade_surfaces`, and apply haze if there is any."""
         thick = self.lighting.scene.image.haze
         behind = None if thick is None else image.copy()
         self.lighting.shade_surfaces(keys, image, spots)
@@ -183,7 +187,7 @@ class Canvas:
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:
-    """A z-buffer (height * width,) of nothing but solids."""
+    """Clear a z-buffer (height * width,) and draw the solids into it."""
     if lighting.solids is None:
         keys.fill(EMPTY)
     else:
@@ -192,7 +196,8 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
 
 
 def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:
-    """(V,) not zero at the lit vertices of what is seen in the z-buffer, and how many samples show it."""
+    """Return marks (V,), not 0 at the lit vertices that the z-buffer shows, and the number of samples that show these
+    strands; base: number of their first vertex in the keys."""
     marks = scratch.borrow("marks", len(lines.world), np.uint8)
     marks.fill(0)
     return marks, film.mark(keys, base, len(lines.world), lines.per, lines.stride, marks)

@@ -1,4 +1,4 @@
-"""Parts of a frame with nothing to be seen, so that they are compiled (see `strandcli.compile_ahead`)."""
+"""Parts of an empty frame, drawn to compile their kernels (see `strandcli.compile_ahead`)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,16 @@ from .strand_batches import StrandBatch
 from .view.camera import camera_view
 
 BOUNDS = np.array([[-1.0] * 3, [1.0] * 3])
+"""Bounding box of the strands, metres."""
 
 
 def compile_part(renderer: Renderer, part: str) -> None:
-    """Run a part of a frame: its "light", which is all that comes after the z-buffer, or its "coverage"."""
+    """Draw a part of an empty frame: "light", everything after visibility, or "coverage", sorting of fragments."""
     {"light": _light, "coverage": _coverage}[part](renderer)
 
 
 def _light(renderer: Renderer) -> None:
+    """Shade a single vertex and no solids, and develop the picture."""
     scene, size = renderer.scene, renderer.size
     view = camera_view(scene.camera, 0.0, *size, BOUNDS)
     maps = plan_maps(scene.lights, BOUNDS, renderer.scratch, Thickness(0.01), 0.1)
@@ -39,23 +41,24 @@ def _light(renderer: Renderer) -> None:
     keys = np.full(size[0] * size[1], EMPTY)
     image = renderer.backdrop.copy()
     marks = mark(keys, lines, 0, renderer.scratch)[0] if renderer.coverage is None else np.zeros(1, np.uint8)
-    clear = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
-    colours = renderer.shade(lighting, StrandBatch(0, 1, lines, lines.world, None, None), marks, clear)
+    visibility = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
+    colours = renderer.shade(lighting, StrandBatch(0, 1, lines, lines.world, None, None), marks, visibility)
     if renderer.coverage is None:
         film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
     else:
         empty = ScreenLines(lines.first, np.zeros((1, 3), np.float32), _widths(renderer, 1))
-        renderer.coverage.empty_layer(empty, view.depth_slope).compose(colours, image)
+        renderer.coverage.empty_layer(empty, view.depth_slope).blend(colours, image)
     lighting.shade_surfaces(keys, image)
     renderer.develop(image, renderer.blank())
 
 
 def _coverage(renderer: Renderer) -> None:
+    """Resolve a strand behind the eye."""
     if renderer.coverage is None:
         return
     view = camera_view(renderer.scene.camera, 0.0, *renderer.size, BOUNDS)
     lines = Polylines(np.array([0, 2]), np.zeros((2, 3), np.float32))
-    behind = np.zeros((2, 3), np.float32)  # the eye
+    behind = np.zeros((2, 3), np.float32)  # depth number 0: behind the eye
     keys = np.full(renderer.size[0] * renderer.size[1], EMPTY)
     packed = renderer.solids(0.0)
     edges = None if packed is None else find_edges(keys, packed, view, renderer.size, renderer.scratch)
@@ -67,5 +70,5 @@ def _coverage(renderer: Renderer) -> None:
 
 
 def _widths(renderer: Renderer, vertices: int) -> NDArray[np.float32] | None:
-    """(V,) widths of nothing, or None where strands are lines one pixel wide."""
+    """Return widths (V,) of 0, or None if strands are lines one pixel wide."""
     return np.zeros(vertices, np.float32) if renderer.scene.material.width > 0 else None

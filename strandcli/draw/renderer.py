@@ -1,4 +1,4 @@
-"""One frame: its exposures, each drawn stage by stage (curves, shadow maps, visibility, light), and the film."""
+"""Drawing of a frame: its exposures, each stage by stage (curves, shadow maps, visibility, light), and the film."""
 
 from __future__ import annotations
 
@@ -34,22 +34,21 @@ from .shadows.shadow import ShadowMaps, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
 from .shadows.vertex_shadows import StrandsInLight
 from .solids.solids import packed as pack_solids
-from .strand_batches import StrandBatch, StrandBatches, Strands, cut
+from .strand_batches import StrandBatch, StrandBatches, Strands, divide
 from .view import lens
 from .view.camera import View, camera_view
 
 
 class Renderer:
-    """Draws frames of one scene; holds what stays the same from frame to frame."""
+    """Draws frames of one scene; holds everything that does not change from frame to frame."""
 
     trace_unseen = False
-    """Whether exact shadows are traced all along the pieces beside lit vertices, and not only where a sample shows
-    them."""
+    """Whether exact shadows are traced along whole segments, instead of only where a sample shows them."""
 
     def __init__(
         self, scene: Scene, groom: Groom, children: Children | None = None, combed: Combed | None = None
     ) -> None:  # fmt: skip
-        """``children``, ``combed``: of this scene and groom, where they are made already."""
+        """``children``, ``combed``: of this scene and groom, if they exist already."""
         self.scene = scene
         self.tones = groom.tones
         self.scratch = Scratch()
@@ -66,12 +65,12 @@ class Renderer:
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
         self.ids = groom.places
-        """Of each strand its place in the order of emission, where they do not stand in it."""
+        """(strands,) rank of each strand in the order of emission; None: 0, 1, …"""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.traced = [light for light in scene.lights if shades_vertices(light)]
         self._counts = needs_counts(scene)
         self.coverage = None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity)
-        # what cannot become thinner, a line a pixel wide or in a min/max map, becomes shorter where it fades
+        # lines one pixel wide, on the screen or in a min/max map, cannot become thinner, so they fade by length
         self._thins = self.coverage is not None and all(
             model_of(light).thins for light in scene.lights if casts_map(light)
         )
@@ -82,9 +81,10 @@ class Renderer:
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int,
         before: NDArray[np.float32] | None = None,
     ) -> Drawing:  # fmt: skip
-        """Draw strands (blocks, n + 1, 3 W) with segment rest lengths (blocks, W) at a time in seconds.
+        """Return the picture of strands (blocks, n + 1, 3 W), metres, with segment rest lengths (blocks, W), at a time,
+        seconds.
 
-        ``before``: the strands a frame earlier, for a shutter that is open; None: they have not moved.
+        ``before``: positions one frame earlier, for motion blur; None: the strands have not moved.
         """
         self._drawing = Drawing(self.blank())
         scene, camera = self.scene, self.scene.camera
@@ -97,7 +97,7 @@ class Renderer:
             image = self._average(positions, before, lengths, at, workers)
         self.develop(image, self._drawing.image)
         if recorder is not None:
-            if lens.is_sampled(camera):  # layers are those of a pinhole at the frame's own time
+            if lens.is_sampled(camera):  # AOVs are drawn through a pinhole at the frame's own time
                 self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder, pinhole=True)
             self._drawing.aovs = recorder.layers(image)
         self._drawing.lap("film")
@@ -107,7 +107,7 @@ class Renderer:
         self, positions: NDArray[np.float32], before: NDArray[np.float32] | None, lengths: NDArray[np.float32],
         at: float, workers: int,
     ) -> NDArray[np.float32]:  # fmt: skip
-        """The mean of a frame's exposures (see `lens`), linear, (height, width, 3)."""
+        """Return the mean of a frame's exposures (see `lens`), linear, (height, width, 3)."""
         scene, camera = self.scene, self.scene.camera
         total = self.scratch.borrow("total", (self.size[1], self.size[0], 3), np.float32)
         total.fill(0)
@@ -134,8 +134,8 @@ class Renderer:
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], shot: lens.Exposure, workers: int,
         made: Lighting | None = None, recorder: Recorder | None = None, pinhole: bool = False,
     ) -> tuple[NDArray[np.float32], Lighting]:  # fmt: skip
-        """One exposure, linear, and its light, which has the shadows and occlusion of that ``made`` before, or its
-        own."""
+        """Return one exposure, linear, (height, width, 3), and its lighting; made: lighting of an earlier exposure, of
+        which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
         strands = self._strands(positions, lengths, at)
         level = strands.level
@@ -174,16 +174,17 @@ class Renderer:
         return canvas.image, lighting
 
     def _strands(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float) -> Strands:
-        """The strands that are drawn at a moment, from those that are simulated."""
+        """Return the strands that are drawn at a time, seconds, from the simulated ones: children, combed parts and
+        level of detail."""
         scene, scratch, drawing = self.scene, self.scratch, self._drawing
         count = len(self.tones)
-        if self.ids is None:  # and so those that level of detail draws are the first
+        if self.ids is None:  # in the order of emission, of which level of detail draws a prefix
             count = min(strands_needed(scene, at), count)
         if self.children is not None:
             positions, lengths = self.children.grow(positions, lengths, at, count, scratch, self.ids)
             drawing.lap("children")
         if self.combed is not None:
-            ids = None if self.children is None else self.ids  # without children both stand as the groom does
+            ids = None if self.children is None else self.ids  # without children both are in the groom's order
             positions = self.combed.join(positions, at, count, scratch, ids)
             drawing.lap("combed")
         level = self._whole or level_of(scene, at, positions, count, self.ids, self._thins)
@@ -192,7 +193,7 @@ class Renderer:
     def _plan_shadows(
         self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None
     ) -> tuple[ShadowMaps | None, Occlusion | None]:
-        """Empty shadow maps, and what is hidden of the light from everywhere; None where the scene has none."""
+        """Return empty shadow maps, and the ambient occlusion; None for what the scene does not have."""
         scene, positions, level = self.scene, strands.positions, strands.level
         spacing = self._spacing(positions, strands.count, level)
         maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
@@ -203,22 +204,21 @@ class Renderer:
         )
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:
-        """The batches that strands are drawn in; ``mapped``: whether they are drawn into shadow maps too."""
-        # to be sorted, and to be traced against each other, strands have to be there together
+        """Return the batches in which strands are drawn; ``mapped``: whether they are drawn into shadow maps too."""
+        # sorting and exact shadows need all strands at once
         whole = self.coverage is not None or bool(self.traced)
         segments = strands.positions.shape[1] - 1
-        ranges = [(0, strands.count)] if whole else cut(strands.count, segments, self.scene.curves)
+        ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
             self.scene, strands.positions, strands.lengths, strands.level, view, self._thins, ranges,
             mapped or bool(self.traced), len(self.traced), self._drawing, self.scratch,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
-        """Draw strands, or the ``lines`` that are all of them, into shadow maps: every strand has to be in them before
-        the first is shaded."""
+        """Draw all strands into the shadow maps before any is shaded; ``lines``: of the only batch, if they exist."""
         for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
-            for some in batches.lines() if lines is None else (lines,):
-                draw(some, workers, self.scratch)
+            for polylines in batches.lines() if lines is None else (lines,):
+                draw(polylines, workers, self.scratch)
                 self._drawing.lap("shadow")
             if draw == maps.add:
                 maps.divide(self.scratch)
@@ -226,7 +226,7 @@ class Renderer:
                 maps.finish()
 
     def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
-        """Draw all strands; ``lines``: those of the only batch, where they are known."""
+        """Draw all strands; ``lines``: polylines of the only batch, if they exist already."""
         if self.coverage is None:
             for batch in batches.seen(1.0, lines):
                 canvas.rasterise(batch)
@@ -236,7 +236,7 @@ class Renderer:
                 canvas.composite_sorted(batch, self.coverage)
 
     def _note_counts(self, strands: Strands, canvas: Canvas) -> None:
-        """Tell the report how much was drawn."""
+        """Store the numbers of strands, segments and fragments drawn, for the report."""
         level, counts = strands.level, self._drawing.counts
         drawn = strands.count if level is None else int(np.count_nonzero(level.fade))
         counts |= {
@@ -246,29 +246,29 @@ class Renderer:
             "fragments": canvas.fragments,
         }
         if self.coverage is not None:
-            counts["fragment_bytes"] = self.coverage.most
+            counts["fragment_bytes"] = self.coverage.peak_bytes
         if canvas.grids:
             counts["grid_bytes"] = sum(grid.nbytes for grid in canvas.grids)
 
     def shade(
-        self, lighting: Lighting, batch: StrandBatch, marks: NDArray[np.uint8], clear: NDArray[np.float32] | None
+        self, lighting: Lighting, batch: StrandBatch, marks: NDArray[np.uint8], visibility: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
-        """(V, 3) radiance at the vertices that are marked; what was there before, or anything, at the others.
+        """Return the radiance (V, 3) at the marked vertices; at the others it keeps its last value or is undefined.
 
-        clear (lights, V): what strands leave of each light with exact shadows.
+        visibility (lights, V): of each light with exact shadows, None if there are none.
         """
         colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
         tones = self.tones[batch.begin : batch.end]
-        lighting.shade_strands(batch.lines, marks, tones, clear, batch.profiles, colours)
+        lighting.shade_strands(batch.lines, marks, tones, visibility, batch.profiles, colours)
         return colours
 
     def solids(self, at: float) -> Solids | None:
-        """Those that are seen, packed; None where there are none."""
+        """Return the visible solids at a time, seconds, packed; None if there are none."""
         visible = [solid for solid in self.scene.solids if solid.visible]
         return pack_solids(visible, self.scene.emitter, at) if visible else None
 
     def _view(self, shot: lens.Exposure, bounds: NDArray[np.float64], pinhole: bool) -> View:
-        """The camera at an exposure's moment: what the crop window shows, through its point of the lens."""
+        """Return the camera's view at an exposure's time, through its point of the lens, within the crop window."""
         scene, samples = self.scene, self.scene.image.supersample
         width, height = scene.image.size
         view = camera_view(scene.camera, shot.at, width * samples, height * samples, bounds)
@@ -276,24 +276,24 @@ class Renderer:
             view = view.cropped(*(samples * number for number in scene.image.crop))
         if pinhole:
             return view
-        if self.coverage is None:  # sorted strands have what they cover of a pixel, wherever they lie in it
+        if self.coverage is None:  # sorted strands have exact coverage and need no jitter
             view = view.shifted(shot.x, shot.y)
         return lens.through_lens(view, scene.camera, shot)
 
     def develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:
-        """A linear picture in samples as sRGB (height, width, 3)."""
+        """Convert a linear picture, in samples, to sRGB pixels (height, width, 3), written to ``out``."""
         settings = self.scene.image
         curve, roll = curve_of(settings.tone)
         film.develop(image, settings.supersample, np.float32(2.0**settings.exposure), curve, roll, out)
 
     def blank(self) -> NDArray[np.uint8]:
-        """(height, width, 3) that holds anything."""
+        """Return a picture (height, width, 3) with undefined contents."""
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
     def _spacing(self, positions: NDArray[np.float32], strands: int, level: Level | None) -> float:
-        """Metres from strand to strand, for opacity maps: of those that level of detail leaves, though ever fewer of
-        the rest be there."""
+        """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is
+        measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
             return 0.0
         spacing = spacing_of(positions, strands, MEASURED_STRANDS if self.ids is None else None)

@@ -1,4 +1,4 @@
-"""The strands of one exposure, batch by batch, so that memory stays bounded however many there are."""
+"""Batches of the strands of one exposure, which bound the memory for any number of strands."""
 
 from __future__ import annotations
 
@@ -29,59 +29,61 @@ class Strands:
     positions: NDArray[np.float32]
     """(blocks, n + 1, 3 W) metres."""
     lengths: NDArray[np.float32] | None
-    """(blocks, W) rest lengths of their segments; None where those of a strand differ."""
+    """(blocks, W) rest length of each strand's segments, metres; None if the segments of a strand differ."""
     count: int
+    """Number of strands."""
     level: Level | None
-    """What is drawn of each; None: all of it."""
+    """Level of detail; None: all strands are drawn whole."""
 
 
 @dataclass(frozen=True)
 class StrandBatch:
-    """Strands begin <= s < end as a camera sees them."""
+    """The strands begin <= s < end on the screen."""
 
     begin: int
     end: int
     lines: Polylines
     screen: NDArray[np.float32]
-    """(V, 3) see `strandcli.draw.zbuffer.raster.to_screen`."""
+    """(V, 3) from `strandcli.draw.zbuffer.raster.to_screen`."""
     widths: NDArray[np.float32] | None
-    """(V,) pixels; None: lines a pixel wide."""
+    """(V,) samples; None: lines one sample wide."""
     profiles: Profiles | None
-    """Light across wide strands; None also where shadows are exact: it is made when it is known what is seen."""
+    """Light across wide strands; None if no strand is wide. With exact shadows it is made later, for visible vertices
+    alone."""
 
 
 @dataclass(frozen=True)
 class StrandBatches:
-    """The strands of one exposure, and how they are seen."""
+    """The strands of one exposure, their view, and how they are divided into batches."""
 
     scene: Scene
     positions: NDArray[np.float32]
     """(blocks, n + 1, 3 W) metres."""
     lengths: NDArray[np.float32] | None
-    """(blocks, W) rest lengths of segments, metres; None where those of a strand differ."""
+    """(blocks, W) rest length of each strand's segments, metres; None if the segments of a strand differ."""
     level: Level | None
+    """Level of detail; None: all strands are drawn whole."""
     view: View
     thins: bool
-    """Whether what fades becomes thinner; else it becomes shorter."""
+    """Whether strands that fade become thinner; else they become shorter."""
     ranges: list[tuple[int, int]]
-    """From `cut`."""
-    shaded: bool
-    """Whether strands cast shadows, and are needed off the screen too."""
+    """First strand and end of each batch, from `divide`."""
+    off_screen: bool
+    """Whether strands off the screen are needed too, because they cast shadows."""
     traced: int
-    """Lights with exact shadows: these are finer than half a segment, and light is wanted at every vertex."""
+    """Number of lights with exact shadows, which vary along a segment, so that every vertex is lit."""
     drawing: Drawing
     scratch: Scratch
 
     def lines(self) -> Iterator[Polylines]:
-        """Curves only, a batch at a time, each to be used before the next is asked for."""
+        """Yield the polylines of each batch; they are valid until the next are requested."""
         for begin, end in self.ranges:
             yield self._flatten(begin, end)
 
     def seen(self, least: float, lines: Polylines | None = None) -> Iterator[StrandBatch]:
-        """Batch after batch, each to be used before the next is asked for.
+        """Yield each batch on the screen; it is valid until the next is requested.
 
-        ``least``: width in pixels that a strand has at the least; ``lines``: those of the only batch, where they
-        are known already.
+        ``least``: least width of a strand, samples; ``lines``: polylines of the only batch, if they exist already.
         """
         scene, scratch = self.scene, self.scratch
         for begin, end in self.ranges:
@@ -100,11 +102,12 @@ class StrandBatches:
             yield StrandBatch(begin, end, here, screen, widths, profiles)
 
     def _flatten(self, begin: int, end: int) -> Polylines:
+        """Return the polylines of the strands begin <= s < end."""
         blocks, level = slice(begin // W, -(-end // W)), self.level
         fade = None if level is None else level.fade[begin:end]
         lines = flatten(
             self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin,
-            self.scene.curves, self.view, self.shaded, self.scratch, fade,
+            self.scene.curves, self.view, self.off_screen, self.scratch, fade,
         )  # fmt: skip
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])
@@ -118,8 +121,9 @@ class StrandBatches:
         return lines
 
 
-def cut(strands: int, n: int, curves: Curves) -> list[tuple[int, int]]:
-    """Ranges of strands of n segments, whole blocks each, that hold at most `BATCH_VERTICES` vertices."""
+def divide(strands: int, n: int, curves: Curves) -> list[tuple[int, int]]:
+    """Return ranges (begin, end) of strands of n segments, whole blocks, with at most `BATCH_VERTICES` vertices if a
+    block has no more."""
     vertices = (n - 1) * greatest_pieces(curves) + 1
     step = max(BATCH_VERTICES // vertices // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]

@@ -27,9 +27,9 @@ lights: []
 solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}]
 """
 KERNELS = {
-    "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.compose, film.develop),
+    "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.blend, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.composite, strand_extents.spans,
+        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.composite, strand_extents.find_extents,
         tile_binning.bin_segments, resolve.resolve,
     ),
 }  # fmt: skip

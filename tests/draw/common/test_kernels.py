@@ -82,7 +82,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, 0, 0, TILE, 0),
     ),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
-    "covered": (masks.covered, (KEYS, TABLE, ROW, 1, ONE, ONE)),
+    "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE)),
     "column light": (
         column_light.column_light,
         (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,

@@ -43,7 +43,7 @@ def drawn(
     coverage = Coverage(size, opacity, room)
     edges = None if hides is None else none(hides)
     for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
-        layer.compose(vertex, image)
+        layer.blend(vertex, image)
     return image
 
 
@@ -211,7 +211,7 @@ def test_the_place_of_a_fragment_belongs_to_its_own_piece() -> None:
         bits = PLACES - (stride.bit_length() - 1)
         for past in range(stride):
             for t in (0.0, 0.3, 1.0):
-                kept = tiles.fixed(np.float32(t), past, bits)
+                kept = tiles.fixed_point(np.float32(t), past, bits)
                 assert kept >> bits == past
                 assert kept / 2**PLACES == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
 
@@ -304,7 +304,7 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
         coverage = Coverage((40, 24), 1.0 - faint)
         image = np.zeros((24, 40, 3), np.float32)
         for layer in coverage.layers(lines, screen, widths, edges, 1, Scratch()):
-            layer.compose(colours, image)
+            layer.blend(colours, image)
         seen = image[:, 20:] if hidden else image
         front = colours[2 * int(depth.argmax())]
         if faint:  # a hundredth gets through, to what must be there

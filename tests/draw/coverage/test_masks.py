@@ -14,8 +14,8 @@ import strandcli
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage import coverage
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels.masks import DISTANCES, REACH, WAYS
-from strandcli.draw.coverage.masks import points, sides
+from strandcli.draw.coverage.kernels.masks import DIRECTIONS, DISTANCES, REACH
+from strandcli.draw.coverage.masks import half_planes, points
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.study.axes import Request
 from strandcli.study.pictures.settings import changed
@@ -33,10 +33,10 @@ def test_each_strip_along_either_axis_has_one_point() -> None:
 def test_as_many_points_lie_behind_a_line_as_there_is_area() -> None:
     """Against 256×256 points."""
     x, y = np.meshgrid(*2 * [(np.arange(256) + 0.5) / 256 - 0.5])
-    table = sides().reshape(WAYS + 1, DISTANCES + 1)
+    table = half_planes().reshape(DIRECTIONS + 1, DISTANCES + 1)
     off = []
-    for way in range(0, WAYS + 1, 7):
-        w = 2 * way / WAYS
+    for way in range(0, DIRECTIONS + 1, 7):
+        w = 2 * way / DIRECTIONS
         normal = np.array([1 - w, min(w, 2 - w)])
         normal /= np.hypot(*normal)
         across = normal[0] * x + normal[1] * y
@@ -56,7 +56,7 @@ def layers(strands: np.ndarray, width: float, factor: int, exact: bool) -> np.nd
     image = np.zeros((size, size, 3), np.float32)
     widths = np.full(len(screen), width * factor, np.float32)
     for layer in Coverage((size, size), 1.0).layers(lines, screen, widths, None, 1, Scratch(), exact):
-        layer.compose(colours, image)
+        layer.blend(colours, image)
     return image.reshape(SIZE, factor, SIZE, factor, 3).mean((1, 3))
 
 
@@ -91,7 +91,7 @@ def test_shares_are_those_of_one_pixel(seed: int, width: float) -> None:
     lines = Polylines(np.arange(len(strands) + 1) * 2, screen)
     (layer,) = Coverage((SIZE, SIZE), 1.0).layers(lines, screen, widths, None, 1, Scratch(), True)
     at = int(layer.fragments.begin[0])
-    for n in layer.fragments.kept[: 32 * SIZE]:
+    for n in layer.fragments.counts[: 32 * SIZE]:
         shares = layer.fragments.weight[at : at + int(n)]
         assert (shares > 0).all()
         assert shares.sum() < 1 + 1e-6

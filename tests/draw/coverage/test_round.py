@@ -82,7 +82,7 @@ def draw(view: View, strands: np.ndarray, resolver: str, slope: DepthSlope) -> n
     image = np.full((HEIGHT, WIDTH, 3), -1, np.float32)
     coverage = Coverage((WIDTH, HEIGHT), 1.0)
     for layer in coverage.layers(lines, screen, widths, None, 1, Scratch(), False, slope):
-        layer.compose(colours, image)
+        layer.blend(colours, image)
     return image[..., 0]
 
 

@@ -98,7 +98,7 @@ def test_whatever_pixels_the_width_is_cut_into_departures_add_up_to_nothing() ->
     profile = np.zeros((1, 1, kernel.COLUMNS + 1, 3), np.float32)
     profile[0, 0, 1:] = rng.normal(size=(kernel.COLUMNS, 3))
     light = profile[0, 0, 1:, 0] - profile[0, 0, 1:, 0].mean()
-    kernel.add_up(profile, 0)
+    kernel.integrate_columns(profile, 0)
     edges = np.arange(kernel.COLUMNS + 1, dtype=np.float32)
     np.testing.assert_allclose(means(profile, edges), light, atol=2e-6)  # a column is its own mean
     for pixels in (1, 3, 7, 40):

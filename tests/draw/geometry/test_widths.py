@@ -143,7 +143,7 @@ def test_pictures_cover_what_rays_meet(resolver: str, name: str) -> None:
     if resolver == "sorted":
         image = np.zeros((size[1], size[0], 3), np.float32)
         for layer in Coverage(size, 1.0).layers(lines, screen, widths, None, 1, scratch):
-            layer.compose(np.ones((len(screen), 3), np.float32), image)
+            layer.blend(np.ones((len(screen), 3), np.float32), image)
         covered = image[..., 0].astype(np.float64)
     else:
         keys = np.full(size[0] * size[1], EMPTY)

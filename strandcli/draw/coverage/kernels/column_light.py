@@ -1,4 +1,4 @@
-"""Light across strands under exact shadows: of each column across a strand, what is lit along it and seen of it."""
+"""Light across strands under exact shadows: the lit and visible part of each column across a strand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.approximations import clamp
 from ...common.kernels.bits import popcount
-from .masks import WHOLE, points_behind, table_row
+from .masks import ALL_POINTS, points_behind, table_row
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -18,41 +18,41 @@ ONE = np.float32(1.0)
 COLUMNS = 16
 """Columns of the offset h across a strand."""
 LINES = COLUMNS
-"""Lines along which exact shadows are traced, one in the middle of each column,"""
+"""Lines along a segment on which exact shadows are traced, one in the middle of each column."""
 PLACES = 64
-"""and places along each that are lit or dark: bits of a word,"""
+"""Positions along each line that are lit or dark, one bit each."""
 BYTES = 8
-"""which has so many bytes."""
+"""Bytes of a line's bits."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 UPRIGHT = np.float32(0.01)
-"""Least share of a strand's way along either axis: what is less makes no difference."""
+"""Least component of a direction; a smaller one makes no difference."""
 
 
 class Crossing(NamedTuple):
-    """How a piece of a strand passes a sample, in samples."""
+    """Position of a segment relative to a sample, in samples."""
 
     dx: np.float32
     dy: np.float32
-    """Its direction, of length 1."""
+    """Its unit direction."""
     off: np.float32
-    """Distance from its middle line to the sample's middle, toward (−dy, dx)."""
+    """Distance from its axis to the sample's centre, toward (−dy, dx)."""
     radius: np.float32
     """Half its width."""
 
 
 @device
 def column_light(profile, shades, slot, after, t, half, points, table, crossing, shares):
-    """(r, g, b): mean departure of a piece between two vertices with these slots, where exact shadows leave it light,
-    over what a sample shows of it: of its columns what `columns` tells, and within `half` the piece's length of its
-    place t.
+    """Return (r, g, b): the mean departure from the average light of the part of a segment that a sample shows.
 
-    profile, shades: as in `width_profiles.Profiles`; points, table, crossing, shares: as in `columns`.
+    slot, after: profiles of the vertices at its ends; t: position along it, 0 to 1; half: half the length that the
+    sample shows, in lengths of the segment; profile, shades: as in `width_profiles.Profiles`; points, table, crossing,
+    shares: as in `column_shares`.
     """
     since, until = places_of(t, half)
     mask = (ALL << np.uint64(since)) & (ALL >> np.uint64(PLACES - until))
     per = ONE / np.float32(until - since)
-    begin, end, total = columns(points, table, crossing, shares)
-    r = g = b = x = y = z = ZERO  # of the vertex before and the one after
+    begin, end, total = column_shares(points, table, crossing, shares)
+    r = g = b = x = y = z = ZERO  # red, green and blue at the vertex before, and at the one after
     for i in range(begin, end):
         if shares[i] == ZERO:
             continue
@@ -71,12 +71,12 @@ def column_light(profile, shades, slot, after, t, half, points, table, crossing,
 
 
 @device
-def columns(points, table, crossing, shares):
-    """How much a sample shows of each column of a strand: as many of the sample's points as are set in `points`, or all
-    of the area, where none is or there is no `masks.sides` for a table.
+def column_shares(points, table, crossing, shares):
+    """Write how much a sample shows of each column of a strand; return begin and end of the columns shown, and the sum.
 
-    shares (COLUMNS,) float32 is written from the first column that is shown to before the last. Returns which these
-    are, and the sum.
+    points: mask of the sample's points that the strand shows; table: from `masks.half_planes`. Shares are counted in
+    points, or measured as areas if table is None or no column has a point. crossing: `Crossing`; shares (COLUMNS,)
+    float32: written from `begin` to before `end`.
     """
     dx, dy, off, radius = crossing
     reach = HALF * (abs(dx) + abs(dy))
@@ -84,16 +84,16 @@ def columns(points, table, crossing, shares):
     most = np.float32(COLUMNS - 1)
     begin = np.int64(clamp(middle + (off - reach) * middle / radius, ZERO, most))
     end = np.int64(clamp(middle + (off + reach) * middle / radius, ZERO, most)) + 1
-    edge = -radius - off  # of the first column, from the sample's middle
+    edge = -radius - off  # of the first column, from the sample's centre
     column = radius / middle
     total = ZERO
-    if table is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-        if points != WHOLE:
+    if table is not None:  # noqa: SIM102  a condition of its own is pruned if table is None
+        if points != ALL_POINTS:
             turn = ONE if dx >= ZERO else -ONE
-            way = table_row(-dy * turn, dx * turn)
-            lower = points_behind(table, way, turn, edge + np.float32(begin) * column)
+            normal = table_row(-dy * turn, dx * turn)
+            lower = points_behind(table, normal, turn, edge + np.float32(begin) * column)
             for i in range(begin, end):
-                upper = points_behind(table, way, turn, edge + np.float32(i + 1) * column)
+                upper = points_behind(table, normal, turn, edge + np.float32(i + 1) * column)
                 shares[i] = np.float32(popcount(points & upper & ~lower))
                 total += shares[i]
                 lower = upper
@@ -109,14 +109,16 @@ def columns(points, table, crossing, shares):
 
 @inlined
 def places_of(t, half):
-    """From which place on a line to before which a sample shows a piece, within `half` its length of its place t."""
+    """Return begin and end of the positions on a line, bits, that are within `half` of t, both in lengths of the
+    segment; at least one."""
     since = min(max(np.int64((t - half) * np.float32(PLACES)), 0), PLACES - 1)
     return since, max(min(np.int64((t + half) * np.float32(PLACES)) + 1, PLACES), since + 1)
 
 
 @device
 def area(distance, dx, dy):
-    """The share of a sample that lies before a line along (dx, dy), at a distance from the sample's middle."""
+    """Return the share of a sample on one side of a line with the unit direction (dx, dy), at a signed distance from
+    the sample's centre."""
     long = max(abs(dx), abs(dy))
     short = max(min(abs(dx), abs(dy)), UPRIGHT)
     out = HALF * (long + short)

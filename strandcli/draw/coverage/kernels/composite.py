@@ -1,4 +1,4 @@
-"""From a tile's sorted fragments to the share of its pixel that each shows."""
+"""Weights of a tile's sorted fragments: the share of its pixel that each contributes."""
 
 from __future__ import annotations
 
@@ -6,36 +6,40 @@ import numpy as np
 
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
-from .masks import EMPTY, POINTS, WHOLE, covered
-from .tiles import NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
+from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
-"""What lies behind where less light than this gets through is left out."""
+"""Transmittance below which everything behind is left out."""
 MASKED = np.float32(0.5)
-"""Samples. Of strands that are wider it may be asked which points of a sample they show."""
-FAR_OFF = np.int64(-9)
-TWO, FOUR = np.uint64(2), np.uint64(NUMBERS)
+"""Samples. Wider strands can have masks of the points of a sample that they show."""
+NO_VERTEX = np.int64(-9)
+"""A vertex next to none."""
+FOUR = np.uint64(NUMBERS)
 
 
 @inlined
 def numbers(fragments, i):
-    """Of fragment number i its opacity, its vertex, and its place on the way from a lit vertex to the next."""
-    which = np.uint64(i) * FOUR
-    alpha = np.int32(fragments[which + np.uint64(1)]).view(np.float32)
-    vertex = np.int64(np.uint32(fragments[which + TWO]))
-    return alpha, vertex, np.int64(np.uint32(fragments[which + np.uint64(3)]) >> PIXEL_BITS)
+    """Return opacity, vertex and fixed-point position of fragment number i."""
+    first = np.uint64(i) * FOUR
+    alpha = np.int32(fragments[first + AT_OPACITY]).view(np.float32)
+    vertex = np.int64(np.uint32(fragments[first + AT_VERTEX]))
+    return alpha, vertex, np.int64(np.uint32(fragments[first + AT_PLACE]) >> PIXEL_BITS)
 
 
 @device
 def composite(fragments, counts, order, vertices, tile, o, out, marks):
-    """Weights of the sorted fragments of tile number `tile`, written into `out`, `tiles.Fragments`, from place `o` on;
-    returns where they end.
+    """Write the visible fragments of tile number `tile`, with their weights, to `out` from index o on; return the index
+    of their end.
 
-    fragments, counts, order: as `sorting.sort_pixels` leaves them; vertices: of all strands; marks (V,): set at
-    the lit vertices before fragments that matter.
+    fragments, counts, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
+    `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
+
+    Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
+    others cover the pixel independently.
     """
     base = tile * PIXELS
     bits = out.place_bits
@@ -47,7 +51,7 @@ def composite(fragments, counts, order, vertices, tile, o, out, marks):
         through = ONE
         front = ONE
         room = ONE
-        previous = FAR_OFF
+        previous = NO_VERTEX
         while (m < end) & (through >= OPAQUE):
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
@@ -62,21 +66,21 @@ def composite(fragments, counts, order, vertices, tile, o, out, marks):
                 identity -= t >> bits
                 marks[np.uint64(identity)] = 1
             to = np.uint64(o)
-            out.place[to] = np.uint32(identity)
+            out.vertex[to] = np.uint32(identity)
             out.weight[to] = front * alpha
             out.along[to] = np.float32(t) * UNIT
             o += 1
-        out.kept[np.uint64(base) + p] = o - begin
+        out.counts[np.uint64(base) + p] = o - begin
     return o
 
 
 @device
 def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks):
-    """What `composite` does, where it is known which points of a sample wide strands cover: what is in front hides just
-    these. What is thin covers a sample independently.
+    """Write fragments as `composite` does, with masks of the points of a sample that wide strands cover: a wide strand
+    hides just these points. Thin strands cover a sample independently.
 
-    lines: `ScreenLines` with widths in samples; table: of `strandcli.draw.coverage.masks.sides`; tile: `tiles.Tile`;
-    the rest as in `composite`.
+    lines: `ScreenLines` with widths in samples; table: from `strandcli.draw.coverage.masks.half_planes`; tile:
+    `tiles.Tile`; other arguments as in `composite`.
     """
     screen, widths = lines.screen, lines.widths
     base, bits = tile.number * PIXELS, out.place_bits
@@ -89,21 +93,21 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
         x = np.float32(tile.left + np.int64(p) % TILE_WIDTH) + HALF
         y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF
         thin = front = room = ONE
-        free = WHOLE
+        free = ALL_POINTS
         total = ZERO
-        previous = FAR_OFF
+        previous = NO_VERTEX
         while m < end:
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
-            mine = EMPTY
-            if identity < vertices and widths[identity] > MASKED:  # beyond vertices it is of a solid's edge
-                mine = covered(table, screen, widths, identity, x, y)
-            if mine != EMPTY:
-                shown = mine & free
-                share = alpha * thin * np.float32(popcount(shown)) / np.float32(popcount(mine))
+            mine = NO_POINTS
+            if identity < vertices and widths[identity] > MASKED:  # from `vertices` on: solids' edges
+                mine = covered_points(table, screen, widths, identity, x, y)
+            if mine != NO_POINTS:
+                visible = mine & free
+                share = alpha * thin * np.float32(popcount(visible)) / np.float32(popcount(mine))
                 free &= ~mine
             else:
-                shown = free
+                visible = free
                 if abs(identity - previous) > 1:
                     front, room = thin, ONE
                 previous = identity
@@ -111,22 +115,22 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
                 room -= alpha
                 share = front * alpha * np.float32(popcount(free)) / np.float32(POINTS)
                 thin = front * room
-            share = min(share, ONE - total)  # areas are exact, what hides of them is counted in points
+            share = min(share, ONE - total)  # areas are exact, but hidden parts are counted in points
             if share > ZERO:
                 if identity < vertices:
                     identity -= t >> bits
                     marks[np.uint64(identity)] = 1
                 to = np.uint64(o)
-                out.place[to] = np.uint32(identity)
+                out.vertex[to] = np.uint32(identity)
                 out.weight[to] = share
                 out.along[to] = np.float32(t) * UNIT
-                out.seen[to] = shown
+                out.points[to] = visible
                 total += share
                 o += 1
             if thin * np.float32(popcount(free)) < OPAQUE * np.float32(POINTS):
                 break
-        if (free == EMPTY) & ((o > begin + 1) | (m < end)):  # between strands that cover all nothing shows through
+        if (free == NO_POINTS) & ((o > begin + 1) | (m < end)):  # all points are covered: nothing shows through
             for i in range(begin, o):
                 out.weight[i] /= total
-        out.kept[np.uint64(base) + p] = o - begin
+        out.counts[np.uint64(base) + p] = o - begin
     return o

@@ -1,5 +1,4 @@
-"""From the segments of strands in a tile to its fragments: segments in runs, and cells of which many are covered at
-once."""
+"""Fragments of a tile, from the strand segments in it: runs of thin segments as cells, wide segments as ribbons."""
 
 from __future__ import annotations
 
@@ -10,61 +9,25 @@ from numpy.typing import NDArray
 
 from ....jit import device, inlined
 from ....simd import half_width_pointer, load, pointer, prefetch, store
-from .cells import (
-    ALONG,
-    AREA,
-    CELL,
-    CELLS,
-    DEPTH,
-    FLAT_WAY,
-    LANES,
-    MIDDLE,
-    PLACE,
-    RISE,
-    VERTEX,
-    ZERO,
-    H,
-    add_fragment,
-    cover_cells,
-)
+from . import cells
+from . import segments as seg
+from .cells import CELLS, LANES, add_fragment, cover_cells
 from .ribbon import cover_ribbon
-from .segments import (
-    ACROSS,
-    BEGIN,
-    BEHIND,
-    DEEPER,
-    END,
-    FIRST,
-    HEIGHT,
-    LAST,
-    NEAREST,
-    NO_WAY,
-    PER,
-    PIECES,
-    RIBBON,
-    SLOPE,
-    STRETCH,
-    WAY,
-    WIDER,
-    Q,
-    W,
-    keep_last,
-    load_vertices,
-    measure_segments,
-)
-from .tile_binning import BLOCK, LOW, SHIFT
+from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
+from .tile_binning import BLOCK, LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
 from .tiles import ROW_BITS
 
+ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 AHEAD = np.int64(2)
-"""Rows of segments whose memory is prefetched before they are looked at."""
+"""Rows of segments that memory is prefetched ahead of their use."""
 LINE = np.int64(16)
-EIGHT = np.int64(8)
-"""Numbers of a cache line, and of one of longer numbers."""
+LONG_LINE = np.int64(8)
+"""32-bit and 64-bit numbers of a cache line."""
 STEPS = np.arange(LANES, dtype=np.float32)
-SURE = np.float32(1 - 1e-6)
-"""What is so much behind is behind, whatever the rounding."""
+SAFE = np.float32(1 - 1e-6)
+"""Factor of the depth number behind which a tile is hidden, so that rounding hides nothing visible."""
 
 
 class Strands(NamedTuple):
@@ -75,24 +38,24 @@ class Strands(NamedTuple):
     widths: NDArray[np.float32] | None
     """These as in `strandcli.draw.geometry.kernels.screen_lines.ScreenLines`."""
     opacity: np.float32
-    """Of the material."""
+    """Opacity of the material."""
     depth_slope: Any
     """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
     stride: int
-    """Every so-manieth vertex is lit."""
+    """Every stride-th vertex is lit."""
 
 
 class SolidPixels(NamedTuple):
-    """What solids hide of a picture, and the E pixels that one of them covers in part; these become fragments."""
+    """Occlusion by solids, and the E edge pixels that a solid covers in part, which become fragments."""
 
     hides: NDArray[np.float32]
-    """(height * width,) depth number behind which nothing is seen; (0,) where there is no solid."""
+    """(height * width,) depth number behind which nothing is visible; (0,): there are no solids."""
     pixels: NDArray[np.int64]
     """(E,) y * width + x, ascending."""
     depth: NDArray[np.float32]
     """(E,) depth number of the solid."""
     cover: NDArray[np.float32]
-    """(E,) its share of the pixel."""
+    """(E,) share of the pixel that it covers."""
 
 
 class SegmentRow(NamedTuple):
@@ -100,28 +63,28 @@ class SegmentRow(NamedTuple):
 
     begin: int
     end: int
-    """The strand's vertices are begin … end − 1."""
+    """Vertices of the strand: begin … end − 1."""
     low: int
     high: int
-    """Vertices that its first and its last segment end in."""
+    """Last vertices of its first and of its last segment."""
     start: np.float32
-    """Where the run of its first segment began, along the axis that it follows."""
+    """Where the run of its first segment began, along (see `segments`)."""
 
 
 @device
 def find_fragments(strands, solids, segments, tile, width, work, target, marks):
-    """Find a tile's fragments, those of strands and those of solids, and return how many there are.
+    """Find the fragments of strands and of solids' edges in a tile; return their number.
 
-    strands: `Strands`; solids: `SolidPixels`; segments: `tile_binning.TileSegments` of all tiles; tile: its number;
-    width of the picture; work: `cells.Work`; target: `cells.Target`, written. marks (V,): not read, but soon to
-    be written to, as all that is seen.
+    strands: `Strands`; solids: `SolidPixels`; segments: `tile_binning.TileSegments` of all tiles; tile: number of the
+    tile; width: of the picture; work: `cells.Work`; target: `cells.Target`, written; marks (V,): only prefetched,
+    because compositing writes to it soon.
     """
     target.counts[:] = 0
-    hidden = ZERO  # depth number behind which nothing in the tile is seen
+    hidden = ZERO  # depth number behind which nothing in the tile is visible
     if solids.hides.shape[0] == 0:
         target.occlusion_depth[:] = ZERO
     else:
-        hidden = copy_occlusion(solids.hides, width, target) * SURE
+        hidden = copy_occlusion(solids.hides, width, target) * SAFE
     pool = segments.pool
     n = np.int64(0)
     m = add_solids(solids, strands.screen.shape[0], width, target)
@@ -131,14 +94,15 @@ def find_fragments(strands, solids, segments, tile, width, work, target, marks):
         while stop > 0:
             final = block == (stop - 1) // BLOCK
             after = block if final else segments.links[block]
-            for line in range(0, 2 * BLOCK, EIGHT):
+            for line in range(0, 2 * BLOCK, LONG_LINE):
                 prefetch(pointer(pool), 2 * BLOCK * after + line)
             for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
                 prefetch_row(pool, min(slot + AHEAD, pool.shape[0] - 1), strands, strands.widths, marks)
-                s = pool[slot, 1] >> SHIFT
+                s = pool[slot, STRAND_AND_LAST] >> SHIFT
                 row = SegmentRow(
-                    strands.first[s], strands.first[s + 1], pool[slot, 0] & LOW, pool[slot, 1] & LOW,
-                    np.uint32(pool[slot, 0] >> SHIFT).view(np.float32),
+                    strands.first[s], strands.first[s + 1],
+                    pool[slot, START_AND_FIRST] & LOW, pool[slot, STRAND_AND_LAST] & LOW,
+                    np.uint32(pool[slot, START_AND_FIRST] >> SHIFT).view(np.float32),
                 )  # fmt: skip
                 n, m = add_row(row, strands, strands.widths, hidden, work, n, target, m)
             if final:
@@ -149,9 +113,9 @@ def find_fragments(strands, solids, segments, tile, width, work, target, marks):
 
 @inlined
 def prefetch_row(pool, slot, strands, widths, marks):
-    """Prefetch what the row of segments in a slot needs."""
-    low = (pool[slot, 0] & LOW) - 1
-    prefetch(pointer(strands.first), pool[slot, 1] >> SHIFT)
+    """Prefetch the vertices of the row of segments at index `slot` of the pool."""
+    low = (pool[slot, START_AND_FIRST] & LOW) - 1
+    prefetch(pointer(strands.first), pool[slot, STRAND_AND_LAST] >> SHIFT)
     prefetch(pointer(strands.screen), 3 * low)
     prefetch(pointer(strands.screen), 3 * low + LINE)
     prefetch(pointer(marks), low)
@@ -161,8 +125,8 @@ def prefetch_row(pool, slot, strands, widths, marks):
 
 @device
 def add_solids(solids, base, width, target):
-    """Add what solids cover of the tile's pixels that they cover in part, as vertices from number `base` on; returns
-    how many fragments these are."""
+    """Append a fragment for each edge pixel of a solid in the tile, with the vertex base + e for edge pixel e; return
+    their number."""
     m = np.int64(0)
     pixels = solids.pixels
     for e in range(np.searchsorted(pixels, target.top * width), np.searchsorted(pixels, target.bottom * width)):
@@ -175,13 +139,14 @@ def add_solids(solids, base, width, target):
 
 @inlined
 def add_row(row, strands, widths, hidden, work, n, target, m):
-    """List the cells of a row's thin segments, beside the n before, and draw its wide ones, beside the m fragments
-    before; returns how many cells are listed then, and how many fragments were found.
+    """Collect the cells of a row's thin segments and draw its wide ones; return the new numbers n of collected cells
+    and m of fragments.
 
-    hidden: depth number behind which nothing is seen. A thin segment waits for the next one, which tells whether its
-    run goes on: points do not, nor does the strand's end.
+    row: `SegmentRow`; widths: of the strands; hidden: depth number behind which nothing in the tile is visible; other
+    arguments as in `find_fragments`. A thin segment is drawn when the next segment is known, which tells whether its
+    run ends; segments without length are skipped.
     """
-    pieces = work.segments
+    rows = work.segments
     points = half_width_pointer(strands.screen)
     run = RIBBON
     start = row.start
@@ -189,52 +154,51 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
     k = np.int64(0)
     base = row.low
     while True:
-        count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, PIECES))
-        load_vertices(points, widths, base - 1, count + 1, pieces)
-        measure_segments(pieces, count, strands.opacity)
+        count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, SEGMENTS))
+        load_vertices(points, widths, base - 1, count + 1, rows)
+        measure_segments(rows, count, strands.opacity)
         ends = np.int64(base + count == row.end)
         if ends:
-            pieces[WAY + count + 1] = BEHIND
+            rows[seg.KIND + count + 1] = BEHIND
         for i in range(1, count + 1 + ends):
-            way = pieces[WAY + i]
-            if way == NO_WAY:
+            kind = rows[seg.KIND + i]
+            if kind == NO_LENGTH:
                 continue
             after = base + i - 1
-            if widths is not None:  # noqa: SIM102  a branch of its own is left out where there are none
-                if (run != RIBBON) & (run != BEHIND) & (not pieces[NEAREST + k] < hidden):
+            if widths is not None:  # noqa: SIM102  a condition of its own is pruned if widths is None
+                if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < hidden):
                     place = ((v - 1 - row.begin) & (strands.stride - 1)) << target.place_bits
-                    n, m = list_cells(work, k, v, place, run, start, way != run, n, target, m)
+                    n, m = list_cells(work, k, v, place, run, start, kind != run, n, target, m)
             if after > row.high:
                 return n, m
-            if way == RIBBON:
+            if kind == RIBBON:
                 m = cover_ribbon(strands, widths, after, row.begin, row.end, target, m)
-            if way != run:
-                start = pieces[BEGIN + i] if v >= row.low else start
-                run = way
+            if kind != run:
+                start = rows[seg.BEGIN + i] if v >= row.low else start
+                run = kind
             v = after
             k = i
-        keep_last(pieces, k)
+        keep_last(rows, k)
         k = np.int64(0)
         base += count
 
 
 @inlined
 def list_cells(work, k, v, place, run, start, closing, n, target, m):
-    """List the cells that segment number k, from vertex v − 1 to v, leaves behind, and, `closing`, the one that its run
-    ends in; covers those listed so far where there are too many.
+    """Collect the cells that segment number k, from vertex v − 1 to v, leaves, and, if `closing`, the cell in which its
+    run ends; draw the cells collected so far if there is no room. Return the new numbers n of cells and m of fragments.
 
-    place: of the segment's beginning after a lit vertex (see `tiles.fixed`); run: 1 along x, 2 along y, negative
-    against the axis; start: where the run begins, in the direction of travel; n: cells listed before; m: fragments
-    found before. Returns how many there are then.
+    place: fixed-point position of the segment's beginning (see `tiles.fixed_point`); run: kind of the segments; start:
+    where the run begins, along.
 
-    Most segments leave few cells: a vector of them is written, and what is too many written over by the next.
+    Most segments leave few cells: a whole vector is written, and the next segment overwrites the excess.
     """
     p = pointer(work.segments)
     flat = abs(run) == 1
     low = target.left if flat else target.top
     high = target.right if flat else target.bottom
-    cell = max(np.int64(p[FIRST + k]), low if run > 0 else -high)
-    stop = min(np.int64(p[LAST + k]) + np.int64(closing), high if run > 0 else -low)
+    cell = max(np.int64(p[seg.FIRST + k]), low if run > 0 else -high)
+    stop = min(np.int64(p[seg.LAST + k]) + np.int64(closing), high if run > 0 else -low)
     sign = ONE if run > 0 else -ONE
     back = ZERO if run > 0 else ONE
     floats = half_width_pointer(work.cells)
@@ -246,19 +210,20 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
             n = np.int64(0)
         here = steps + np.float32(cell)
         enter = max(here, start)
-        length = min(here + ONE, p[END + k]) - enter
-        past = enter + HALF * length - p[BEGIN + k]
-        t = min(max(past * p[PER + k], ZERO), ONE)
-        store(floats, DEPTH + n, p[Q + k] + p[DEEPER + k] * t)
-        store(floats, MIDDLE + n, p[ACROSS + k] + p[SLOPE + k] * past)
-        store(floats, AREA + n, p[STRETCH + k] * length * (p[W + k] + t * p[WIDER + k]))
-        store(floats, RISE + n, abs(p[SLOPE + k]) * length)
-        store(floats, H + n, p[HEIGHT + k])
-        store(floats, ALONG + n, t)
-        store(floats, CELL + n, sign * here - back)
-        store(integers, PLACE + n, place)
-        store(integers, VERTEX + n, v - 1)
-        store(integers, FLAT_WAY + n, -np.int64(flat))
+        length = min(here + ONE, p[seg.END + k]) - enter
+        past = enter + HALF * length - p[seg.BEGIN + k]
+        t = min(max(past * p[seg.PER_LENGTH + k], ZERO), ONE)
+        store(floats, cells.DEPTH + n, p[seg.BEGIN_DEPTH + k] + p[seg.DEPTH_RISE + k] * t)
+        store(floats, cells.MIDDLE + n, p[seg.ACROSS + k] + p[seg.SLOPE + k] * past)
+        width = p[seg.BEGIN_WIDTH + k] + t * p[seg.WIDENING + k]
+        store(floats, cells.AREA + n, p[seg.STRETCH + k] * length * width)
+        store(floats, cells.RISE + n, abs(p[seg.SLOPE + k]) * length)
+        store(floats, cells.H + n, p[seg.HEIGHT + k])
+        store(floats, cells.ALONG + n, t)
+        store(floats, cells.CELL + n, sign * here - back)
+        store(integers, cells.PLACE + n, place)
+        store(integers, cells.VERTEX + n, v - 1)
+        store(integers, cells.FLAT_MASK + n, -np.int64(flat))
         n += min(stop - cell, LANES)
         cell += LANES
     return n, m
@@ -266,7 +231,7 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
 
 @device
 def copy_occlusion(hides, width, target):
-    """Copy the depth numbers behind which solids hide all, of the tile's pixels; returns the least."""
+    """Copy the depth numbers behind which solids hide all to the tile; return the least."""
     least = np.int32(np.float32(np.inf).view(np.int32))
     depth = target.occlusion_depth
     for y in range(target.top, target.bottom):
@@ -274,6 +239,6 @@ def copy_occlusion(hides, width, target):
         at = np.uint64(y * width + target.left)
         for x in range(np.uint64(target.right - target.left)):
             depth[to + x] = hides[at + x]
-        for x in range(np.uint64(target.right - target.left)):  # the bits of what is not negative are in its order
+        for x in range(np.uint64(target.right - target.left)):  # floats that are not negative compare as their bits do
             least = min(least, np.int32(np.float32(depth[to + x]).view(np.int32)))
     return np.int32(least).view(np.float32)

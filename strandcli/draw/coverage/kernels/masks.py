@@ -1,8 +1,9 @@
-"""Which part of a sample each of several wide strands shows: the A-buffer's masks (Carpenter 1984).
+"""Bit masks of the points of a sample that wide strands cover (A-buffer, Carpenter 1984).
 
-A sample has 64 points, a bit each, laid out so that an edge of any direction leaves about as many of them on one side
-as it leaves area there. What a band covers is what lies between the two lines along it and the two across its ends;
-the points on one side of a line come from a table over its direction and its distance from the sample's middle.
+A sample has 64 points, one bit each, placed so that the number of points on one side of an edge is nearly proportional
+to the area there, for any direction. A band covers the points between its two edges and between the two lines across
+its ends; the points on one side of a line come from a table over its direction and its distance from the sample's
+centre.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 POINTS = 64
-EMPTY, WHOLE = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
-WAYS = 128
-"""Directions of lines in half a turn, and"""
+NO_POINTS, ALL_POINTS = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
+DIRECTIONS = 128
+"""Directions of the table's lines in half a turn."""
 DISTANCES = 64
-"""distances from the middle, from `-REACH` to `REACH` samples."""
+"""Distances of the table's lines from the sample's centre, from −`REACH` to `REACH` samples."""
 REACH = np.float32(0.72)
+"""Distance beyond which a line does not cross the sample."""
 _PER = np.float32(DISTANCES / (2 * REACH))
 _ROW = np.int64(DISTANCES + 1)
 _FROM = np.float32(REACH * _PER + 0.5)
@@ -31,21 +33,23 @@ _FROM = np.float32(REACH * _PER + 0.5)
 
 @inlined
 def table_row(x, y):
-    """Where the table has lines with the normal (x, y), y >= 0, of length 1: by 1 − x / (|x| + |y|)."""
-    return np.int64((ONE - x / (abs(x) + abs(y))) * np.float32(WAYS / 2) + HALF) * _ROW
+    """Return the index of the table's first line with the unit normal (x, y), y >= 0; directions are equidistant in
+    1 − x / (|x| + |y|)."""
+    return np.int64((ONE - x / (abs(x) + abs(y))) * np.float32(DIRECTIONS / 2) + HALF) * _ROW
 
 
 @inlined
 def points_behind(table, row, turn, distance):
-    """The points p with p · n < distance, as bits; turn: −1 where −n is the normal in the row of the table, else 1."""
+    """Return the mask of the points p with p · n < distance; row: from `table_row`; turn: 1 if n is the normal there,
+    −1 if −n is."""
     k = np.int64(min(max(distance * turn * _PER + _FROM, ZERO), np.float32(DISTANCES)))
     bits = table[np.uint64(row + k)]
     return bits if turn > ZERO else ~bits
 
 
 @device
-def covered(table, screen, widths, v, x, y):
-    """Of the piece from vertex v to the next, in the sample whose middle is (x, y): the points it covers."""
+def covered_points(table, screen, widths, v, x, y):
+    """Return the mask of the points that the segment after vertex v covers in the sample with the centre (x, y)."""
     x0 = screen[v, 0]
     y0 = screen[v, 1]
     dx = screen[v + 1, 0] - x0

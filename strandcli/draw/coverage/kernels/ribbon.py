@@ -1,8 +1,8 @@
-"""What wide segments of strands cover of a tile: bands cut at mitred joints, so that a bend shows no notch.
+"""Fragments of wide segments of strands in a tile: bands cut at mitred joints, so that a bend shows no notch.
 
-Within a pixel the band is exact; what lies beyond an end is taken off by how far the pixel's middle is past the joint's
-line, and the next segment covers just that. The band's depth is that of a strand's round side toward the eye, or
-strands that touch would be seen in the wrong order.
+The area of the band within a pixel is exact. At a joint it is reduced by the distance of the pixel's centre from the
+joint's line, and the next segment covers just the rest. The depth of the band is that of the strand's round side toward
+the eye; with that of the axis, strands that touch would be sorted wrongly.
 """
 
 from __future__ import annotations
@@ -15,41 +15,42 @@ import numpy as np
 from ....jit import device, inlined
 from ...geometry.kernels.ribbon import cross_section, measure_ribbon, offsets_across, round_depth
 from .cells import add_fragment
-from .tiles import ROW_BITS, fixed
+from .tiles import ROW_BITS, fixed_point
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 FLAT = np.float32(1 / 16)
-"""A lesser slope is drawn as this one: single precision needs it, and the difference cannot be seen."""
+"""Least slope that is drawn; single precision needs it, and the difference is invisible."""
 FAINT = np.float32(1e-5)
-"""Share of a cell that is not worth a fragment."""
+"""Share of a cell up to which no fragment is made."""
 OPAQUE = np.float32(1 - 1 / 512)
-"""Opacity behind which nothing matters, as in `composite`."""
+"""Opacity that hides everything behind it, as in `composite`."""
 TINY = np.float32(1e-30)
 
 
 class Band(NamedTuple):
-    """What is the same for all cells of a ribbon."""
+    """Numbers of a ribbon that all its cells share; along and across: the coordinates a and b of `Ribbon`."""
 
     per: np.float32
-    """One over the ribbon's way along."""
+    """One over the length along."""
     slope: np.float32
-    """Its rise across over its way along."""
+    """Rise across over length along."""
     tall: np.float32
-    """Half of its height across over its width."""
+    """Half the height across over the width."""
     lean: np.float32
-    """How much further along the ribbon the nearest point of its middle lies, for each pixel aside."""
+    """Change of t at the nearest point of the axis, for each pixel across."""
     spread: np.float32
-    """The rise of its edges within a cell, pixels."""
+    """Rise of the edges within a cell, pixels."""
     inside0: np.float32
     inside1: np.float32
-    """For the joint at each end, one over how far its line moves while it crosses a pixel."""
+    """For the joint at each end, one over the distance that its line moves while it crosses a pixel."""
 
 
 class Cells(NamedTuple):
-    """The cells a_low <= a < a_high of a ribbon, of the rows b_low <= b < b_high; columns where a ribbon follows y."""
+    """The part a_low <= a < a_high, b_low <= b < b_high of a tile, in the coordinates of a `Ribbon`; cells are pixels
+    with the same a."""
 
     a_low: int
     a_high: int
@@ -59,10 +60,10 @@ class Cells(NamedTuple):
 
 @device
 def cover_ribbon(strands, widths, v, begin, end, target, m):
-    """Add what the segment from vertex v − 1 to v of the strand begin … end − 1 covers to the m fragments found before;
-    returns how many there are then.
+    """Append the fragments of the segment from vertex v − 1 to v of the strand begin … end − 1 to the m found so far;
+    return their new number.
 
-    strands: `fragments.Strands`; widths: theirs; target: see `cells.Target`.
+    strands: `fragments.Strands`; widths: of the strands, None: one pixel; target: `cells.Target`.
     """
     screen = strands.screen
     w0 = ONE if widths is None else widths[v - 1]
@@ -71,15 +72,15 @@ def cover_ribbon(strands, widths, v, begin, end, target, m):
     ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    lit_past = (v - 1 - begin) & (strands.stride - 1)  # how many vertices v − 1 is past a lit one
+    past_lit = (v - 1 - begin) & (strands.stride - 1)
     for c in range(cells.a_low, cells.a_high):
-        m = cover_cell(ribbon, band, c, cells, strands, v - 1, lit_past, target, m)
+        m = cover_cell(ribbon, band, c, cells, strands, v - 1, past_lit, target, m)
     return m
 
 
 @inlined
 def measure_band(ribbon):
-    """The `Band` of a ribbon."""
+    """Return the `Band` of a ribbon."""
     per = ONE / (ribbon.a1 - ribbon.a0)
     slope = (ribbon.b1 - ribbon.b0) * per
     square = ONE + slope * slope
@@ -91,7 +92,7 @@ def measure_band(ribbon):
 
 @inlined
 def find_cells(ribbon, w0, w1, target):
-    """The `Cells` of the tile in the box of a ribbon's four corners, and half a pixel about it."""
+    """Return the `Cells` of the tile within half a pixel of the bounding box of a ribbon's four corners."""
     a0, b0, a1, b1 = ribbon.a0, ribbon.b0, ribbon.a1, ribbon.b1
     reach0 = HALF * w0 / (ribbon.ma0 * ribbon.da + ribbon.mb0 * ribbon.db)
     reach1 = HALF * w1 / (ribbon.ma1 * ribbon.da + ribbon.mb1 * ribbon.db)
@@ -108,12 +109,11 @@ def find_cells(ribbon, w0, w1, target):
 
 
 @inlined
-def cover_cell(ribbon, band, c, cells, strands, vertex, lit_past, target, m):
-    """Add what a ribbon covers of its cell number c to the m fragments found before; returns how many there are then.
+def cover_cell(ribbon, band, c, cells, strands, vertex, past_lit, target, m):
+    """Append the fragments of a ribbon's cell number c to the m found so far; return their new number.
 
-    vertex: the ribbon's first, which is `lit_past` vertices past a lit one. Where the ribbon hides all that is behind
-    it, the pixel's occlusion depth comes forward to it: of a thousand wide strands in a pixel, few are in front of all
-    before them.
+    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
+    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before.
     """
     spread = band.spread
     narrow = ONE / spread
@@ -130,7 +130,7 @@ def cover_cell(ribbon, band, c, cells, strands, vertex, lit_past, target, m):
         x, y = (c, row) if ribbon.flat else (row, c)
         pixel = (y - target.top) << ROW_BITS | (x - target.left)
         rest = middle - np.float32(row)
-        # of what the pixel shows of the width
+        # middle of the part of the width that the pixel shows
         off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
         t = min(max(past * band.per + band.lean * off, ZERO), ONE)
         depth = round_depth(ribbon, t, off * over, forward, tilt)
@@ -145,26 +145,28 @@ def cover_cell(ribbon, band, c, cells, strands, vertex, lit_past, target, m):
             alpha = min(cover, ONE) * strands.opacity
             if alpha > OPAQUE:
                 target.occlusion_depth[pixel] = depth
-            place = fixed(t, lit_past, target.place_bits)
+            place = fixed_point(t, past_lit, target.place_bits)
             m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
     return m
 
 
 @inlined
 def share_within(past, inside):
-    """Share of a pixel that lies beyond a joint's line, which is crossed where the pixel's middle is `past` 0."""
+    """Return the share of a pixel beyond a joint's line; past: signed distance of the pixel's centre from the line;
+    inside: as in `Band`."""
     return min(max(past * inside + HALF, ZERO), ONE)
 
 
 @device
 def edge(height, spread, narrow):
-    """How much of a pixel's column lies under an edge at this height above the row, averaged over the edge's rise."""
+    """Return the share of a pixel below an edge at a mean height above the pixel's lower side; spread: rise of the edge
+    within the pixel; narrow: 1 / spread."""
     height = min(max(height, -ONE), TWO)
     return (ramp(height + HALF * spread) - ramp(height - HALF * spread)) * narrow
 
 
 @device
 def ramp(x):
-    """Integral of x clipped to [0, 1]."""
+    """Return the integral from 0 to x of x clipped to [0, 1]."""
     inside = min(max(x, ZERO), ONE)
     return HALF * inside * inside + max(x - ONE, ZERO)

@@ -1,4 +1,4 @@
-"""A tile's fragments listed by pixel and sorted by depth."""
+"""Sorting of a tile's fragments by pixel and depth."""
 
 from __future__ import annotations
 
@@ -7,116 +7,119 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
-from .tiles import NUMBERS, PIXELS
+from .tiles import AT_DEPTH, AT_PLACE, AT_VERTEX, NUMBERS, PIXELS
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 RUN = 128
-"""Lists no longer than this are sorted by counting."""
-FEW_LANES = VECTOR // 2 // 4
-"""Fragments that are a vector of a `half_width_pointer`, which most lists are,"""
-MORE_LANES = VECTOR // 4
-"""or one of a `pointer`."""
-STEPS = np.arange(MORE_LANES, dtype=np.float32)
+"""Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
+NARROW_LANES = VECTOR // 2 // 4
+"""Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
+WIDE_LANES = VECTOR // 4
+"""Lanes of a vector of a `pointer`."""
+STEPS = np.arange(WIDE_LANES, dtype=np.float32)
 IN_PIXEL = np.int32(PIXELS - 1)
+"""Mask of the pixel in the column `AT_PLACE`."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
-ONE_ON, TWO, FOUR = np.uint64(1), np.uint64(2), np.uint64(NUMBERS)
+ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 
 
 @device
-def list_by_pixel(fragments, n, counts, starts, depths, listed):
-    """List a tile's n fragments pixel by pixel.
+def list_by_pixel(fragments, n, counts, starts, depths, indices):
+    """List the indices of a tile's n fragments by pixel.
 
-    counts, starts (PIXELS,): length of each pixel's list and, afterwards, where it ends; depths: their depth numbers;
-    listed: which they are.
+    fragments: columns of `tiles`; counts (PIXELS,): length of each pixel's list; starts (PIXELS,): written, index of
+    the end of each list; depths, indices: written, depth numbers and indices of the fragments, list after list.
     """
     total = np.int64(0)
     for p in range(PIXELS):
         starts[p] = total
         total += counts[p]
     for i in range(np.uint64(n)):
-        p = np.uint64(fragments[i * FOUR + np.uint64(3)] & IN_PIXEL)
+        p = np.uint64(fragments[i * FOUR + AT_PLACE] & IN_PIXEL)
         at = np.uint64(starts[p])
         starts[p] += 1
-        depths[at] = np.int32(fragments[i * FOUR]).view(np.float32)
-        listed[at] = np.uint32(i)
+        depths[at] = np.int32(fragments[i * FOUR + AT_DEPTH]).view(np.float32)
+        indices[at] = np.uint32(i)
 
 
 @device
-def sort_pixels(fragments, counts, ends, depths, listed, behind, spare, order):
-    """Sort each pixel's list, nearest first, ties by index: `order` becomes what `listed` is before;
-    behind (RUN,) float32, spare: to work with.
+def sort_pixels(fragments, counts, ends, depths, indices, ranks, spare, order):
+    """Write the lists in `indices` to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
 
-    Each goes behind as many as are nearer: counting them takes more comparisons than other ways, but none that has to
-    be guessed, and vector code. Long lists are sorted in runs of `RUN` that are merged.
+    fragments, counts, ends, depths, indices: from `list_by_pixel`; ranks (RUN,) float32, spare: scratch.
+
+    The rank of a fragment is the number of nearer ones. To count them takes more comparisons than other methods, but
+    no branch that has to be predicted, and is vector code. Long lists are sorted in runs of `RUN` that are merged.
     """
     for p in range(counts.shape[0]):
         n = np.int64(counts[p])
         first = np.int64(ends[p]) - n
-        if n <= FEW_LANES:
+        if n <= NARROW_LANES:
             rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
-            if sort_few(rows, steps, first, n, FEW_LANES, listed, order):
-                insertion_sort(fragments, listed, first, n, order)
+            if sort_few(rows, steps, first, n, NARROW_LANES, indices, order):
+                insertion_sort(fragments, indices, first, n, order)
             continue
-        if n <= MORE_LANES:
+        if n <= WIDE_LANES:
             wide_rows, wide_steps = pointer(depths), load(pointer(STEPS), 0)
-            if sort_few(wide_rows, wide_steps, first, n, MORE_LANES, listed, order):
-                insertion_sort(fragments, listed, first, n, order)
+            if sort_few(wide_rows, wide_steps, first, n, WIDE_LANES, indices, order):
+                insertion_sort(fragments, indices, first, n, order)
             continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
-            count_nearer(pointer(depths), pointer(behind), low, size)
+            count_nearer(pointer(depths), pointer(ranks), low, size)
             total = np.int64(0)
             for i in range(np.uint64(size)):
-                o = np.int64(behind[i])
+                o = np.int64(ranks[i])
                 total += o
-                order[np.uint64(low + o)] = listed[np.uint64(low) + i]
-            if total != size * (size - 1) // 2:  # some are equally far, and have one place together
-                insertion_sort(fragments, listed, low, size, order)
+                order[np.uint64(low + o)] = indices[np.uint64(low) + i]
+            if total != size * (size - 1) // 2:  # equal depths have the same rank
+                insertion_sort(fragments, indices, low, size, order)
         if n > RUN:
             merge_runs(fragments, first, n, order, spare)
 
 
 @inlined
-def sort_few(rows, steps, low, n, lanes, listed, order):
-    """Sort n that are no more than a vector from place `low` on, and tell whether some are equally far. As many steps
-    for a few as for all: when a short loop ends has to be guessed. What is no part of the list goes behind it, where
-    the next one comes."""
+def sort_few(rows, steps, low, n, lanes, indices, order):
+    """Sort the list of n <= lanes depths from index `low` on; return whether any two are equal.
+
+    The loop always runs over all lanes, because the end of a short loop cannot be predicted. Lanes beyond the list are
+    written behind it, where the next list overwrites them."""
     own = load(rows, low)
-    there = steps < np.float32(n)
+    valid = steps < np.float32(n)
     taken = np.uint64(0)
     for i in range(lanes):
-        o = count_true((own > rows[low + i]) & there) if i < n else np.uint64(lanes)
-        order[np.uint64(low) + o] = listed[np.uint64(low + i)]
-        taken |= ONE_ON << o
+        o = count_true((own > rows[low + i]) & valid) if i < n else np.uint64(lanes)
+        order[np.uint64(low) + o] = indices[np.uint64(low + i)]
+        taken |= ONE_BIT << o
     return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))
 
 
 @inlined
 def count_nearer(rows, ranks, low, size):
-    """How many of so many depths from place `low` on are nearer than each."""
-    for some in range(0, size, lane_count(rows)):
-        own = load(rows, low + some)
+    """Store the rank of each of `size` depths from index `low` on: the number of nearer ones."""
+    for first in range(0, size, lane_count(rows)):
+        own = load(rows, low + first)
         nearer = broadcast(rows, ZERO)
         for j in range(low, low + size):
             nearer = where(own < rows[j], nearer + ONE, nearer)
-        store(ranks, some, nearer)
+        store(ranks, first, nearer)
 
 
 @device
 def precedes(fragments, i, j):
-    """Whether a fragment comes before another."""
-    one = np.int32(fragments[np.uint64(i) * FOUR]).view(np.float32)
-    other = np.int32(fragments[np.uint64(j) * FOUR]).view(np.float32)
-    tie = fragments[np.uint64(i) * FOUR + TWO] < fragments[np.uint64(j) * FOUR + TWO]
+    """Return whether fragment i comes before fragment j."""
+    one = np.int32(fragments[np.uint64(i) * FOUR + AT_DEPTH]).view(np.float32)
+    other = np.int32(fragments[np.uint64(j) * FOUR + AT_DEPTH]).view(np.float32)
+    tie = fragments[np.uint64(i) * FOUR + AT_VERTEX] < fragments[np.uint64(j) * FOUR + AT_VERTEX]
     return (one > other) | ((one == other) & tie)
 
 
 @device
-def insertion_sort(fragments, listed, first, n, order):
-    """Sort a list of n from place `first` on, one after the other."""
+def insertion_sort(fragments, indices, first, n, order):
+    """Sort the list of n fragments from index `first` on by insertion."""
     for i in range(first, first + n):
-        new = listed[i]
+        new = indices[i]
         j = i
         while j > first and precedes(fragments, new, order[j - 1]):
             order[j] = order[j - 1]
@@ -126,7 +129,7 @@ def insertion_sort(fragments, listed, first, n, order):
 
 @device
 def merge_runs(fragments, first, n, order, spare):
-    """Sort a list of n from place `first` on, runs of `RUN` of which are."""
+    """Merge the sorted runs of `RUN` of the list of n fragments from index `first` on."""
     size = RUN
     while size < n:
         for low in range(first, first + n, 2 * size):
@@ -135,10 +138,10 @@ def merge_runs(fragments, first, n, order, spare):
             i = low
             j = middle
             for o in range(low, high):
-                take = i < middle and (j >= high or precedes(fragments, order[i], order[j]))
-                spare[o - first] = order[i] if take else order[j]
-                i += np.int64(take)
-                j += np.int64(not take)
+                left = i < middle and (j >= high or precedes(fragments, order[i], order[j]))
+                spare[o - first] = order[i] if left else order[j]
+                i += np.int64(left)
+                j += np.int64(not left)
         for o in range(n):
             order[first + o] = spare[o]
         size *= 2

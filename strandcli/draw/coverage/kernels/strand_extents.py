@@ -1,4 +1,4 @@
-"""How much of a picture strands can touch, before their fragments are found."""
+"""Bounds on the rows and the number of pixels that strands cover, before their fragments are found."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from .segments import POINT, WIDE
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+LEAST_Y, GREATEST_Y = 0, 1
+"""Columns of the extents of strands."""
 
 
 @parallel
-def spans(first, screen, margin, width, out):
-    """The rows of the screen that each strand can touch.
+def find_extents(first, screen, margin, width, out):
+    """Write the range of y that each strand can cover.
 
-    first (S + 1,) int64; screen (V, 3); margin: how far it reaches beyond its vertices, pixels; width of the screen;
-    out (S, 2) float32: least and greatest y, inf and −inf for a strand that is not there.
+    first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; margin: greatest distance that a strand extends beyond its
+    vertices, pixels; width: of the picture; out (S, 2) float32: least and greatest y; inf and −inf for a strand that is
+    not on the screen.
     """
     for s in prange(first.shape[0] - 1):
         low = np.float32(np.inf)
@@ -32,16 +35,17 @@ def spans(first, screen, margin, width, out):
                 low = min(low, screen[v, 1])
                 high = max(high, screen[v, 1])
         there = (right + margin >= ZERO) & (left - margin < np.float32(width))
-        out[s, 0] = low - margin if there else np.float32(np.inf)
-        out[s, 1] = high + margin if there else np.float32(-np.inf)
+        out[s, LEAST_Y] = low - margin if there else np.float32(np.inf)
+        out[s, GREATEST_Y] = high + margin if there else np.float32(-np.inf)
 
 
 @parallel
 def count_wide_pixels(lines, width, height, out):
-    """About how many pixels of a picture have to be visited for the wide segments of each strand: the cells that a
-    segment's box has along the axis that it follows more, times the rows that its band has across or the picture.
+    """Write an estimate of the pixels that are visited for the wide segments of each strand.
 
-    lines: `ScreenLines` with widths; out (S,) float32.
+    For each segment it is the length of its bounding box along its longer screen axis, times the height across of its
+    band, or of the picture if that is less. lines: `ScreenLines` with widths; width, height: of the picture; out (S,)
+    float32.
     """
     first, screen, widths = lines
     for s in prange(first.shape[0] - 1):
@@ -60,5 +64,6 @@ def count_wide_pixels(lines, width, height, out):
 
 @device
 def inside(one, other, reach, end):
-    """How much of the way between two places, and a reach beyond both, lies between 0 and an end."""
+    """Return the length of the interval between two coordinates, extended by `reach` at both ends and clipped to
+    0 … end."""
     return max(min(max(one, other) + reach, end) - max(min(one, other) - reach, ZERO), ZERO)

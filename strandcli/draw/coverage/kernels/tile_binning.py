@@ -1,7 +1,7 @@
-"""Which segments of strands lie in which tile: chains of blocks out of one pool.
+"""Lists of the strand segments that overlap each tile, as chains of blocks from a common pool.
 
-Each worker has its share of the pool and a chain of its own in every tile, so no worker waits for another. What is
-listed are rows of consecutive segments of one strand, as long as their boxes touch the tile.
+Each worker has a share of the pool and its own chain for every tile, so no worker waits for another. An entry is a row
+of consecutive segments of one strand whose bounding boxes all touch the tile.
 """
 
 from __future__ import annotations
@@ -19,58 +19,65 @@ from .segments import (
     BEGIN,
     BEHIND,
     DEPTH,
-    NO_WAY,
-    PIECES,
+    KIND,
+    NO_LENGTH,
     RIBBON,
     ROW,
-    WAY,
+    SEGMENTS,
     WIDTH,
     X,
     Y,
     along,
+    kind_of,
     load_vertices,
-    way_of,
 )
+from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
+"""Coordinate in tile number −1."""
 PER_X = np.float32(1 / TILE_WIDTH)
 PER_Y = np.float32(1 / TILE_HEIGHT)
+"""Tiles a pixel."""
 BLOCK = 16
 """Rows of segments a block."""
 IN_BLOCK = np.int64(BLOCK - 1)
 BLOCK_BITS = np.int64(4)
+START_AND_FIRST, STRAND_AND_LAST = 0, 1
+"""Columns of the pool, see `TileSegments.pool`."""
 SHIFT = np.int64(32)
 LOW = np.int64(0xFFFFFFFF)
+"""Bits and mask of the lower half of a number of the pool."""
 REACH = np.float32(1.1)
-"""Pixels that a piece reaches beyond its ends, but for its width: what it rises within a cell."""
+"""Pixels that a segment extends beyond its ends in addition to its width: its rise within a cell."""
 MITRE = np.float32(0.7072)
-"""Of its width, that a piece reaches beyond its ends: half, at the slant of a mitre."""
+"""Share of its width that a segment extends beyond its ends: half the width over the cosine of a mitre's slant."""
 
 
-# Rows of numbers beside those of `segments` (X, Y, DEPTH and WIDTH, one a vertex; WAY and BEGIN, one a segment): the
-# tiles that each segment touches, from LEFT to before RIGHT, from UP to before DOWN.
+# Rows of the scratch array: X, Y, DEPTH, WIDTH, KIND and BEGIN of `segments`, and the tiles that each segment can
+# touch, LEFT <= column < RIGHT and UP <= row < DOWN.
 LEFT, RIGHT, UP, DOWN = (i * ROW for i in range(6, 10))
 ROWS = 10
 
 
 class TileSegments(NamedTuple):
-    """Which rows of segments lie in which tile: for each worker and tile a chain of blocks out of one pool."""
+    """The rows of segments in each tile: for each worker and tile a chain of blocks from one pool."""
 
     pool: NDArray[np.int64]
-    """(blocks * BLOCK, 2) a row of segments: where the run of its first one began (the bits of a float32) above the
-    vertex that this segment ends in; the strand above the vertex that its last segment ends in."""
+    """(blocks * BLOCK, 2) rows of segments. `START_AND_FIRST`: where the run of the first segment began (bits of a
+    float32, see `cells`), above that segment's last vertex. `STRAND_AND_LAST`: the strand, above the last vertex of the
+    last segment."""
     links: NDArray[np.int64]
-    """(blocks,) the block after each in its chain."""
+    """(blocks,) next block in the chain."""
     heads: NDArray[np.int64]
-    """(workers, tiles) the first block of each chain."""
+    """(workers, tiles) first block of each chain."""
     fills: NDArray[np.int64]
-    """(workers, tiles) the slot of the pool after the last row of each chain; 0: the chain is empty."""
+    """(workers, tiles) index in the pool after the last row of each chain; 0: the chain is empty."""
     used: NDArray[np.int64]
-    """(workers,) blocks that each worker asked for."""
+    """(workers,) number of blocks that each worker needed, even beyond its share."""
 
 
 class Chains(NamedTuple):
@@ -85,15 +92,15 @@ class Chains(NamedTuple):
     worker: int
     begin: int
     last: int
-    """Its blocks; the last one is a place for what finds no room."""
+    """Its first and last block; rows for which there is no room are written to the last."""
     opened: NDArray[np.int64]
-    """(tiles,) of each tile in which a row of segments is open, the first number of `TileSegments.pool` for it."""
+    """(tiles,) `START_AND_FIRST` of the open row of segments in each tile that has one."""
     across: int
-    """Tiles of the picture's width."""
+    """Tiles across the picture."""
 
 
 class TileRange(NamedTuple):
-    """Tiles from left to before right, from up to before down, as whole float32 numbers."""
+    """The tiles left <= column < right, up <= row < down, integers as float32."""
 
     left: np.float32
     right: np.float32
@@ -102,18 +109,18 @@ class TileRange(NamedTuple):
 
 
 @parallel
-def bin_segments(lines, rows, top, bottom, width, workers, segments):
-    """Append the segments of strands that can touch the rows top <= y < bottom of a picture of this width to the chains
-    of their tiles, which begin at row `top`.
+def bin_segments(lines, extents, top, bottom, width, workers, segments):
+    """Append the segments that can touch the rows top <= y < bottom of a picture to the chains of their tiles.
 
-    lines: `ScreenLines`; rows (S, 2): as from `spans`; segments: `TileSegments`, whose fills and used are 0 before. The
-    `workers` share strands and blocks evenly. Where one of them asked for more blocks than its share but one, there was
-    no room for all, and no chain holds.
+    lines: `ScreenLines`; extents (S, 2): from `strand_extents.find_extents`; width: of the picture; segments:
+    `TileSegments`, whose fills and used are 0 before. The first tiles begin at row `top`. Workers share strands and
+    blocks evenly. If `used` of a worker is not less than its share of the blocks, there was no room and the chains are
+    invalid.
     """
     share = segments.links.shape[0] // workers
     strands = lines.first.shape[0] - 1
     for one in prange(workers):
-        task = np.int64(one)  # the index is unsigned, and would make floats of what it is added to
+        task = np.int64(one)  # the index is unsigned; sums of it and signed integers would be floats
         opened = np.empty(segments.heads.shape[1], np.int64)
         across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
         chains = Chains(
@@ -121,42 +128,39 @@ def bin_segments(lines, rows, top, bottom, width, workers, segments):
             (task + 1) * share - 1, opened, across,
         )  # fmt: skip
         bin_strands(
-            task * strands // workers, (task + 1) * strands // workers, lines, rows, top, bottom, width, chains,
+            task * strands // workers, (task + 1) * strands // workers, lines, extents, top, bottom, width, chains,
             np.empty(ROWS * ROW, np.float32),
         )  # fmt: skip
 
 
 @device
-def bin_strands(low, high, lines, rows, top, bottom, width, chains, work):
-    """What `bin_segments` does for one worker, with the strands from `low` to before `high`; work (ROWS * ROW,)
-    float32 to work with.
-
-    A row of segments goes on as long as their boxes touch the tile.
-    """
+def bin_strands(low, high, lines, extents, top, bottom, width, chains, work):
+    """Append the segments of the strands low … high − 1 to the `Chains` of one worker; work (ROWS * ROW,) float32:
+    scratch; other arguments as in `bin_segments`."""
     points = half_width_pointer(lines.screen)
     wide = np.float32(width)
     tall = np.float32(bottom - top)
     above = np.float32(top)
     nowhere = TileRange(ZERO, ZERO, ZERO, ZERO)
     for s in range(low, high):
-        if not (rows[s, 0] < np.float32(bottom) and rows[s, 1] >= above):
+        if not (extents[s, LEAST_Y] < np.float32(bottom) and extents[s, GREATEST_Y] >= above):
             continue
         end = lines.first[s + 1]
         run = RIBBON
         start = ZERO
         v = lines.first[s]
         open_ = nowhere  # the tiles in which a row of segments is open
-        for base in range(v + 1, end, PIECES):
-            count = min(end - base, PIECES)
+        for base in range(v + 1, end, SEGMENTS):
+            count = min(end - base, SEGMENTS)
             load_vertices(points, lines.widths, base - 1, count + 1, work)
             find_tiles(work, count, above, wide, tall)
             for i in range(1, count + 1):
-                way = work[WAY + i]
-                if way == NO_WAY:
+                kind = work[KIND + i]
+                if kind == NO_LENGTH:
                     continue
-                if way != run:
+                if kind != run:
                     start = work[BEGIN + i]
-                    run = way
+                    run = kind
                 new = TileRange(work[LEFT + i], work[RIGHT + i], work[UP + i], work[DOWN + i])
                 if (
                     (new.left != open_.left) | (new.right != open_.right)
@@ -172,24 +176,24 @@ def bin_strands(low, high, lines, rows, top, bottom, width, chains, work):
 
 @device
 def find_tiles(work, count, above, wide, tall):
-    """How the segments between count + 1 vertices go, where they begin, and which tiles they can touch of a picture so
-    wide and tall whose first row is `above`: rows WAY, BEGIN, LEFT, RIGHT, UP and DOWN of work."""
+    """Store the rows KIND, BEGIN, LEFT, RIGHT, UP and DOWN of the segments between count + 1 vertices; above, wide,
+    tall: first row, width and height of the tiled part of the picture, float32."""
     rows = half_width_pointer(work)
     for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
         x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         w = max(w0, w1)
-        way = way_of(x1 - x0, y1 - y0, min(q0, q1), w)
-        store(rows, WAY + k, way)
-        store(rows, BEGIN + k, along(way, x0, y0))
+        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), w)
+        store(rows, KIND + k, kind)
+        store(rows, BEGIN + k, along(kind, x0, y0))
         y0 -= above
         y1 -= above
-        # a thin piece's cells are those of its ends, whatever it reaches across
+        # along its axis, a thin segment does not extend beyond the cells of its ends
         reach = REACH + MITRE * w
-        reach_x = where(abs(abs(way) - ALONG_X) <= ZERO, ZERO, reach)
-        reach_y = where(abs(abs(way) - ALONG_Y) <= ZERO, ZERO, reach)
-        there = way < BEHIND
+        reach_x = where(abs(abs(kind) - ALONG_X) <= ZERO, ZERO, reach)
+        reach_y = where(abs(abs(kind) - ALONG_Y) <= ZERO, ZERO, reach)
+        there = kind < BEHIND
         store(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
         store(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))
         store(rows, RIGHT + k, tile_of(there, max(x0, x1) + reach_x, OUTSIDE, wide - HALF, PER_X, ONE))
@@ -198,14 +202,15 @@ def find_tiles(work, count, above, wide, tall):
 
 @inlined
 def tile_of(there, x, low, high, per, more):
-    """The tile at x between bounds, the lower one for what is not a number, or so many more; 0 where none is there."""
+    """Return the number of the tile at x, clamped to low … high, plus `more`, or 0 where `there` is false; NaN counts
+    as low. Vectors."""
     return where(there, floor(min(high, max(low, x)) * per + more), ZERO)
 
 
 @inlined
 def close_rows(old, new, end, chains):
-    """Append the rows of segments that are open in the tiles `old` but do not go on in `new`; end: the strand above the
-    vertex that they end in."""
+    """Append to the chains the rows of segments that are open in the tiles `old` and not continued in `new`; end: their
+    `STRAND_AND_LAST`."""
     task = chains.worker
     for y in range(np.int64(old.up), np.int64(old.down)):
         for x in range(np.int64(old.left), np.int64(old.right)):
@@ -216,14 +221,14 @@ def close_rows(old, new, end, chains):
             if slot & IN_BLOCK == 0:
                 slot = add_block(slot, tile, chains)
             chains.fills[task, tile] = slot + 1
-            chains.pool[slot, 0] = chains.opened[tile]
-            chains.pool[slot, 1] = end
+            chains.pool[slot, START_AND_FIRST] = chains.opened[tile]
+            chains.pool[slot, STRAND_AND_LAST] = end
 
 
 @inlined
 def open_rows(new, old, here, chains):
-    """Open rows of segments in the tiles `new` where none is open from `old`; here: where their run began, above the
-    vertex."""
+    """Open a row of segments in the tiles `new` that are not among `old`, where one is open; here: their
+    `START_AND_FIRST`."""
     for y in range(np.int64(new.up), np.int64(new.down)):
         for x in range(np.int64(new.left), np.int64(new.right)):
             if not ((x >= old.left) & (x < old.right) & (y >= old.up) & (y < old.down)):
@@ -232,7 +237,8 @@ def open_rows(new, old, here, chains):
 
 @device
 def add_block(slot, tile, chains):
-    """The first slot of another block for a worker's chain in a tile, where the last one is full."""
+    """Return the first index in the pool of a new block for a tile's chain; slot: end of the chain, whose last block is
+    full."""
     task = chains.worker
     block = min(chains.begin + chains.used[task], chains.last)
     chains.used[task] += 1

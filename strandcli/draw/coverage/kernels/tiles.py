@@ -1,13 +1,12 @@
-"""Tiles of a picture, and the fragments that strands leave in one.
+"""Tiles of a picture, and the fragments of strands in them.
 
-A tile is `TILE_HEIGHT` rows of `TILE_WIDTH` pixels, few enough for all its fragments to stay in a core's own cache
-while they are found, sorted and composited: written to memory by the million and read again, they take as long as half
-of what is computed. What goes to the tiles first is which segments of strands lie in each (`tile_binning`).
+A tile is `TILE_HEIGHT` rows of `TILE_WIDTH` pixels, so few that its fragments stay in a core's own cache while they are
+found, sorted and composited: to write millions of fragments to memory and read them again takes half as long as the
+computation. `tile_binning` first lists the segments of strands in each tile.
 
-A fragment that has been found is four 32-bit numbers: the bits of its depth number and of its opacity, the index of its
-segment's first vertex, and its place along the segment above its pixel within the tile. A segment touches a pixel once,
-so depth and index differ within a pixel, and neither the order in which fragments are found nor the number of workers
-changes a picture.
+A fragment that has been found is four 32-bit numbers, in the columns named below. A segment has one fragment in a
+pixel, so no two fragments of a pixel have the same depth and vertex, and neither the order in which fragments are found
+nor the number of workers changes a picture.
 """
 
 from __future__ import annotations
@@ -23,43 +22,47 @@ TILE_WIDTH = 32
 TILE_HEIGHT = 32
 PIXELS = TILE_WIDTH * TILE_HEIGHT
 PLACES = 22
-"""Bits of the place along a strand from a lit vertex to the next; those of the pixel take the rest of 32."""
+"""Bits of a fragment's position along a strand, from a lit vertex to the next."""
 NUMBERS = 4
-"""Of a fragment: depth, opacity, index, and place and pixel."""
-
-ZERO = np.float32(0.0)
+"""32-bit numbers of a fragment."""
+AT_DEPTH, AT_OPACITY, AT_VERTEX, AT_PLACE = (np.uint64(column) for column in range(NUMBERS))
+"""Columns of a fragment: bits of the depth number and of the opacity, both float32; first vertex of its segment;
+position along the strand above the pixel within the tile."""
 PIXEL_BITS = 32 - PLACES
+"""Bits of the pixel within the tile."""
 ROW_BITS = 5
-"""A pixel's row lies above so many bits of its column."""
+"""Bits of the pixel's column, below its row."""
 UNIT = np.float32(2.0**-PLACES)
+"""Factor from a fixed-point position to 0 … 1."""
 THIN = np.float32(1 / 16)
-"""Half the least height of a band that is drawn, pixels (see `cells`)."""
+"""Least half height of a band that is drawn, pixels (see `cells`)."""
 
 
 class Fragments(NamedTuple):
-    """The fragments that matter in the rows top <= y < bottom of a picture, sorted: tile after tile, pixel after pixel,
-    nearest first. `resolve.resolve` writes them; F is what there is room for, V counts vertices."""
+    """The visible fragments in the rows top <= y < bottom of a picture, by tile and pixel, nearest first.
+
+    `resolve.resolve` writes them. F: capacity; V: number of vertices."""
 
     begin: NDArray[np.int64]
-    """(tiles,) where each tile's fragments begin; −1 where it has none."""
-    kept: NDArray[np.uint32]
-    """(tiles * PIXELS,) fragments of each pixel."""
-    place: NDArray[np.uint32]
-    """(F,) the lit vertex before the fragment, or V + e for pixel number e at a solid's edge."""
+    """(tiles,) index of each tile's first fragment; −1: it has none."""
+    counts: NDArray[np.uint32]
+    """(tiles * PIXELS,) number of fragments of each pixel."""
+    vertex: NDArray[np.uint32]
+    """(F,) lit vertex before the fragment, or V + e for pixel number e at a solid's edge."""
     weight: NDArray[np.float32]
-    """(F,) the share of the pixel's light that comes from it."""
+    """(F,) share of the pixel's light that comes from the fragment."""
     along: NDArray[np.float32]
-    """(F,) its place from that lit vertex to the next, 0 to 1."""
-    seen: NDArray[np.uint64]
-    """(F,) the points of its sample that it shows (see `masks`); (0,) where every fragment shows all points."""
+    """(F,) position from that lit vertex to the next, 0 to 1."""
+    points: NDArray[np.uint64]
+    """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     stride: int
-    """Every so-manieth vertex of a strand is lit: a power of two."""
+    """Every stride-th vertex of a strand is lit; a power of two."""
     place_bits: int
-    """A segment has 2^place_bits places, of the 2^`PLACES` from a lit vertex to the next."""
+    """Bits of the position along one segment; the rest of `PLACES` is the segment's number after the lit vertex."""
     top: int
     bottom: int
     width: int
-    """Of the picture, samples."""
+    """Width of the picture, samples."""
 
 
 class Tile(NamedTuple):
@@ -73,16 +76,16 @@ class Tile(NamedTuple):
 
 
 @function
-def fixed(t, past, bits):
-    """The place of a fragment, as it is kept: at t of its piece, 0 to 1, that is number `past` after a lit vertex, of
-    2^(PLACES − bits) until the next."""
+def fixed_point(t, past, bits):
+    """Return the fixed-point position of a fragment from the lit vertex before it to the next, in 2^−`PLACES`; t:
+    position along its segment, 0 to 1; past: segments from the lit vertex; bits: `Fragments.place_bits`."""
     most = np.int64(1) << bits
     return past << bits | min(np.int64(t * np.float32(most)), most - 1)
 
 
 @inlined
 def tile_at(number, fragments):
-    """A tile by its number, of those that `fragments` cover row by row."""
+    """Return the `Tile` with a number, counted row by row over the rows of `fragments`."""
     across = (fragments.width + TILE_WIDTH - 1) // TILE_WIDTH
     top = fragments.top + number // across * TILE_HEIGHT
     left = number % across * TILE_WIDTH

@@ -1,8 +1,8 @@
 """Light across the width of strands that are wider than a few pixels (see `strandcli.draw.coverage.width_profiles`).
 
-A vertex that is wide has a profile over the offset h ∈ [−1, 1] across the strand: how far its light there departs from
-the average over the width. In front of the eye h grows along b = t × e, t the tangent and e the way to the eye; on the
-screen, with y down, that is from a strand's direction (dx, dy) toward (−dy, dx).
+A wide vertex has a profile over the offset h ∈ [−1, 1] across the strand: the departure of its light from the average
+over the width. h increases along b = t × e, where t is the tangent and e the direction to the eye; on the screen, with
+y down, that is from a strand's direction (dx, dy) toward (−dy, dx).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ...common.kernels.batch import (
 )
 from ...common.kernels.keys import LOW
 from .column_light import COLUMNS, Crossing, column_light
-from .masks import WHOLE
+from .masks import ALL_POINTS
 from .tiles import PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
@@ -42,57 +42,57 @@ TWO = np.float32(2.0)
 THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
 FINEST = np.float32(1e-3)
-"""Half the share of a profile that a sample sees at least, in columns: less is lost in rounding."""
+"""Least half of the part of a profile that a sample shows, in columns; a smaller one is lost in rounding."""
 
 _EDGES = np.linspace(-1.0, 1.0, COLUMNS + 1)
 _AREA = 0.5 * (_EDGES * np.sqrt(1 - _EDGES**2) + np.arcsin(_EDGES))
 OFFSET = np.float32(0.5) * (_EDGES[1:] + _EDGES[:-1]).astype(np.float32)
 """Mean of h over each column."""
 HEIGHT = (np.diff(_AREA) * COLUMNS / 2 - math.pi / 4).astype(np.float32)
-"""Mean of √(1 − h²) over each column, less that over all."""
+"""Mean of √(1 − h²) over each column, less the mean over all columns."""
 
 
 class Profiles(NamedTuple):
-    """The light across the width of some strands, at the n vertices that are wide."""
+    """Light across the width of strands, at the n vertices that are wide."""
 
     screen: NDArray[np.float32]
     """(V, 3) as in `ScreenLines`."""
     widths: NDArray[np.float32]
     """(V,) samples."""
     samples: np.float32
-    """Along each side of a pixel."""
+    """Samples along a side of a pixel."""
     start: np.float32
     full: np.float32
-    """Widths in pixels from which departures from the average count, and count fully."""
+    """Widths, pixels, from which departures from the average begin to count, and count fully."""
     slots: NDArray[np.int32]
-    """(V,) number of the vertex' profile, or −1."""
+    """(V,) number of the vertex's profile, or −1."""
     profile: NDArray[np.float32]
-    """(1 + m, n, COLUMNS + 1, 3) of what has no exact shadows, and of each of the m lights that have."""
+    """(1 + m, n, COLUMNS + 1, 3) row 0: of light without exact shadows; rows 1 to m: of each light that has them."""
     shades: NDArray[np.uint64] | None
-    """(m, n, LINES) what exact shadows darken of the piece after each of these vertices; None: m is 0."""
+    """(m, n, LINES) exact shadows on the segment after each of these vertices, a set bit is dark; None: m is 0."""
 
 
-class Shown(NamedTuple):
-    """What a sample shows of a strand."""
+class VisiblePart(NamedTuple):
+    """The part of a strand that a sample shows."""
 
     x: int
     y: int
     """The sample."""
     vertex: int
-    """The lit vertex before the place that is shown."""
+    """Lit vertex before the visible position."""
     along: np.float32
-    """That place on the way to the next lit vertex, 0 to 1."""
+    """Visible position from that lit vertex to the next, 0 to 1."""
     stride: int
     """Vertices from a lit one to the next."""
     weight: np.float32
     """Share of the sample's light."""
     points: np.uint64
-    """Points of the sample that show it (see `masks`)."""
+    """Mask of the sample's points that show it (see `masks`)."""
 
 
 @device
-def begin(profile, slot):
-    """An empty profile."""
+def clear(profile, slot):
+    """Set a profile to 0."""
     for row in range(profile.shape[0]):
         for i in range(COLUMNS + 1):
             for c in range(3):
@@ -100,16 +100,18 @@ def begin(profile, slot):
 
 
 @device
-def remember(work):
-    """Note the radiance of a batch before light of a kind is added."""
+def save_radiance(work):
+    """Copy the radiance of a batch to the rows `BEFORE`, before a light contribution is added."""
     for k in range(3 * W):
         work[BEFORE + k] = work[RADIANCE + k]
 
 
 @device
-def round_off(work, n, which, slots, profile, row):
-    """Light that has been added since `remember` as a cosine lobe about the side that faces it: times
-    1 + cos (γ − φ) − mean, h = sin γ, which is nowhere negative."""
+def add_cosine_lobe(work, n, which, slots, profile, row):
+    """Distribute the light added since `save_radiance` across wide strands as a cosine lobe around the side that faces
+    the light: factor 1 + cos (γ − φ) − mean, where h = sin γ, which is never negative.
+
+    which (W,): vertices of the batch; slots, profile: of `Profiles`; row: of `profile`."""
     for k in range(n):
         slot = slots[which[k]]
         if slot >= 0:
@@ -122,7 +124,7 @@ def round_off(work, n, which, slots, profile, row):
 
 @device
 def azimuth(work, k):
-    """Cosine and sine of the angle from the eye to the light about the tangent, positive toward b."""
+    """Return cosine and sine of the angle from the eye to the light around the tangent, positive toward b."""
     tx, ty, tz = work[TX + k], work[TY + k], work[TZ + k]
     ex, ey, ez = work[EX + k], work[EY + k], work[EZ + k]
     lx, ly, lz = work[LX + k], work[LY + k], work[LZ + k]
@@ -135,29 +137,30 @@ def azimuth(work, k):
 
 
 @device
-def darken(work, n, which, slots, profile, row, clear):
-    """Leave of the light that has been added since `remember` what exact shadows do: of its average over the width the
-    share `clear` (lights, V). Profiles of wide strands have all of it in their own `row`, for `column_light`, and in
-    the first one what takes the place of the average."""
+def apply_visibility(work, n, which, slots, profile, row, visibility):
+    """Multiply the light added since `save_radiance` by its exact visibility (lights, V), an average over the width.
+
+    Profiles of wide strands store the unshadowed light in their `row`, for `column_light`, and subtract the average in
+    row 0. which, slots: as in `add_cosine_lobe`."""
     for c in range(3):
         for k in range(n):
             before = work[BEFORE + c * W + k]
             work[ADDED + k] = work[RADIANCE + c * W + k] - before
-            work[RADIANCE + c * W + k] = before + clear[row - 1, which[k]] * work[ADDED + k]
+            work[RADIANCE + c * W + k] = before + visibility[row - 1, which[k]] * work[ADDED + k]
         for k in range(n):
             slot = slots[which[k]]
             if slot >= 0:
                 light = work[ADDED + k]
-                left = clear[row - 1, which[k]] * light
+                left = visibility[row - 1, which[k]] * light
                 for i in range(COLUMNS):
                     profile[row, slot, i + 1, c] += light
                     profile[0, slot, i + 1, c] -= left
 
 
 @function
-def add_up(profile, slot):
-    """From each column's light to that of all columns up to its end: departures from an average, which come to nothing
-    at the last. Where there are rows of lights with exact shadows columns stay as they are."""
+def integrate_columns(profile, slot):
+    """Replace each column's light by the sum, up to the column's end, of departures from the average; the sum over all
+    columns is 0. Profiles under exact shadows stay as they are: `column_light` reads their columns."""
     if profile.shape[0] > 1:
         return
     for c in range(3):
@@ -174,17 +177,18 @@ def add_up(profile, slot):
 
 @function
 def departure(profile, slots, v, c, low, high):
-    """Mean of the first row of a vertex' profile between the offsets `low` and `high`, in columns; 0 where it is not
-    wide."""
+    """Return the mean of row 0 of a vertex's profile between the offsets `low` and `high`, in columns, for channel c; 0
+    for a vertex that is not wide."""
     slot = slots[v]
     if slot < 0:
         return ZERO
-    return (gathered(profile, slot, c, high) - gathered(profile, slot, c, low)) / (high - low)
+    return (integral_at(profile, slot, c, high) - integral_at(profile, slot, c, low)) / (high - low)
 
 
 @device
-def gathered(profile, slot, c, place):
-    """What `add_up` made at a place in [0, COLUMNS]: a cubic whose slope, the light, has no steps."""
+def integral_at(profile, slot, c, place):
+    """Return the sum from `integrate_columns` at an offset in [0, COLUMNS], interpolated by a cubic, so that its slope,
+    the light, is continuous."""
     i = min(np.int64(place), COLUMNS - 1)
     t = place - np.float32(i)
     a = profile[0, slot, i, c]
@@ -196,13 +200,13 @@ def gathered(profile, slot, c, place):
 
 
 @device
-def add_departure(shown, table, profiles, shades, shares, image):
-    """Add what a strand's light in a sample departs from the average that is there.
+def add_departure(part, table, profiles, shades, shares, image):
+    """Add the departure of a strand's light from the average that a sample already has.
 
-    shown: `Shown`; table: of `strandcli.draw.coverage.masks.sides`, or None: all points show it; shades: of `profiles`,
-    which are `Profiles`; shares (COLUMNS,) float32 to work with.
+    part: `VisiblePart`; table: from `strandcli.draw.coverage.masks.half_planes`, or None: all points show it; profiles:
+    `Profiles`; shades: of these; shares (COLUMNS,) float32: scratch; image (height, width, 3): changed.
     """
-    x, y, v, t, stride, weight, _ = shown
+    x, y, v, t, stride, weight, _ = part
     screen, widths, samples, start, full, slots, profile, _ = profiles
     if slots[v] < 0 and slots[v + stride] < 0:
         return
@@ -233,7 +237,7 @@ def add_departure(shown, table, profiles, shades, shares, image):
             image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
     elif slots[v] >= 0 and after >= 0:
         crossing = Crossing(dx / size, dy / size, off, HALF * wide)
-        r, g, b = column_light(profile, shades, slots[v], after, t, HALF / size, shown.points, table, crossing, shares)
+        r, g, b = column_light(profile, shades, slots[v], after, t, HALF / size, part.points, table, crossing, shares)
         image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
         image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
         image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
@@ -241,8 +245,8 @@ def add_departure(shown, table, profiles, shades, shares, image):
 
 @parallel
 def add_to_zbuffer(keys, base, per, stride, profiles, image):
-    """Departures in the picture of a z-buffer; keys, base, per, stride, image as in `film.colours`; profiles:
-    `Profiles`."""
+    """Add the departures of strands in a z-buffer to the picture; keys, base, per, stride, image: as in `film.colours`;
+    profiles: `Profiles`."""
     height, width, _ = image.shape
     last = np.uint64(max(profiles.screen.shape[0] - 1, 0))
     for row in prange(height):
@@ -262,14 +266,14 @@ def add_to_zbuffer(keys, base, per, stride, profiles, image):
                 past = (v % per) % stride
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
-            shown = Shown(x, y, v, t, stride, ONE, WHOLE)
-            add_departure(shown, None, profiles, shades, shares, image)
+            part = VisiblePart(x, y, v, t, stride, ONE, ALL_POINTS)
+            add_departure(part, None, profiles, shades, shares, image)
 
 
 @parallel
 def add_to_fragments(fragments, table, profiles, image):
-    """Departures in the picture of sorted fragments, `tiles.Fragments`; table: of `masks.sides`; profiles:
-    `Profiles`."""
+    """Add the departures of sorted fragments to the picture; fragments: `tiles.Fragments`; table: from
+    `masks.half_planes`; profiles: `Profiles`."""
     for one in prange(fragments.begin.shape[0]):
         number = np.int64(one)
         f = fragments.begin[number]
@@ -277,16 +281,16 @@ def add_to_fragments(fragments, table, profiles, image):
             continue
         tile = tile_at(number, fragments)
         slots, shades = profiles.slots, profiles.shades
-        place, weight, along, seen = fragments.place, fragments.weight, fragments.along, fragments.seen
+        vertex, weight, along, points = fragments.vertex, fragments.weight, fragments.along, fragments.points
         shares = np.empty(COLUMNS, np.float32)
         for p in range(PIXELS):
-            end = f + np.int64(fragments.kept[number * PIXELS + p])
+            end = f + np.int64(fragments.counts[number * PIXELS + p])
             while f < end:
-                v = np.int64(place[f])
-                if v < slots.shape[0]:  # beyond are the edges of solids
-                    shown = Shown(
+                v = np.int64(vertex[f])
+                if v < slots.shape[0]:  # greater numbers are edges of solids
+                    part = VisiblePart(
                         tile.left + p % TILE_WIDTH, tile.top + p // TILE_WIDTH, v, along[f], fragments.stride,
-                        weight[f], WHOLE if seen.shape[0] == 0 else seen[f],
+                        weight[f], ALL_POINTS if points.shape[0] == 0 else points[f],
                     )  # fmt: skip
-                    add_departure(shown, table, profiles, shades, shares, image)
+                    add_departure(part, table, profiles, shades, shares, image)
                 f += 1

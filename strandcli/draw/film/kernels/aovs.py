@@ -83,9 +83,9 @@ def front(fragments, vertices, screen, least, keys, mask):
         o = fragments.begin[number]
         tile = tile_at(number, fragments)
         width, stride = fragments.width, fragments.stride
-        kept, place, weight, along = fragments.kept, fragments.place, fragments.weight, fragments.along
+        counts, vertex, weight, along = fragments.counts, fragments.vertex, fragments.weight, fragments.along
         for p in range(PIXELS):
-            if kept[number * PIXELS + p] == 0:
+            if counts[number * PIXELS + p] == 0:
                 continue
             x = tile.left + p % TILE_WIDTH
             y = tile.top + p // TILE_WIDTH
@@ -93,10 +93,10 @@ def front(fragments, vertices, screen, least, keys, mask):
             strands_ = ZERO
             most = ZERO
             best = o
-            end = o + np.int64(kept[number * PIXELS + p])
+            end = o + np.int64(counts[number * PIXELS + p])
             for i in range(o, end):
                 total += weight[i]
-                if place[i] < vertices:
+                if vertex[i] < vertices:
                     strands_ += weight[i]
                     if weight[i] > most:
                         most = weight[i]
@@ -106,7 +106,7 @@ def front(fragments, vertices, screen, least, keys, mask):
             mask[y * width + x] = share
             if share >= least:
                 past = min(np.int64(along[best] * np.float32(stride)), stride - 1)
-                v = np.int64(place[best]) + past
+                v = np.int64(vertex[best]) + past
                 t = along[best] * np.float32(stride) - np.float32(past)
                 q = max(screen[v, 2] + t * (screen[v + 1, 2] - screen[v, 2]), ZERO)
                 depth = np.uint64(np.float32(q).view(np.uint32))

@@ -138,7 +138,7 @@ def load_colour(paint, along, tone, work, k):
 def start_profile(wide, v):
     """Clear the profile of vertex v if it has one."""
     if wide.slots[v] >= 0:
-        width_profiles.begin(wide.profile, wide.slots[v])
+        width_profiles.clear(wide.profile, wide.slots[v])
 
 
 @device
@@ -164,23 +164,23 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
             for k in range(n):
                 work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
         if wide is not None:
-            width_profiles.remember(work)
+            width_profiles.save_radiance(work)
         if dual is not None and rows[i, MAP_LAYERS] > ZERO:
             dual_scattering(work, n, rows, i, dual)
         elif diffuse > ZERO:
             diffuse_light(work, n, rows, i, diffuse)
         if wide is not None:
-            width_profiles.round_off(work, n, which, wide.slots, wide.profile, row)
+            width_profiles.add_cosine_lobe(work, n, which, wide.slots, wide.profile, row)
         if tables is not None:
             highlights(work, n, rows, i, tables)
             if wide is not None:
                 width_highlights(work, n, which, rows, i, tables, wide, row)
         if wide is not None and dual is None and row > 0:
-            width_profiles.darken(work, n, which, wide.slots, wide.profile, row, lights.clear)
+            width_profiles.apply_visibility(work, n, which, wide.slots, wide.profile, row, lights.clear)
     if wide is not None:
         for k in range(n):
             if wide.slots[which[k]] >= 0:
-                width_profiles.add_up(wide.profile, wide.slots[which[k]])
+                width_profiles.integrate_columns(wide.profile, wide.slots[which[k]])
 
 
 @device

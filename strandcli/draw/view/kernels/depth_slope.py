@@ -20,4 +20,4 @@ class DepthSlope(NamedTuple):
 
 
 FLAT = DepthSlope(np.float32(0), np.float32(0), np.float32(0), np.float32(0))
-"""Draws wide strands as flat bands, whose depth is that of their middle line."""
+"""Slope 0: wide strands are flat bands with the depth of their axis."""
