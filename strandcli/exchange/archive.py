@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-import struct
 import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,11 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
+from ..output.files import ARCHIVE_ERRORS
 from .bounded import SLICE, Bounded, amount
 
-UNREADABLE = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError,
-              struct.error, OverflowError)  # fmt: skip
-"""What damaged archives raise: RuntimeError those that say that they are encrypted."""
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 LARGEST_DIRECTORY = 1 << 20
 """Bytes of an archive's list of members: one of a thousand arrays has a twentieth of it."""
@@ -129,7 +125,7 @@ class Archive:
         try:
             with self.archive.open(info) as member:
                 yield member
-        except UNREADABLE as error:
+        except ARCHIVE_ERRORS as error:
             raise self.fault(info, f"cannot be read: {error}; it is damaged") from None
 
 
@@ -151,7 +147,7 @@ def arrays_of(file: Bounded) -> Iterator[Archive]:
     _check_directory(file)
     try:
         archive = zipfile.ZipFile(file.file)
-    except UNREADABLE as error:
+    except ARCHIVE_ERRORS as error:
         raise file.damaged(f"archive: {error}", 0) from None
     with archive:
         yield Archive(file, archive)

@@ -13,7 +13,10 @@ import re
 import shutil
 import socket
 import stat
+import struct
 import time
+import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -23,6 +26,9 @@ from ..errors import RefusedError, UsageError
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
 _DAY = 86_400.0
+ARCHIVE_ERRORS = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError,
+                  struct.error, OverflowError)  # fmt: skip
+"""Exceptions that reading a damaged .npz file may raise; an encrypted one raises RuntimeError."""
 
 
 def _host() -> str:

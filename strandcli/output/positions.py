@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import numpy.typing as npt
 from .. import __version__
 from ..errors import RefusedError, UsageError
 from .claim import Claim
-from .files import atomic, prepare_folder, read_json, require_own, with_whole, write_json
+from .files import ARCHIVE_ERRORS, atomic, prepare_folder, read_json, require_own, with_whole, write_json
 from .report import finite
 
 Positions = npt.NDArray[np.float32]
@@ -23,10 +22,6 @@ Positions = npt.NDArray[np.float32]
 MANIFEST = "manifest.json"
 SCHEMA_VERSION = 1
 AGAIN = "run 'strandcli simulate' again with --overwrite"
-
-
-UNREADABLE = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError)
-"""What damaged archives raise: RuntimeError those that say that they are encrypted."""
 
 
 def positions_file(frame: int) -> str:
@@ -159,7 +154,7 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
     try:
         with np.load(path, allow_pickle=False) as data:
             positions: Positions = data["positions"]
-    except (*UNREADABLE, KeyError) as error:
+    except (*ARCHIVE_ERRORS, KeyError) as error:
         raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
@@ -182,7 +177,7 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
         raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
-    except UNREADABLE as error:
+    except ARCHIVE_ERRORS as error:
         raise UsageError(f"{path}: not a file of positions: {error}; {AGAIN}") from None
     if tuple(found) != shape:
         strands, particles, _ = shape
