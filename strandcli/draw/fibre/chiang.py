@@ -137,11 +137,11 @@ def azimuthal(
     nodes[..., lobes.REST : lobes.REST + 3] = (rest @ weight)[:, None] / (2.0 * np.pi)
 
     paths = np.zeros((len(theta), n_phi, 4), np.float32)
-    paths[..., :2] = mean_paths(n, theta, eta)
+    paths[..., : lobes.PATH_REST] = mean_paths(n, theta, eta)
     # of p = 3, 4, … passes with weights falling as (F T)^p, 3 + F T / (1 − F T) is the mean number
     inner = (rays[:, :1] * np.exp(-length[:, None] * sigma[:, None])).mean(1)
     passes = rest.mean(1) * (3.0 + inner / (1.0 - inner)) * length
-    paths[..., 2] = ((passes @ weight) / np.maximum(rest.mean(1) @ weight, 1e-300))[:, None]
+    paths[..., lobes.PATH_REST] = ((passes @ weight) / np.maximum(rest.mean(1) @ weight, 1e-300))[:, None]
     return nodes, paths / np.float32(math.log(2.0))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solids import Solids
+from ..common.kernels.light_columns import LIGHT_SIZE
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
 from ..shadows.shadow import ShadowMaps, map_arrays
@@ -16,13 +17,14 @@ from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
 from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
+from .kernels.occlusion_columns import BOX_SIZE
 from .occlusion import Occlusion
 from .palette import Palette
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-NO_BOX = np.zeros(10, np.float32)
+NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
 
@@ -59,7 +61,7 @@ class Lighting:
     @property
     def sized(self) -> np.uint8 | None:
         """1 if any light has a size and there are solids, else None, for which kernels compile without soft shadows."""
-        return np.uint8(1) if self.solids is not None and self.lights[:, 12].any() else None
+        return np.uint8(1) if self.solids is not None and self.lights[:, LIGHT_SIZE].any() else None
 
     def shade_strands(
         self, lines: Polylines, marks: NDArray[np.uint8], tones: NDArray[np.float32],

@@ -25,7 +25,7 @@ from ..solids.solids import NONE, ball_of, rows_of
 from ..view.camera import ball
 from .kernels import occlusion as kernel
 from .kernels import occlusion_cells, occlusion_sweep
-from .kernels.occlusion_columns import CHANNELS
+from .kernels.occlusion_columns import CHANNELS, MEAN
 
 FEWEST, MOST = 12, 256
 """Least and greatest number of cells along each axis."""
@@ -84,7 +84,7 @@ def build(
 def nothing() -> Occlusion:
     """Return the occlusion of a scene without strands and solids: the whole sky is visible."""
     volume = np.zeros((8, 4), np.float32)
-    volume[:, 0] = 1
+    volume[:, MEAN] = 1
     return Occlusion(volume, np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32))
 
 

@@ -11,6 +11,8 @@ from .along import apart
 
 PIECE = 1024
 """Every so many points one stays: what the method costs grows with the square of a piece."""
+BEGIN, END = 0, 1
+"""Columns of a span: its first and its last point."""
 
 
 @parallel
@@ -42,13 +44,14 @@ def thin(points, begin, stop, square, keep, waiting):
     """Mark the points between two that must stay; returns the largest squared distance of one that goes. ``waiting``
     (n, 2) int64: scratch for the spans that are not looked at yet, at most as many as points."""
     worst = 0.0
-    waiting[0, 0] = begin
-    waiting[0, 1] = stop
+    count = 0
+    waiting[count, BEGIN] = begin
+    waiting[count, END] = stop
     count = 1
     while count > 0:
         count -= 1
-        low = waiting[count, 0]
-        high = waiting[count, 1]
+        low = waiting[count, BEGIN]
+        high = waiting[count, END]
         far = 0.0
         place = low
         for i in range(low + 1, high):
@@ -58,10 +61,10 @@ def thin(points, begin, stop, square, keep, waiting):
                 place = i
         if far > square:
             mark(keep, place)
-            waiting[count, 0] = low
-            waiting[count, 1] = place
-            waiting[count + 1, 0] = place
-            waiting[count + 1, 1] = high
+            waiting[count, BEGIN] = low
+            waiting[count, END] = place
+            waiting[count + 1, BEGIN] = place
+            waiting[count + 1, END] = high
             count += 2
         else:
             worst = max(worst, far)

@@ -13,6 +13,8 @@ from ...jit import function, inlined, parallel, prange
 
 RUN = 8
 """Pieces of a run."""
+X, Y, Z, RADIUS = range(4)
+"""Columns of the bounding balls of runs, metres."""
 
 
 @parallel
@@ -38,9 +40,10 @@ def transmittance(first, world, radii, probes, own, frames, reaches, jitter, wid
             if s == own[p]:
                 continue
             for run in range(runs[s], runs[s + 1]):
-                bx, by, bz = seen(frames, probes, p, balls[run, 0], balls[run, 1], balls[run, 2])
-                room = most * wide[p] + balls[run, 3]
-                if bx * bx + by * by > room * room or bz + balls[run, 3] < 0.0 or bz - balls[run, 3] > reaches[p]:
+                bx, by, bz = seen(frames, probes, p, balls[run, X], balls[run, Y], balls[run, Z])
+                radius = balls[run, RADIUS]
+                room = most * wide[p] + radius
+                if bx * bx + by * by > room * room or bz + radius < 0.0 or bz - radius > reaches[p]:
                     continue
                 start = first[s] + (run - runs[s]) * RUN
                 ax, ay, az = 0.0, 0.0, 0.0
@@ -107,8 +110,8 @@ def enclose(first, runs, world, radii, balls):
                 balls[run, c] = 0.5 * (low + high)
             far = 0.0
             for v in range(start, end):
-                x = world[v, 0] - balls[run, 0]
-                y = world[v, 1] - balls[run, 1]
-                z = world[v, 2] - balls[run, 2]
+                x = world[v, 0] - balls[run, X]
+                y = world[v, 1] - balls[run, Y]
+                z = world[v, 2] - balls[run, Z]
                 far = max(far, math.sqrt(x * x + y * y + z * z) + radii[v])
-            balls[run, 3] = far
+            balls[run, RADIUS] = far

@@ -28,6 +28,9 @@ PALER = np.float32(4.0)
 DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
 SPREAD, WIDTH, OWN = 21, 22, 23
 
+MEAN_DECAY, MEAN_MIRROR, MEAN_BEAM, MEAN_ON, MEAN_BACK = range(5)
+"""Rows of the averaged streams: κ, R, k₀, P and Q."""
+
 
 class DualArrays(NamedTuple):
     """Tables of dual scattering as kernels read them, float32."""
@@ -69,16 +72,16 @@ def wide(sin_l, cos_l, sin_v, cos_v, variance):
 def through(passed, streams, c):
     """Share of a light that arrives in channel c behind `passed` strands, with what they scatter on.
 
-    streams (5, 3): κ, R, k₀, P and Q, averaged. As in `scattered` where nothing is behind: τ' = 0.
+    streams (5, 3): rows above, averaged. As in `scattered` where nothing is behind: τ' = 0.
     """
-    straight = exp(-streams[2, c] * passed)
-    near = exp(-streams[0, c] * passed)
-    mirror = streams[1, c]
-    back = streams[4, c] * straight
+    straight = exp(-streams[MEAN_BEAM, c] * passed)
+    near = exp(-streams[MEAN_DECAY, c] * passed)
+    mirror = streams[MEAN_MIRROR, c]
+    back = streams[MEAN_BACK, c] * straight
     returned = mirror * near
-    first = (returned * back - streams[3, c]) / (ONE - returned * returned)
+    first = (returned * back - streams[MEAN_ON, c]) / (ONE - returned * returned)
     final = -back - first * returned
-    return straight + max(first * near + final * mirror + streams[3, c] * straight, ZERO)
+    return straight + max(first * near + final * mirror + streams[MEAN_ON, c] * straight, ZERO)
 
 
 @inlined

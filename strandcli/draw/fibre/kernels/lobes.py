@@ -21,6 +21,8 @@ ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
 R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
 """Channels of a node."""
+PATH_TT, PATH_TRT, PATH_REST = (np.int64(c) for c in range(3))
+"""Columns of mean paths."""
 
 
 @device
@@ -59,16 +61,17 @@ def azimuthal(x, y, m, m_rest, nodes, paths, extra):
     w10 = x - w11
     w01 = y - w11
     w00 = ONE - x - w01
-    r = m[0] * mix(nodes, i, j, R, w00, w01, w10, w11)
-    tt_r = m[1] * mix(nodes, i, j, TT, w00, w01, w10, w11)
-    tt_g = m[1] * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
-    tt_b = m[1] * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
-    trt_r = m[2] * mix(nodes, i, j, TRT, w00, w01, w10, w11)
-    trt_g = m[2] * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
-    trt_b = m[2] * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
+    m_r, m_tt, m_trt = m
+    r = m_r * mix(nodes, i, j, R, w00, w01, w10, w11)
+    tt_r = m_tt * mix(nodes, i, j, TT, w00, w01, w10, w11)
+    tt_g = m_tt * mix(nodes, i, j, TT + 1, w00, w01, w10, w11)
+    tt_b = m_tt * mix(nodes, i, j, TT + 2, w00, w01, w10, w11)
+    trt_r = m_trt * mix(nodes, i, j, TRT, w00, w01, w10, w11)
+    trt_g = m_trt * mix(nodes, i, j, TRT + 1, w00, w01, w10, w11)
+    trt_b = m_trt * mix(nodes, i, j, TRT + 2, w00, w01, w10, w11)
     if paths.shape[0] > 0:
-        l_tt = mix(paths, i, j, np.int64(0), w00, w01, w10, w11)
-        l_trt = mix(paths, i, j, np.int64(1), w00, w01, w10, w11)
+        l_tt = mix(paths, i, j, PATH_TT, w00, w01, w10, w11)
+        l_trt = mix(paths, i, j, PATH_TRT, w00, w01, w10, w11)
         tt_r *= grown(extra[0], l_tt)
         tt_g *= grown(extra[1], l_tt)
         tt_b *= grown(extra[2], l_tt)
@@ -85,7 +88,7 @@ def azimuthal(x, y, m, m_rest, nodes, paths, extra):
         rest_g = m_rest * (near * nodes[i, j, REST + 1] + x * nodes[i + 1, j, REST + 1])
         rest_b = m_rest * (near * nodes[i, j, REST + 2] + x * nodes[i + 1, j, REST + 2])
         if paths.shape[0] > 0:
-            l_rest = near * paths[i, j, 2] + x * paths[i + 1, j, 2]
+            l_rest = near * paths[i, j, PATH_REST] + x * paths[i + 1, j, PATH_REST]
             rest_r *= grown(extra[0], l_rest)
             rest_g *= grown(extra[1], l_rest)
             rest_b *= grown(extra[2], l_rest)

@@ -10,7 +10,7 @@ from ...common.kernels.batch import ARRIVES, EXTRA, NODE_X, NODE_Y, TRT, TT, R
 from ...common.kernels.light_columns import POWER_R
 from ...coverage.kernels.column_light import COLUMNS
 from ...coverage.kernels.width_profiles import azimuth
-from .lobes import grown
+from .lobes import PATH_TRT, PATH_TT, grown
 
 ZERO = np.float32(0.0)
 CHANNELS = 8
@@ -54,8 +54,8 @@ def add_columns(work, n, which, lights, one, tables, profiles, columns, row):
             m_tt = light * work[TT + k]
             m_trt = light * work[TRT + k]
             if tables.paths.shape[0] > 0:  # strands with a colour of their own; a node's path is near enough here
-                m_tt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, 0])
-                m_trt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, 1])
+                m_tt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, PATH_TT])
+                m_trt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, PATH_TRT])
             for q in range(COLUMNS):
                 h = q if sine >= ZERO else COLUMNS - 1 - q
                 profiles.profile[row, slot, q + 1, c] += (

@@ -7,6 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+FADE, FADE_X, FADE_Y, FADE_Z = range(3, 7)
+"""Columns of the paint of solids after their colour, metres: distance over which it fades, 0 for none; centre of the
+fading."""
+
 
 class Vertices(NamedTuple):
     """Vertices of strands, and the camera."""
@@ -87,7 +91,7 @@ class Coating(NamedTuple):
     """Materials of solids, one row for each, in their order in `Solids`."""
 
     paint: NDArray[np.float32]
-    """(m, 8) colour, distance over which it fades (0: none), centre of the fading, unused."""
+    """(m, 8) colour, then `FADE` and the centre of the fading, and an unused column."""
     coats: NDArray[np.float32]
     """(m, 4) columns of `strandcli.draw.solids.kernels.coat`; no rows without coats and patches."""
 

@@ -13,3 +13,6 @@ DENSITY = 0
 XX, XY, XZ, YY, YZ, ZZ = 1, 2, 3, 4, 5, 6
 """M of a cell: the same sum over t tᵀ of the unit directions t, 1/m."""
 CHANNELS = 7
+
+MEAN, SLOPE_X, SLOPE_Y, SLOPE_Z = range(4)
+"""v₀ and v of the linear fit of a cell's visibility."""

@@ -22,7 +22,22 @@ from ....solids.kernels.outside import count as count_solids
 from ....solids.kernels.outside import outside
 from ...common.kernels.approximations import exp
 from ...solids.kernels import rays
-from .occlusion_columns import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z, XX, XY, XZ, YY, YZ, ZZ
+from .occlusion_columns import (
+    DENSITY,
+    MEAN,
+    MIDDLE_X,
+    MIDDLE_Y,
+    MIDDLE_Z,
+    SLOPE_X,
+    SLOPE_Y,
+    SLOPE_Z,
+    XX,
+    XY,
+    XZ,
+    YY,
+    YZ,
+    ZZ,
+)
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -179,10 +194,10 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
                         vx += light * work[LX + d]
                         vy += light * work[LY + d]
                         vz += light * work[LZ + d]
-                volume[cell, 0] = mean * per
-                volume[cell, 1] = THREE * vx * per
-                volume[cell, 2] = THREE * vy * per
-                volume[cell, 3] = THREE * vz * per
+                volume[cell, MEAN] = mean * per
+                volume[cell, SLOPE_X] = THREE * vx * per
+                volume[cell, SLOPE_Y] = THREE * vy * per
+                volume[cell, SLOPE_Z] = THREE * vz * per
 
 
 @device
@@ -190,14 +205,14 @@ def occlude(work, n, x, y, z, solids, skin):
     """Set the rows `LIGHT` of the first n directions to 0 where a solid occludes the light: `rays.lit`, vectorised."""
     for s in range(solids.spheres.shape[0]):
         for d in range(n):
-            work[LIGHT + d] *= sphere.past(
+            work[LIGHT + d] *= sphere.visibility(
                 solids.spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
             )
     for s in range(solids.capsules.shape[0]):
         beside = np.int64(0)
         for d in range(n):
             ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            free = capsule.passes(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+            free = capsule.misses_ball(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
             beside += np.int64(free | (work[LIGHT + d] == ZERO))
         if beside < n:
             for d in range(n):

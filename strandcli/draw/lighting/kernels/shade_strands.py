@@ -259,7 +259,7 @@ def occlude(work, n, solids, skin):
     """Set the rows `ARRIVES` to 0 where a solid occludes the light."""
     for s in range(solids.spheres.shape[0]):
         for k in range(n):
-            work[ARRIVES + k] *= sphere.past(
+            work[ARRIVES + k] *= sphere.visibility(
                 solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[REACH + k], skin,
             )  # fmt: skip

@@ -38,6 +38,7 @@ from ...shadows.kernels.minmax import transmittance
 from ...solids.kernels import coat, rays, smooth_union
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
+from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
 from .light import around
 from .shade_strands import aim, past_solids
 
@@ -208,12 +209,12 @@ def fade(work, n, paint, which):
     """Store the opacity of a solid, which fades with the distance from a centre."""
     for k in range(n):
         work[THERE + k] = ONE
-    if paint[which, 3] > ZERO:
+    if paint[which, FADE] > ZERO:
         for k in range(n):
-            x = work[X + k] - paint[which, 4]
-            y = work[Y + k] - paint[which, 5]
-            z = work[Z + k] - paint[which, 6]
-            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, 3], ZERO)
+            x = work[X + k] - paint[which, FADE_X]
+            y = work[Y + k] - paint[which, FADE_Y]
+            z = work[Z + k] - paint[which, FADE_Z]
+            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, FADE], ZERO)
             work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
 
 

@@ -21,6 +21,8 @@ LOW = np.int64(0xFFFFFFFF)
 NEAREST = np.int64(0x7FFFFFFF)
 """Greatest bit pattern of a non-negative float32."""
 SHIFT = np.int64(32)
+BAND_X, BAND_Y, BAND_DEPTH, HALF_WIDTH = range(4)
+"""Columns of the bands at a vertex: x and y in cells, the depth number of `project.points`, half the width in cells."""
 # Rows of a cell's table, one entry a band. For a point (x, y) of the cell: signed distance from the band's axis
 # ASIDE_X x + ASIDE_Y y + ASIDE, and position along the axis, 0 to 1, ALONG_X x + ALONG_Y y + ALONG. Half width and
 # depth number at the band's beginning, and their linear growth to its end.
@@ -32,10 +34,9 @@ ROWS = 10
 def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, keys):
     """Count the bands that overlap each cell, if `keys` is None; otherwise store their keys.
 
-    first (S + 1,) int64; bands (V, 4): for each vertex x and y in cells, the depth number of `project.points`, and half
-    the width in cells, which perspective widens up to `stretch` times away from the view's axis; members, begin, rows,
-    workers: as in `minmax.fill`; at (size * size,) int64: counts that are incremented, or the index of each cell's next
-    key; keys (K,) int64.
+    first (S + 1,) int64; bands (V, 4): columns above; perspective widens the half width up to `stretch` times away from
+    the view's axis; members, begin, rows, workers: as in `minmax.fill`; at (size * size,) int64: counts that are
+    incremented, or the index of each cell's next key; keys (K,) int64.
     """
     for task in prange(workers):
         for b in range(task, begin.shape[0] - 1, workers):
@@ -44,19 +45,19 @@ def list_bands(first, bands, stretch, members, begin, size, rows, workers, at, k
             for m in range(begin[b], begin[b + 1]):
                 s = members[m]
                 for v in range(first[s], first[s + 1] - 1):
-                    if bands[v, 2] > ZERO and bands[v + 1, 2] > ZERO:
+                    if bands[v, BAND_DEPTH] > ZERO and bands[v + 1, BAND_DEPTH] > ZERO:
                         list_one(bands, v, stretch, top, bottom, size, at, keys)
 
 
 @device
 def list_one(bands, v, stretch, top, bottom, size, at, keys):
     """Count or list the segment after vertex v in the rows top <= row < bottom; arguments as in `list_bands`."""
-    x0 = bands[v, 0]
-    y0 = bands[v, 1]
-    x1 = bands[v + 1, 0]
-    y1 = bands[v + 1, 1]
-    half = stretch * max(bands[v, 3], bands[v + 1, 3])
-    key = nearness(max(bands[v, 2], bands[v + 1, 2])) | v
+    x0 = bands[v, BAND_X]
+    y0 = bands[v, BAND_Y]
+    x1 = bands[v + 1, BAND_X]
+    y1 = bands[v + 1, BAND_Y]
+    half = stretch * max(bands[v, HALF_WIDTH], bands[v + 1, HALF_WIDTH])
+    key = nearness(max(bands[v, BAND_DEPTH], bands[v + 1, BAND_DEPTH])) | v
     begin = clamped_floor(min(y0, y1) - half, top, bottom)
     for row in range(begin, clamped_floor(max(y0, y1) + half + ONE, top, bottom)):
         low, high = columns(x0, y0, x1, y1, half, row)
@@ -105,24 +106,24 @@ def equations(first, bands, focal, middle, out):
     for s in prange(first.shape[0] - 1):
         for v in range(first[s], first[s + 1]):
             last = v + 1 == first[s + 1]
-            gx = ZERO if last else bands[v + 1, 0] - bands[v, 0]
-            gy = ZERO if last else bands[v + 1, 1] - bands[v, 1]
+            gx = ZERO if last else bands[v + 1, BAND_X] - bands[v, BAND_X]
+            gy = ZERO if last else bands[v + 1, BAND_Y] - bands[v, BAND_Y]
             square = gx * gx + gy * gy
             seen = square > TINY
             per = ONE / math.sqrt(square) if seen else ZERO
             out[v, ASIDE_X] = -gy * per
             out[v, ASIDE_Y] = gx * per
-            out[v, ASIDE] = (gy * bands[v, 0] - gx * bands[v, 1]) * per
+            out[v, ASIDE] = (gy * bands[v, BAND_X] - gx * bands[v, BAND_Y]) * per
             past = (out[v, ASIDE] + (out[v, ASIDE_X] + out[v, ASIDE_Y]) * middle) / focal if focal > ZERO else ZERO
             wider = math.sqrt(ONE + past * past)
             per *= per
             out[v, ALONG_X] = gx * per
             out[v, ALONG_Y] = gy * per
-            out[v, ALONG] = -(gx * bands[v, 0] + gy * bands[v, 1]) * per
-            out[v, WIDTH] = bands[v, 3] * wider if seen else -ONE
-            out[v, WIDENS] = (bands[v + 1, 3] - bands[v, 3]) * wider if seen else ZERO
-            out[v, DEPTH] = bands[v, 2] * BEHIND
-            out[v, GROWS] = ZERO if last else (bands[v + 1, 2] - bands[v, 2]) * BEHIND
+            out[v, ALONG] = -(gx * bands[v, BAND_X] + gy * bands[v, BAND_Y]) * per
+            out[v, WIDTH] = bands[v, HALF_WIDTH] * wider if seen else -ONE
+            out[v, WIDENS] = (bands[v + 1, HALF_WIDTH] - bands[v, HALF_WIDTH]) * wider if seen else ZERO
+            out[v, DEPTH] = bands[v, BAND_DEPTH] * BEHIND
+            out[v, GROWS] = ZERO if last else (bands[v + 1, BAND_DEPTH] - bands[v, BAND_DEPTH]) * BEHIND
 
 
 @parallel

@@ -11,6 +11,8 @@ ONE = np.float32(1.0)
 WORD = 64
 """Bits a word."""
 NONE, ALL = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
+MEAN, MOMENT = 0, 1
+"""Columns of the sums of a segment."""
 OPACITY_BITS = 8
 OPACITY_STEPS = np.int64(2**OPACITY_BITS)
 """Steps of opacity: a strand of opacity k / `OPACITY_STEPS` sets this share of the bits behind it."""
@@ -64,7 +66,8 @@ def random_bits(seed, word, opacity):
 
 @device
 def add_up(dark, sums, p):
-    """Write to row p of sums the visibility of a segment: its mean, and the integral of visibility · t, t ∈ [0, 1]."""
+    """Write the visibility of a segment to row p of sums: `MEAN`, and `MOMENT`, the integral of visibility · t over
+    t ∈ [0, 1]."""
     words = dark.shape[0]
     total = ZERO
     toward = ZERO
@@ -78,5 +81,5 @@ def add_up(dark, sums, p):
         toward += np.float32((x * np.uint64(0x0001020304050607)) >> np.uint64(56)) * np.float32(8)
         toward += count * np.float32(4 + WORD * w)
     per = ONE / np.float32(WORD * words)
-    sums[p, 0] = total * per
-    sums[p, 1] = toward * per * per
+    sums[p, MEAN] = total * per
+    sums[p, MOMENT] = toward * per * per

@@ -21,6 +21,8 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 NEXT = np.uint64(1)
 SMALL = np.float32(1e-20)
+NEAREST, FARTHEST = 0, 1
+"""Columns of a texel: depths of the nearest and the farthest strand, metres."""
 # 1 − (√e p(h) − 1) / (e − 1) as LIT − STEEP p(h)
 LIT = np.float32(1 + 1 / (math.e - 1))
 STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
@@ -83,8 +85,8 @@ def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
         column = x >> POINT
         if row >= top and row < bottom and column >= 0 and column < size:
             t = np.uint64(row * size + column)
-            texels[t, 0] = min(texels[t, 0], d)
-            texels[t, 1] = max(texels[t, 1], d)
+            texels[t, NEAREST] = min(texels[t, NEAREST], d)
+            texels[t, FARTHEST] = max(texels[t, FARTHEST], d)
         x += step_x
         y += step_y
         d += rise
@@ -106,14 +108,17 @@ def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
         low_v = np.floor(v)
         texel = np.uint64(starts[one] + np.int64(low_v) * sizes[one] + np.int64(low_u))
         below = texel + np.uint64(sizes[one])
-        farthest = max(max(maps[texel, 1], maps[texel + NEXT, 1]), max(maps[below, 1], maps[below + NEXT, 1]))
+        upper = max(maps[texel, FARTHEST], maps[texel + NEXT, FARTHEST])
+        farthest = max(upper, max(maps[below, FARTHEST], maps[below + NEXT, FARTHEST]))
         if farthest < ZERO:  # no strand in any of the four
             return ONE
         d -= lights[i, BIAS]
         return bilinear(
             u - low_u, v - low_v,
-            falloff(d, maps[texel, 0], maps[texel, 1]), falloff(d, maps[texel + NEXT, 0], maps[texel + NEXT, 1]),
-            falloff(d, maps[below, 0], maps[below, 1]), falloff(d, maps[below + NEXT, 0], maps[below + NEXT, 1]),
+            falloff(d, maps[texel, NEAREST], maps[texel, FARTHEST]),
+            falloff(d, maps[texel + NEXT, NEAREST], maps[texel + NEXT, FARTHEST]),
+            falloff(d, maps[below, NEAREST], maps[below, FARTHEST]),
+            falloff(d, maps[below + NEXT, NEAREST], maps[below + NEXT, FARTHEST]),
         )  # fmt: skip
     return ONE
 

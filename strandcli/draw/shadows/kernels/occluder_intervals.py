@@ -33,6 +33,7 @@ from .grid import (
     nearness,
 )
 from .interval_bits import WORD, all_dark, darken
+from .self_shade import BEGIN, END
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -184,8 +185,8 @@ def darken_span(span, cell, v, lists, own, cuts, dark):
                 if w < own.low or w > own.high:
                     covered |= darken(dark, since, until, lists.opacity, v, w)
                 elif w != v:
-                    low = np.int64(own.parts[w - own.root, 0] * bits + HALF)
-                    high = np.int64(own.parts[w - own.root, 1] * bits + HALF)
+                    low = np.int64(own.parts[w - own.root, BEGIN] * bits + HALF)
+                    high = np.int64(own.parts[w - own.root, END] * bits + HALF)
                     covered |= darken(dark, since, min(until, low), lists.opacity, v, w)
                     covered |= darken(dark, max(since, high), until, lists.opacity, v, w)
         if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):

@@ -36,6 +36,8 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
+START, SCALE = 0, 1
+"""Offsets in a row of the nearest depth, metres, and of n (1 + h / D)."""
 HEAD = 2
 """Numbers of a row before its layer boundaries."""
 TEXELS = 4
@@ -81,9 +83,9 @@ def layers_at(d, rows, start, number, over, layers):
     that end in front (may exceed `layers`), and layers a metre. Vectors; rows: `pointer` to the maps; start: first row
     of the map; over: 1 / h, 1/m."""
     stride = HEAD + FIVE * (layers + 1)
-    far = max(ZERO, (d - gather(rows, start, number, stride, ZERO)) * over)
+    far = max(ZERO, (d - gather(rows, start, number, stride, np.float32(START))) * over)
     near = ONE / (far + ONE)
-    most = gather(rows, start, number, stride, ONE)
+    most = gather(rows, start, number, stride, np.float32(SCALE))
     gone = most * (far * near)
     ended = min(np.float32(layers), gone)
     k = min(np.float32(layers - 1), floor(ended))

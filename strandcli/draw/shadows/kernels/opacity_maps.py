@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ....jit import device, function, parallel, prange
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
-from .opacity import FIVE, HEAD, cell_of
+from .minmax import FARTHEST, NEAREST
+from .opacity import FIVE, HEAD, SCALE, START, cell_of
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -50,8 +51,8 @@ class OpacityMap(NamedTuple):
     """One map under construction."""
 
     extents: NDArray[np.float32]
-    """(cells, 2) before `divide`: nearest and farthest depth, metres, (inf, −inf) in empty cells; after it: nearest
-    depth and layers (1 + h / depth range), 0 in empty cells."""
+    """(cells, 2) before `divide`: `NEAREST` and `FARTHEST` depth, metres, (inf, −inf) in empty cells; after it:
+    `opacity.START` and `opacity.SCALE`, 0 in empty cells."""
     over: Any
     """float32: 1 / h, 1/m."""
     layers: int
@@ -142,8 +143,8 @@ def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
         for row in range(first, last + 1):
             for column in range(left, right + 1):
                 cell = np.uint64(row * (size >> 1) + column)
-                extents[cell, 0] = min(extents[cell, 0], min(da, db))
-                extents[cell, 1] = max(extents[cell, 1], max(da, db))
+                extents[cell, NEAREST] = min(extents[cell, NEAREST], min(da, db))
+                extents[cell, FARTHEST] = max(extents[cell, FARTHEST], max(da, db))
 
 
 @function
@@ -188,10 +189,10 @@ def splat(u, v, d, share, window, opacity_map):
             if column < 0 or column >= size:
                 continue
             cell = np.uint64((row >> 1) * (size >> 1) + (column >> 1))
-            if heads[cell, 1] == ZERO:
+            if heads[cell, SCALE] == ZERO:
                 continue
-            far = max((d - heads[cell, 0]) * over, ZERO)
-            k = min(np.int64(heads[cell, 1] * (far / (far + ONE))), layers - 1)
+            far = max((d - heads[cell, START]) * over, ZERO)
+            k = min(np.int64(heads[cell, SCALE] * (far / (far + ONE))), layers - 1)
             at = HEAD + FIVE * (k + 1) + 2 * (row & 1) + (column & 1)
             base = cell_of(row, column, np.uint64(0), size, layers, stacks)
             stacks[base + np.uint64(at)] += part * (u if right else ONE - u)
@@ -206,7 +207,7 @@ def number_cells(extents, rows):
     """
     count = np.int64(0)
     for cell in range(extents.shape[0]):
-        there = extents[cell, 0] <= extents[cell, 1]
+        there = extents[cell, NEAREST] <= extents[cell, FARTHEST]
         count += np.int64(there)
         rows[cell] = np.float32(count) if there else ZERO
     return count
@@ -225,15 +226,15 @@ def divide(extents, layers, least, over, rows, stacks):
         stacks[cells + k] = ZERO
     for cell in prange(cells):
         stacks[cell] = rows[cell]
-        near = extents[cell, 0]
+        near = extents[cell, NEAREST]
         there = rows[cell] > ZERO
-        thick = max(extents[cell, 1] - near, least)
-        extents[cell, 0] = near if there else ZERO
-        extents[cell, 1] = np.float32(layers) * (ONE + ONE / (thick * over)) if there else ZERO
+        thick = max(extents[cell, FARTHEST] - near, least)
+        extents[cell, START] = near if there else ZERO
+        extents[cell, SCALE] = np.float32(layers) * (ONE + ONE / (thick * over)) if there else ZERO
         if there:
             base = cells + np.int64(rows[cell]) * stride
-            stacks[base] = extents[cell, 0]
-            stacks[base + 1] = extents[cell, 1]
+            stacks[base + START] = extents[cell, START]
+            stacks[base + SCALE] = extents[cell, SCALE]
             for k in range(HEAD, stride):
                 stacks[base + k] = ZERO
 

@@ -19,6 +19,10 @@ import numpy as np
 
 from ....jit import device, function, inlined
 from ....solids.kernels import other
+from ....solids.shapes import box as box_columns
+from ....solids.shapes import capsule as capsule_columns
+from ....solids.shapes import plane as plane_columns
+from ....solids.shapes import sphere as ball_columns
 from ...common.kernels.approximations import asin
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...solids.kernels import rays
@@ -89,18 +93,20 @@ def soft_visibility(solids, ray, skin, size, point):
     z += skin * lz
     least = radius
     for m in range(solids.spheres.shape[0]):
-        r = solids.spheres[m, 3] - skin
-        cx = solids.spheres[m, 0] - x
-        cy = solids.spheres[m, 1] - y
-        cz = solids.spheres[m, 2] - z
+        r = solids.spheres[m, ball_columns.RADIUS] - skin
+        cx = solids.spheres[m, ball_columns.X] - x
+        cy = solids.spheres[m, ball_columns.Y] - y
+        cz = solids.spheres[m, ball_columns.Z] - z
         least = min(least, ball(r, cx, cy, cz, lx, ly, lz, reach))
     for m in range(solids.capsules.shape[0]):
         if least > -radius:
             lifted = LightRay(x, y, z, lx, ly, lz, reach)
             least = min(least, capsule(solids.capsules, m, lifted, skin, radius))
     for m in range(solids.planes.shape[0]):
-        over = solids.planes[m, 0] * x + solids.planes[m, 1] * y + solids.planes[m, 2] * z - solids.planes[m, 3]
-        up = solids.planes[m, 0] * lx + solids.planes[m, 1] * ly + solids.planes[m, 2] * lz
+        nx, ny = solids.planes[m, plane_columns.X], solids.planes[m, plane_columns.Y]
+        nz = solids.planes[m, plane_columns.Z]
+        over = nx * x + ny * y + nz * z - solids.planes[m, plane_columns.HEIGHT]
+        up = nx * lx + ny * ly + nz * lz
         if over >= ZERO:
             least = min(least, over / reach + up)
     for m in range(solids.boxes.shape[0]):
@@ -169,13 +175,9 @@ def capsule(p, m, ray, skin, radius):
     overestimated.
     """
     x, y, z, lx, ly, lz, reach = ray
-    bx = p[m, 3]
-    by = p[m, 4]
-    bz = p[m, 5]
-    r = p[m, 6] - skin
-    wx = p[m, 0] - x
-    wy = p[m, 1] - y
-    wz = p[m, 2] - z
+    bx, by, bz = p[m, capsule_columns.AXIS_X], p[m, capsule_columns.AXIS_Y], p[m, capsule_columns.AXIS_Z]
+    r = p[m, capsule_columns.RADIUS] - skin
+    wx, wy, wz = p[m, capsule_columns.X] - x, p[m, capsule_columns.Y] - y, p[m, capsule_columns.Z] - z
     bb = bx * bx + by * by + bz * bz
     around = r + HALF * math.sqrt(bb)
     if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, radius):
@@ -221,18 +223,16 @@ def box(p, m, ray, skin, radius):
     overestimated.
     """
     x, y, z, lx, ly, lz, reach = ray
-    cx = x - p[m, 0]
-    cy = y - p[m, 1]
-    cz = z - p[m, 2]
-    ox = p[m, 3] * cx + p[m, 6] * cy + p[m, 9] * cz
-    oy = p[m, 4] * cx + p[m, 7] * cy + p[m, 10] * cz
-    oz = p[m, 5] * cx + p[m, 8] * cy + p[m, 11] * cz
-    dx = p[m, 3] * lx + p[m, 6] * ly + p[m, 9] * lz
-    dy = p[m, 4] * lx + p[m, 7] * ly + p[m, 10] * lz
-    dz = p[m, 5] * lx + p[m, 8] * ly + p[m, 11] * lz
-    hx = p[m, 12] - skin
-    hy = p[m, 13] - skin
-    hz = p[m, 14] - skin
+    cx, cy, cz = x - p[m, box_columns.X], y - p[m, box_columns.Y], z - p[m, box_columns.Z]
+    ox = p[m, box_columns.ROW_X] * cx + p[m, box_columns.ROW_Y] * cy + p[m, box_columns.ROW_Z] * cz
+    oy = p[m, box_columns.ROW_X + 1] * cx + p[m, box_columns.ROW_Y + 1] * cy + p[m, box_columns.ROW_Z + 1] * cz
+    oz = p[m, box_columns.ROW_X + 2] * cx + p[m, box_columns.ROW_Y + 2] * cy + p[m, box_columns.ROW_Z + 2] * cz
+    dx = p[m, box_columns.ROW_X] * lx + p[m, box_columns.ROW_Y] * ly + p[m, box_columns.ROW_Z] * lz
+    dy = p[m, box_columns.ROW_X + 1] * lx + p[m, box_columns.ROW_Y + 1] * ly + p[m, box_columns.ROW_Z + 1] * lz
+    dz = p[m, box_columns.ROW_X + 2] * lx + p[m, box_columns.ROW_Y + 2] * ly + p[m, box_columns.ROW_Z + 2] * lz
+    hx = p[m, box_columns.HALF] - skin
+    hy = p[m, box_columns.HALF + 1] - skin
+    hz = p[m, box_columns.HALF + 2] - skin
     around = math.sqrt(hx * hx + hy * hy + hz * hz)
     if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, radius):
         return CLEAR

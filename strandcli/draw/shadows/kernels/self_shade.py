@@ -21,6 +21,8 @@ from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWA
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
+BEGIN, END = 0, 1
+"""Columns of the unshaded parts."""
 
 
 @device
@@ -30,8 +32,8 @@ def own_pieces(world, a, n, p, views, apart, parts):
 
     a: first vertex of the strand; n: number of its segments; world (V, 3), apart: metres; views: of the light. No part
     of segment p is shaded by itself."""
-    parts[p, 0] = ZERO
-    parts[p, 1] = ONE
+    parts[p, BEGIN] = ZERO
+    parts[p, END] = ONE
     x, y, z = direction(world, a + p + 1, views)
     begin = ZERO
     end = ONE
@@ -41,8 +43,8 @@ def own_pieces(world, a, n, p, views, apart, parts):
         if begin >= end:
             break
         high += 1
-        parts[high, 0] = begin
-        parts[high, 1] = end
+        parts[high, BEGIN] = begin
+        parts[high, END] = end
     x, y, z = direction(world, a + p, views)
     begin = ZERO
     end = ONE
@@ -52,8 +54,8 @@ def own_pieces(world, a, n, p, views, apart, parts):
         if begin >= end:
             break
         low -= 1
-        parts[low, 0] = begin
-        parts[low, 1] = end
+        parts[low, BEGIN] = begin
+        parts[low, END] = end
     return a + low, a + high
 
 

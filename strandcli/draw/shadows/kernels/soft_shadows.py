@@ -13,6 +13,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function, inlined
 from ....solids.kernels import other
+from ....solids.shapes import capsule, plane, sphere
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...common.kernels.soft_rows import (
@@ -58,12 +59,13 @@ def soft_shadows(work, n, lights, i, solids, skin):
         # without incoming light the point counts as fully occluded
         work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
     for m in range(solids.spheres.shape[0]):
-        x, y, z = solids.spheres[m, 0], solids.spheres[m, 1], solids.spheres[m, 2]
-        by_ball(work, n, x, y, z, solids.spheres[m, 3] - skin, skin)
+        x, y, z = solids.spheres[m, sphere.X], solids.spheres[m, sphere.Y], solids.spheres[m, sphere.Z]
+        by_ball(work, n, x, y, z, solids.spheres[m, sphere.RADIUS] - skin, skin)
     for m in range(solids.capsules.shape[0]):
         by_capsule(work, n, solids.capsules, m, skin)
     for m in range(solids.planes.shape[0]):
-        by_plane(work, n, solids.planes[m, 0], solids.planes[m, 1], solids.planes[m, 2], solids.planes[m, 3], skin)
+        x, y, z = solids.planes[m, plane.X], solids.planes[m, plane.Y], solids.planes[m, plane.Z]
+        by_plane(work, n, x, y, z, solids.planes[m, plane.HEIGHT], skin)
     for m in range(solids.boxes.shape[0]):
         for k in range(n):
             if work[LEAST + k] > -work[RADIUS + k]:
@@ -109,11 +111,11 @@ def by_plane(work, n, nx, ny, nz, height, skin):
 @device
 def by_capsule(work, n, capsules, m, skin):
     """Reduce the rows `LEAST` to the sines of the angles to the edge of row m of the capsules."""
-    r = capsules[m, 6] - skin
+    r = capsules[m, capsule.RADIUS] - skin
     if r <= ZERO:
         return
-    ax, ay, az = capsules[m, 0], capsules[m, 1], capsules[m, 2]
-    bx, by, bz = capsules[m, 3], capsules[m, 4], capsules[m, 5]
+    ax, ay, az = capsules[m, capsule.X], capsules[m, capsule.Y], capsules[m, capsule.Z]
+    bx, by, bz = capsules[m, capsule.AXIS_X], capsules[m, capsule.AXIS_Y], capsules[m, capsule.AXIS_Z]
     bb = bx * bx + by * by + bz * bz
     around = r + HALF * math.sqrt(bb)
     for k in range(n):

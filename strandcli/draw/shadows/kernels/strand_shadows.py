@@ -11,7 +11,7 @@ from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from . import opacity
-from .minmax import bilinear, falloff, in_map, texel_of
+from .minmax import FARTHEST, NEAREST, bilinear, falloff, in_map, texel_of
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -30,14 +30,14 @@ def shade_by_minmax(work, n, shadows, one, bias):
     for k in range(n):
         texel = np.uint64(start + np.int64(work[V + k]) * size + np.int64(work[U + k]))
         below = texel + np.uint64(size)
-        work[TEXELS + k] = maps[texel, 0]
-        work[TEXELS + W + k] = maps[texel, 1]
-        work[TEXELS + 2 * W + k] = maps[texel + NEXT, 0]
-        work[TEXELS + 3 * W + k] = maps[texel + NEXT, 1]
-        work[TEXELS + 4 * W + k] = maps[below, 0]
-        work[TEXELS + 5 * W + k] = maps[below, 1]
-        work[TEXELS + 6 * W + k] = maps[below + NEXT, 0]
-        work[TEXELS + 7 * W + k] = maps[below + NEXT, 1]
+        work[TEXELS + k] = maps[texel, NEAREST]
+        work[TEXELS + W + k] = maps[texel, FARTHEST]
+        work[TEXELS + 2 * W + k] = maps[texel + NEXT, NEAREST]
+        work[TEXELS + 3 * W + k] = maps[texel + NEXT, FARTHEST]
+        work[TEXELS + 4 * W + k] = maps[below, NEAREST]
+        work[TEXELS + 5 * W + k] = maps[below, FARTHEST]
+        work[TEXELS + 6 * W + k] = maps[below + NEXT, NEAREST]
+        work[TEXELS + 7 * W + k] = maps[below + NEXT, FARTHEST]
     for k in range(n):
         d = work[DEPTH + k]
         left = bilinear(

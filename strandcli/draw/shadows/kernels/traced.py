@@ -22,7 +22,7 @@ from ...common.kernels.bits import popcount
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FOCAL, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels.column_light import LINES
 from ...geometry.kernels.silhouette import STEEPEST
-from .interval_bits import ALL, NONE, add_up
+from .interval_bits import ALL, MEAN, MOMENT, NONE, add_up
 from .occluder_intervals import BATCH, OwnPieces, darken_line
 from .self_shade import own_pieces
 
@@ -145,8 +145,8 @@ def light_piece(lit, lists, wide, work, a, n, p, size):
     own = OwnPieces(low, high, a, work.parts)
     across = light_across(lit, lists, wide, work, own, n, p, size, wide.slots)
     if across > NARROWER:
-        work.sums[p, 0] = across
-        work.sums[p, 1] = HALF * across
+        work.sums[p, MEAN] = across
+        work.sums[p, MOMENT] = HALF * across
         return
     work.dark[:] = NONE
     for one in range(lists.views.shape[0]):
@@ -270,15 +270,15 @@ def mean(sums, v, n, far):
     weights = ZERO
     per = ONE / np.float32(far)
     for p in range(max(v - far, 0), v):
-        if sums[p, 0] < ZERO:
+        if sums[p, MEAN] < ZERO:
             continue
         first = ONE - np.float32(v - p) * per
-        total += first * sums[p, 0] + per * sums[p, 1]
+        total += first * sums[p, MEAN] + per * sums[p, MOMENT]
         weights += first + HALF * per
     for p in range(v, min(v + far, n)):
-        if sums[p, 0] < ZERO:
+        if sums[p, MEAN] < ZERO:
             continue
         first = ONE - np.float32(p - v) * per
-        total += first * sums[p, 0] - per * sums[p, 1]
+        total += first * sums[p, MEAN] - per * sums[p, MOMENT]
         weights += first - HALF * per
     return total / weights if weights > ZERO else ONE

@@ -85,7 +85,7 @@ def lit(solids, x, y, z, lx, ly, lz, reach, skin):
     only what a ray meets or is inside of after `skin` hides the light.
     """
     for s in range(solids.spheres.shape[0]):
-        if sphere.past(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+        if sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
     return past_others(solids, x, y, z, lx, ly, lz, reach, skin)
 
@@ -97,7 +97,7 @@ def past_others(solids, x, y, z, lx, ly, lz, reach, skin):
     py = y + skin * ly
     pz = z + skin * lz
     for s in range(solids.capsules.shape[0]):
-        if capsule.past(solids.capsules, s, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
+        if capsule.visibility(solids.capsules, s, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
     return past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
 

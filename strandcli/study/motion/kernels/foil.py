@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import function, parallel, prange
+from ....simulate.kernels.records import AIR, DAMPING, DRAG, GRAVITY, STEP
 from ....solids.kernels import box as box_kernel
 from ....solids.kernels import capsule as capsule_kernel
 from ....solids.kernels import plane as plane_kernel
@@ -25,7 +26,7 @@ box = function(box_kernel.collide)
 
 
 class Material(NamedTuple):
-    """What strands are made of, in double precision; nobody writes to it during a step."""
+    """What strands are made of, in double precision; constant during a step."""
 
     clamp: NDArray[Any]
     """(blocks, 3 W) unit directions at the roots."""
@@ -43,11 +44,9 @@ class Material(NamedTuple):
 def step(x, v, before, material, gust, numbers, held, solids):
     """Move every strand by one step, in place.
 
-    v (blocks, n, 3 W) m/s; before as x: where particles were, row 0 filled in by the driver, which has moved the root
-    already; material: a `Material`;
-    gust (blocks, W): factor of the air's velocity; numbers: [0] step h in s, [1:4] gravity m/s², [4:7]
-    velocity of the air m/s, [7] drag 1/s, [8] material damping s; held (3,): where the tip is held, or (0,); solids:
-    four arrays as in `strandcli.solids`.
+    v (blocks, n, 3 W) m/s; before as x: previous positions, whose row 0 the driver has set, as it has moved the root;
+    material: a `Material`; gust (blocks, W): factor of the air's velocity; numbers (9,): the first columns of a rod's
+    `Forcing.numbers`; held (3,): position of a held tip, or (0,); solids: four arrays as in `strandcli.solids`.
     """
     for b in prange(x.shape[0]):
         n = x.shape[1]
@@ -70,7 +69,7 @@ def step(x, v, before, material, gust, numbers, held, solids):
             capsule(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[1], i, n)
             plane(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[2], i, n)
             box(x[b, i], x[b, i], x[b, i], x[b, 0], material.lengths[b], solids[3], i, n)
-        per = 1 / numbers[0]
+        per = 1 / numbers[STEP]
         for i in range(n):
             for j in range(3 * W):
                 v[b, i, j] = (x[b, i, j] - before[b, i, j]) * per
@@ -79,13 +78,13 @@ def step(x, v, before, material, gust, numbers, held, solids):
 @function
 def predict(x, v, before, gust, numbers):
     """x += h v, v having taken in gravity and, implicitly, drag: v' = (v + h (g + drag air)) / (1 + h drag)."""
-    h = numbers[0]
-    drag = numbers[7]
+    h = numbers[STEP]
+    drag = numbers[DRAG]
     slow = 1 / (1 + h * drag)
     for i in range(1, x.shape[0]):
         for c in range(3):
-            pull = h * numbers[1 + c]
-            push = h * drag * numbers[4 + c]
+            pull = h * numbers[GRAVITY + c]
+            push = h * drag * numbers[AIR + c]
             for k in range(W):
                 j = c * W + k
                 before[i, j] = x[i, j]
@@ -95,13 +94,13 @@ def predict(x, v, before, gust, numbers):
 @function
 def lean(x, before, clamp, lengths, stiffness, light, joint, numbers):
     """The clamp: energy ½ κ |x_1 − x_0 − ℓ d|², as one exact step of its own with its damping."""
-    h = numbers[0]
-    held = 1 + numbers[8] / h
+    h = numbers[STEP]
+    held = 1 + numbers[DAMPING] / h
     for c in range(3):
         for k in range(W):
             j = c * W + k
             e = x[1, j] - x[0, j]
-            bent = e - lengths[k] * clamp[j] + numbers[8] / h * (e - (before[1, j] - before[0, j]))
+            bent = e - lengths[k] * clamp[j] + numbers[DAMPING] / h * (e - (before[1, j] - before[0, j]))
             s = stiffness[k] * joint * h * h
             x[1, j] -= light * s * bent / (1 + s * held * light)
 
@@ -109,8 +108,8 @@ def lean(x, before, clamp, lengths, stiffness, light, joint, numbers):
 @function
 def bend(x, before, i, stiffness, light, joint, numbers):
     """Joint i: energy ½ κ |x_{i+1} − 2 x_i + x_{i−1}|², each coordinate a constraint of compliance 1 / (κ h²)."""
-    h = numbers[0]
-    damp = numbers[8] / h
+    h = numbers[STEP]
+    damp = numbers[DAMPING] / h
     a = light[i - 1]
     m = light[i]
     z = light[i + 1]
