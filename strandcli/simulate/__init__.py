@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def solver_of(scene: Scene) -> type[Solver]:
-    """The class of the solver that a scene asks for; imports no other."""
+    """Return the class of a scene's solver; import no other."""
     if scene.emitter.groom is not None:
         from .still import StillSolver
 

@@ -1,4 +1,4 @@
-"""Warnings about scenes that can be run, but are hardly what was meant."""
+"""Warnings about valid scenes that are probably not intended."""
 
 from __future__ import annotations
 
@@ -23,30 +23,28 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 DEEP = 1.0
-"""Depth of a root, in segments, from which its strand cannot get out: the next particle reaches no further."""
+"""Depth of a root, in segments, beyond which its strand cannot leave the solid."""
 COARSE = 0.01
-"""Spacing of single-precision numbers, as a share of a segment, that shows in the shapes of strands."""
-LOOKED_AT = 1000
-"""Roots that are looked at in every frame, evenly chosen; a solid swallows many at once."""
+"""Spacing of single-precision numbers, as a share of a segment, above which strands look ragged."""
+SAMPLED_ROOTS = 1000
+"""Roots that are tested in each frame, evenly chosen; a solid contains many at once."""
 GRAZED = 0.02
-"""Share of the roots from which on a moving solid counts as swallowing them; below, it only brushes the emitter and
-sets them free again. Of roots that are held to the end, one is enough."""
+"""Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter and releases
+them. Of roots that stay inside until the end, one is enough."""
 RETURNED = 1e-6
-"""Metres, and parts of a rotation matrix, by which a motion that repeats may end off where it began."""
+"""Tolerance between the first and the last pose of a loop, metres and elements of the rotation matrix."""
 SMALL = 0.5
-"""Diameter of a ball or capsule, in segments, below which it slips through between two particles."""
+"""Radius of a sphere or capsule, in segments, below which it fits between two particles."""
 
 
 def warnings(scene: Scene, groom: Groom) -> list[str]:
-    """One line for each solid that swallows roots in some frame, and for each that is too small to be noticed by
-    particles; for a rule that the solver leaves out although it asks for something; and for strands so far from the
-    origin that their places are rounded. Needs NumPy alone: `strandcli plan` prints the same lines."""
+    """Return warnings, a line each: solids that contain roots in some frame, or fit between two particles; rules that
+    the solver ignores; strands so far from the origin that positions are rounded; loops that do not close; rods that
+    `sag_free` stiffens. Imports NumPy but not Numba, for `strandcli plan`."""
     found = []
     for use in scene.rules:
         if scene.solver == "rod" and use.name == "stiffness" and use.parameters.strength > 0:
-            found.append(
-                f"rule {use.path}: left out, rods bend by their material; set rod.young and rod.radius instead"
-            )
+            found.append(f"rule {use.path}: ignored, rods bend by their material; set rod.young and rod.radius instead")
     collisions = [use for use in scene.rules if use.name == "collision"]
     numbers = {id(solid): place for place, solid in enumerate(scene.solids)}
     whole = any(use.parameters.segments for use in collisions)
@@ -72,8 +70,8 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
 
 
 def _catching(scene: Scene) -> str:
-    """What has segments caught. Rules of the source's solver move particles one after the other, so those that come
-    after collision pull segments back in."""
+    """Return the advice that keeps segments out of solids. Rules after collision in the source's solver move segments
+    back in."""
     places = [k for k, use in enumerate(scene.rules) if use.name == "collision"]
     later = [use.path for use in scene.rules[places[-1] + 1 :] if use.name != "emitter_motion"]
     if scene.solver == "rod" or not later:
@@ -83,7 +81,7 @@ def _catching(scene: Scene) -> str:
 
 
 def _broken_loops(scene: Scene) -> list[str]:
-    """One line for each thing that a loop leaves elsewhere than it began: it jumps from the last frame to the first."""
+    """Return a warning for each emitter or solid whose pose at the end of a loop differs from that at its beginning."""
     if not scene.time.loop:
         return []
     things: list[tuple[str, Any]] = [("emitter", scene.emitter)]
@@ -105,8 +103,7 @@ def _broken_loops(scene: Scene) -> list[str]:
 
 
 def softness(scene: Scene, groom: Groom) -> list[str]:
-    """One line where strands are too soft for the sag-free start that the scene asks for, so that `sag_free` stiffens
-    them."""
+    """Return a warning if strands are too soft for a sag-free start, so that `sag_free` stiffens them."""
     if scene.solver != "rod" or scene.rod.rest != "sag_free":
         return []
     n = scene.emitter.particles - 1
@@ -128,7 +125,7 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
 
 
 def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str | None:
-    """What to say of a solid that swallows roots in some frame of the scene; None where it does in none."""
+    """Return a warning about a solid that contains roots in some frame of the scene, or None."""
     first = _first_frame(solid, scene, groom, segment)
     if first is None:
         return None
@@ -142,21 +139,21 @@ def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str |
 
 
 def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int | None:
-    """The first frame in which a solid swallows roots: any at the start, later a share of `GRAZED` or any that it does
-    not set free before the end."""
+    """Return the first frame in which a solid contains roots, or None: any at the start, later a share of `GRAZED` or
+    any that it does not release before the end."""
     if (depth(_roots(scene, groom.roots, 1), solid, scene.emitter, 0.0) > DEEP * segment).any():
         return 1
     moves = bool(solid.keys) or (bool(scene.emitter.keys) and (solid.follow != "emitter" or not _carried(scene)))
     if not moves:
         return None
-    some = slice(None, None, -(-groom.strands // LOOKED_AT))
+    some = slice(None, None, -(-groom.strands // SAMPLED_ROOTS))
     roots, least = groom.roots[some], DEEP * segment[some]
     middle = groom.roots.mean(0, keepdims=True)
     around = float(np.linalg.norm(groom.roots - middle, axis=1).max())
     for frame in range(2, scene.time.frames + 1):
         time = _time(scene, frame)
         if depth(_roots(scene, middle, frame), solid, scene.emitter, time)[0] <= -around:
-            continue  # too far away to reach any
+            continue  # too far away to contain any
         if (depth(_roots(scene, roots, frame), solid, scene.emitter, time) > least).mean() >= GRAZED:
             return frame
     held = None
@@ -173,19 +170,19 @@ def _time(scene: Scene, frame: int) -> float:
 
 
 def _carried(scene: Scene) -> bool:
-    """Whether roots move with the emitter."""
+    """Return whether roots move with the emitter."""
     return any(use.name == "emitter_motion" for use in scene.rules)
 
 
 def _roots(scene: Scene, roots: NDArray[np.floating], frame: int) -> Floats:
-    """(k, 3) points of the emitter's own frame, in the world at a frame."""
+    """Return points (k, 3) of the emitter's frame in world space at a frame."""
     turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, _time(scene, frame) * _carried(scene)))
     return np.asarray(roots.astype(np.float64) @ turn.T + moved)
 
 
 def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Floats:
-    """(k,) depth of points (k, 3) below the nearest surface of a solid at a time; not positive outside, and there never
-    further below zero than the surface is away."""
+    """Return (k,) the depth of points (k, 3) below a solid's surface at a time; outside it is at most 0 and not less
+    than the negative distance."""
     if solid.kind not in solids.SHAPES:
         row = other.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
         return other_code.depth(solid, row, points, time)

@@ -1,7 +1,7 @@
-"""Finds the rule that threw a strand off: runs the strand's history again alone, and its last step rule by rule.
+"""Search for the rule that makes a strand diverge: the strand is simulated again alone, and its last step rule by rule.
 
-A strand under the source's rules does not depend on the others, so its history alone is cheap: one block instead of
-thousands. The step that spoils it is then taken as plain Python, and after every rule the particle is looked at.
+Under the source's rules a strand does not depend on others, so this costs one block instead of thousands. The failing
+step runs as plain Python, and the particle is examined after every rule.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ REMEDIES = {
     "elasticity": "no more of what pulls at it",
     "emitter_motion": "a slower motion of the emitter",
 }
-UNKNOWN = "{path} comes from elsewhere: what it adds has to shrink with the step"
+UNKNOWN = "{path} is another package's rule: the displacement that it adds must shrink with the step"
 MOST_STEPS = 20_000
-"""Steps of history that are run again at the most; a failure after more is reported without its rule."""
+"""Greatest number of steps to simulate again; a failure after more is reported without its rule."""
 
 
 def cause(solver: Any, frame: int, strand: int) -> tuple[str, str]:
-    """What threw a strand off at a frame, and what may help, in words."""
+    """Return the cause of a strand's divergence at a frame and a remedy, as texts."""
     scene = solver.scene
     if scene.solver != "thesis":
-        return f"the solver {scene.solver} lost it", f"{SMALLER_STEPS}, or rod.precision: double"
-    path, name = guilty(solver, frame, strand)
+        return f"the solver {scene.solver} diverged", f"{SMALLER_STEPS}, or rod.precision: double"
+    path, name = diverging_rule(solver, frame, strand)
     if not path:
         return f"under the rules {', '.join(use.name for use in scene.rules)}", f"{SMALLER_STEPS}, or weaker ones"
     own = name in REMEDIES
     remedy = (REMEDIES[name] if own else UNKNOWN).format(path=path)
-    return f"thrown off by rule {path}", f"{SMALLER_STEPS}, or {remedy}" if own else f"{SMALLER_STEPS}; {remedy}"
+    return f"rule {path} makes it diverge", f"{SMALLER_STEPS}, or {remedy}" if own else f"{SMALLER_STEPS}; {remedy}"
 
 
-def guilty(solver: Any, frame: int, strand: int) -> tuple[str, str]:
-    """Path and name of the rule that spoils a strand first: that makes a coordinate not finite, or else moves it
-    furthest in the step after which it is stretched most. ("", "") where that cannot be told."""
+def diverging_rule(solver: Any, frame: int, strand: int) -> tuple[str, str]:
+    """Return path and name of the first rule that makes a coordinate not finite, or else of the one that moves the
+    strand farthest in the step after which it is stretched most; ("", "") if it cannot be determined."""
     scene = solver.scene
     time = scene.time
     before = round(time.preroll * time.fps * time.substeps)
@@ -70,11 +70,11 @@ def guilty(solver: Any, frame: int, strand: int) -> tuple[str, str]:
     if kept is None:
         return "", ""
     with np.errstate(all="ignore"):
-        return _slowly(kept[0][0], alone.rest[0], alone.lengths[0], passes_of(scene), Moment(kept[1], dt, scene))
+        return _rule_by_rule(kept[0][0], alone.rest[0], alone.lengths[0], passes_of(scene), Moment(kept[1], dt, scene))
 
 
 def one_of(groom: Groom, strand: int) -> Groom:
-    """A groom of one strand of another."""
+    """Return a groom of one strand of another groom."""
     one = slice(strand, strand + 1)
     return replace(
         groom,
@@ -91,11 +91,11 @@ def _stretch(solver: Any) -> float:
     return float(np.abs(edges / float(solver.lengths[0, 0]) - 1).max())
 
 
-def _slowly(
+def _rule_by_rule(
     block: NDArray[np.float32], rest: NDArray[np.float32], length: NDArray[np.float32], passes: Any, moment: Moment
 ) -> tuple[str, str]:
-    """One step of a block, rule by rule as `compose` fuses them, all in plain Python; lanes are alike, the first one is
-    looked at."""
+    """Run one step of a block rule by rule, in the order of `compose`, as plain Python; return path and name of the
+    rule as `diverging_rule`. All lanes are equal; the first one is examined."""
     rows = np.array(block)
     arrays = [one.prepare(moment) for _, one in passes]
     lane = [0, W, 2 * W]
@@ -112,7 +112,7 @@ def _slowly(
             past = rows[i + 1, lane].astype(np.float64)
             try:
                 _apply(one, rows, length, p, i)
-            except (ValueError, ArithmeticError):  # what is NaN when compiled, such as the root of a negative number
+            except (ValueError, ArithmeticError):  # NaN in compiled code, such as the square root of a negative number
                 return use.path, use.name
             now = rows[i + 1, lane].astype(np.float64)
             if not np.isfinite(now).all():
@@ -124,7 +124,7 @@ def _slowly(
 
 
 def _apply(one: Pass, rows: NDArray[np.float32], length: NDArray[np.float32], p: Any, i: int) -> None:
-    """One pass on particle i."""
+    """Run one pass on particle i."""
     if one.stage == "particle":
         one.function(rows[i + 1], rows[i], rows[i - 1], rows[1], length, p, i, len(rows) - 1)
         return

@@ -1,8 +1,8 @@
-"""The fused step of exactly the rules that a scene lists, in the order in which it lists them.
+"""Generation of a fused step of exactly the rules of a scene, in its order.
 
-The module's source is written out, one call a pass, into the cache folder and imported from there: Numba then compiles
-and caches it like any other file, rules that are absent are neither run nor compiled, and a rule from another package
-takes part as the shipped ones do. (Closures over jitted functions would be recompiled on every run, Numba #6264.)
+The source of a module with one call for each pass is written to the cache folder and imported: Numba then compiles and
+caches it as any other file, absent rules are neither run nor compiled, and rules of other packages are treated alike.
+(Closures over jitted functions would be compiled again in each run, Numba #6264.)
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def lanes_{number}(x, parent, grandparent, length, i{arguments}):
 
 
 def source(passes: Sequence[Pass]) -> str:
-    """Text of the module that runs these passes; equal scenes give equal text.
+    """Return the source of the module that runs these passes; equal scenes have equal text.
 
     Raises `UsageError` for a function that an import statement cannot reach (a method, a closure, a lambda).
     """
@@ -109,7 +109,7 @@ def source(passes: Sequence[Pass]) -> str:
 
 
 def _loop(number: int, lanes: Sequence[tuple[int, Pass]], arguments: str) -> str:
-    """One loop over the lanes, for lane passes that follow each other."""
+    """Return the source of one loop over the lanes for consecutive lane passes."""
     numbers, calls = [], []
     for j, one in lanes:
         row = "i, " if one.per_particle else ""
@@ -120,7 +120,7 @@ def _loop(number: int, lanes: Sequence[tuple[int, Pass]], arguments: str) -> str
 
 
 def step_for(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
-    """The compiled step of these passes; its module is written to ``folder`` unless it is there already."""
+    """Return the compiled step of these passes; its module is written to ``folder`` unless it exists."""
     return _load(source(passes), folder)
 
 

@@ -1,6 +1,6 @@
-"""Bounds on the errors of a frame, beyond which a run stops, and the message that it stops with.
+"""Bounds of a frame's errors, beyond which a run stops, and the message.
 
-The bounds are far above the errors that a sound run reports, and far below where numbers overflow.
+The bounds are far above the errors of a good run, and far below overflow.
 """
 
 from __future__ import annotations
@@ -14,30 +14,31 @@ from ..scene.specs import LARGEST
 from . import blame
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
-"""Greatest error of a segment's length, as a share. The source's strands are judged where a preset lists elasticity,
-but rules after it stretch them all the same; a rod's lengths are exact but for rounding, which is allowed for."""
+"""Greatest error of a segment's length, as a share. The source's strands are tested if a preset lists elasticity; rules
+after it may still stretch them. A rod's lengths are exact except for rounding, which is subtracted."""
 RESIDUAL_MOST = 1.0
-"""Greatest error that a solver's iterations may leave, as a share of a segment's length."""
+"""Greatest error after a solver's iterations, as a share of a segment's length."""
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
 """Error of a distance between two points in single precision, for each metre of their coordinates."""
 
 
-GIVEN = ("so it was given", "simulate it anew")
+GIVEN = ("its positions were given", "simulate it again")
+"""Cause and remedy for positions that were not simulated in this run."""
 
 
 class Trouble(NamedTuple):
-    """What went wrong first, for the person who has to mend it."""
+    """The first error of a frame beyond its bound."""
 
     message: str
     frame: int
     strand: int
     cause: str
-    """The rule's path, or the constraint that did not hold."""
+    """The rule's path, or the constraint that is violated."""
 
 
 def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = True) -> Trouble | None:
-    """The first thing that is wrong with a frame of these errors; None where nothing is. Where its positions were given
-    and not ``simulated``, no rule is named as the cause."""
+    """Return the first error of a frame beyond its bound, or None; error: from `Solver.errors`. If the positions were
+    given and not ``simulated``, no rule is named as the cause."""
     scene = solver.scene
     where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
     if error["nonfinite"]:
@@ -67,7 +68,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
     if simulated and residual is not None and not residual <= RESIDUAL_MOST:
         each = solver.strand_residuals()
         strand = int(np.argmax(np.where(np.isnan(each), np.inf, each)))
-        cause = "the constraint that keeps lengths was not met"
+        cause = "the constraint of constant lengths is violated"
         return Trouble(
             f"{where}: strand {strand} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} "
             f"iterations{_others(int((~(each <= RESIDUAL_MOST)).sum()))}: {cause}; {blame.SMALLER_STEPS}, or a greater "
@@ -78,7 +79,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
 
 
 def stretches(solver: Any) -> NDArray[np.float64]:
-    """(strands,) greatest error of a segment's length as a share of it, beyond what rounding of coordinates costs."""
+    """Return (strands,) the greatest error of a segment's length as a share of it, less the rounding of coordinates."""
     x = solver.particles().astype(np.float64)
     length = solver.rest_lengths()[:, None].astype(np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -87,7 +88,8 @@ def stretches(solver: Any) -> NDArray[np.float64]:
 
 
 def drawable(solver: Any) -> NDArray[np.bool_]:
-    """(strands,) which strands can be drawn: finite, and within what single precision has squares for."""
+    """Return (strands,) whether strands can be drawn: finite, and so small that squares do not overflow in single
+    precision."""
     particles = solver.particles()
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(particles) <= LARGEST).all((1, 2)))

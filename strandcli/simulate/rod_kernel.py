@@ -58,7 +58,7 @@ class StepKernel:
         workers = len(self.scratch)
         if workers > 1:
             workers = min(workers, numba.get_num_threads())
-        work_queue.share_out(self._code, self._descriptor, workers)
+        work_queue.run_workers(self._code, self._descriptor, workers)
         if self._padding.size:
             np.copyto(self._padding, self._last_strand)
 

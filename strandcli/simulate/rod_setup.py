@@ -17,7 +17,7 @@ from ..scene.motion import Pose
 from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
 from .material import TORSION, matter_along, needs_double, stiffness
-from .rest_shape import carried, coiled, straight, unit_edges
+from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
 from .surroundings import gravity
 
@@ -127,7 +127,7 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
         targets, angles, stiffer = targets - held.bends, held.twist, held.stiffness
         for j, force in enumerate(held.tension):
             tension[:, j] = packed(force[:, None], dtype)
-    across, local = carried(shape.axes, edges, targets, angles)
+    across, local = transported(shape.axes, edges, targets, angles)
     bends[:, 0] = packed(across, dtype)
     for j, target in enumerate(local):
         bends[:, j + 1] = packed(target, dtype)

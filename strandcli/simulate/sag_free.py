@@ -1,19 +1,18 @@
-"""Rest bends with which strands hang still in the shape that they are emitted in, and the stiffness that this takes.
+"""Rest bends with which strands are in equilibrium in their emitted shape, and the stiffness that this requires.
 
 Statics. A strand is statically determinate: from the tip to the root, tension and the difference of the moments at an
-edge's ends carry all the weight beyond it, so the moments follow from shape and weight alone. A joint that is bent by b
-beyond its rest has the moment κ b, however large b is: rest bends need not lead to unit vectors. The part of a moment
-about an edge is carried by twist, which turns the frames of the rest bends (`kernels.rod_curl`).
+edge's ends balance all the weight beyond it, so the moments follow from shape and weight alone. A joint bent by b
+beyond its rest has the moment κ b for any b: rest bends need not lead to unit vectors. The component of a moment along
+an edge is balanced by twist, which turns the frames of the rest bends (`kernels.rod_curl`).
 
-Stability. Any groom can be balanced so, but the equilibrium of a soft one is unstable: upright strands buckle, and
-level ones, whose natural shape is then a coil of many turns, snap into it when touched. What rest shapes cannot do is
-asked of the material (Derouet-Jourdan, Bertails-Descoubes & Thollot 2010, "Stable Inverse Dynamic Curves"): a strand is
-made stiffer until
+Stability. Every groom has such an equilibrium, but that of a soft one is unstable: upright strands buckle, and level
+ones, whose natural shape is a coil of many turns, snap into it when touched. So the material is changed
+(Derouet-Jourdan, Bertails-Descoubes & Thollot 2010, "Stable Inverse Dynamic Curves"): a strand is made stiffer until
 
-- it would not even buckle if it were tilted by `TILT`, all of its weight times `SAFETY`; and
-- nowhere along it does its natural shape turn away from the emitted one by more than `TURNS`.
+- it does not buckle even if tilted by `TILT`, with `SAFETY` times its weight; and
+- its natural shape turns away from the emitted one by at most `TURNS` everywhere.
 
-Strands that hang, which tension holds in place, and stiff ones stay as they are.
+Hanging strands, which tension stabilises, and stiff ones keep their material.
 """
 
 from __future__ import annotations
@@ -28,33 +27,33 @@ from ..constants import FOLD
 Floats = NDArray[np.float64]
 
 TILT = np.radians(30)
-"""Radians by which strands may be tilted without buckling."""
+"""Tilt, radians, at which strands must not buckle."""
 SAFETY = 1.5
-"""Factor of the weight that they bear so."""
+"""Factor of their weight at this tilt."""
 TURNS = np.pi / 2
-"""Radians that a natural shape may turn away where torsional and bending rigidity are equal. In proportion to the root
-of their ratio, as is the load under which a beam tips sideways (Prandtl 1899)."""
+"""Greatest angle, radians, between natural and emitted shape if torsional and bending rigidity are equal. It is
+proportional to the square root of their ratio, as is the load of lateral buckling (Prandtl 1899)."""
 HALVINGS = 40
-"""Of the range in which the least stiffness lies, on a scale of logarithms."""
+"""Bisections of the range of the least stiffness, on a logarithmic scale."""
 
 
 class Held(NamedTuple):
-    """Rest bends and forces that hold strands in their shape."""
+    """Rest bends and forces of strands in equilibrium."""
 
     bends: Floats
     """(N, strands, 3) bends beyond rest."""
     twist: Floats
-    """(N, strands) angles, in radians, by which twist has turned the frames of edges."""
+    """(N, strands) twist angles of the frames of edges, radians."""
     tension: Floats
     """(N, strands) force densities of edges, over their mass."""
     stiffness: Floats
-    """(strands,) of the joints, 1/s²; never less than was given."""
+    """(strands,) of the joints, 1/s²; at least the given one."""
 
 
 def hold(
     axes: Floats, edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, torsion: float, pull: Floats
 ) -> Held:  # fmt: skip
-    """Rest bends, twist, tension and stiffness with which strands hang still.
+    """Return rest bends, twist, tension and stiffness with which strands are in stable equilibrium.
 
     axes (strands, 3): unit vectors along which they are clamped; edges (N, strands, 3): unit vectors, root to tip; mass
     and joint (N,): relative masses of particles and rigidities of joints; stiffness (strands,): B / (ρ A ℓ⁴) in 1/s²;
@@ -70,7 +69,7 @@ def hold(
         tension[j] = along + (after * e).sum(1)
         off = np.arccos(np.clip(along / np.maximum(size, 1e-300), -1, 1))
         load[j] = tension[j] - along + size * np.cos(np.minimum(off + TILT, np.pi))
-        # the moment that carries all beyond: its part about the edge twists, the rest bends
+        # the moment of the weight beyond: its component along the edge twists, the rest bends
         moment = moment - np.cross(e, weight)
         twist[j] = (moment * e).sum(1)
         open = np.maximum(1 + (e * before).sum(1), FOLD)
@@ -78,14 +77,14 @@ def hold(
     forces /= joint[:, None, None]
     turned = np.linalg.norm(np.cumsum(forces, axis=0), axis=2).max(0)
     enough = np.maximum(np.maximum(stiffness, turned / (TURNS * np.sqrt(torsion))), 1e-300)
-    enough = _stand(np.where(load < 0, SAFETY * load, load), joint, enough)
+    enough = _stable_stiffness(np.where(load < 0, SAFETY * load, load), joint, enough)
     twist = -np.cumsum(twist / (torsion * joint[:, None] * enough), axis=0)
     return Held(forces / enough[:, None], twist, tension, enough)
 
 
-def _stand(load: Floats, joint: Floats, stiffness: Floats) -> Floats:
-    """(strands,) the least stiffness, at least that given, at which strands of these tensions (N, strands) are
-    stable."""
+def _stable_stiffness(load: Floats, joint: Floats, stiffness: Floats) -> Floats:
+    """Return (strands,) the least stiffness, at least the given one, at which strands with the tensions ``load``
+    (N, strands) are stable."""
     weak = np.flatnonzero(~_stable(load, joint, stiffness))
     if not len(weak):
         return stiffness
@@ -103,7 +102,7 @@ def _stand(load: Floats, joint: Floats, stiffness: Floats) -> Floats:
 
 
 def _stable(load: Floats, joint: Floats, stiffness: Floats) -> NDArray[np.bool_]:
-    """(strands,) whether strands are stable: whether the energy of small turns v_j of edges, the sum of
+    """Return (strands,) whether strands are stable: whether the energy of small rotations v_j of edges, the sum of
     κ_j |v_j − v_{j−1}|² + load_j |v_j|², is positive definite, by the pivots of its tridiagonal matrix."""
     good = np.ones(len(stiffness), np.bool_)
     past = np.full(len(stiffness), np.inf)

@@ -1,4 +1,4 @@
-"""What solvers have in common: strands in blocks, the clock, and the errors of a frame."""
+"""Base class of solvers: strands in blocks, the clock, and the errors of a frame."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
-    ``positions`` (blocks, particles + 1, 3 W) float32 metres is what is drawn, in the layout of `strandcli.blocks`;
-    ``lengths`` (blocks, W) are the rest lengths of segments, both of strands as they stand in the groom; all that
-    methods tell or take of strands is in the order of emission. Raises `UsageError` for a groom that `check` refuses.
+    ``positions`` (blocks, particles + 1, 3 W) float32 metres are drawn, in the layout of `strandcli.blocks`;
+    ``lengths`` (blocks, W) are the rest lengths of segments. Both are in the groom's order of strands; arguments and
+    results of methods are in the order of emission. Raises `UsageError` for a groom that `check` refuses.
     """
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
@@ -52,19 +52,19 @@ class Solver(ABC):
 
     @abstractmethod
     def step(self, time: float, dt: float) -> None:
-        """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+        """Simulate a step of ``dt`` seconds that ends at ``time``; do nothing if ``dt`` is 0."""
 
     @abstractmethod
     def place_roots(self, frame: int) -> None:
-        """Put the two rows that rules do not simulate, the root and the one before it, where they are at a frame."""
+        """Set the two rows that rules do not simulate, the root and the one before it, at a frame."""
 
     def strand_residuals(self) -> NDArray[np.floating] | None:
-        """(strands,) the greatest error that the solver itself left in each in the last step; None where it has no such
-        notion."""
+        """Return (strands,) the greatest error of each after the solver's iterations in the last step; None for a
+        solver without iterations."""
         return None
 
     def residual(self) -> float | None:
-        """The greatest of `strand_residuals`; NaN where one is, None where there are none."""
+        """Return the greatest of `strand_residuals`; NaN if one is NaN, None if there are none."""
         found = self.strand_residuals()
         return None if found is None else float(found.max())
 
@@ -83,39 +83,41 @@ class Solver(ABC):
             self._frame += 1
 
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
-        """Set the particles of a frame, (strands or more, particles, 3) metres, as they were simulated before."""
+        """Set the particles of a frame that was simulated before, (strands or more, particles, 3) metres."""
         self.place_roots(frame)
         self.positions[:, 1:] = pack(self.groom.placed(particles[: self.strands]))
 
     def particles(self) -> NDArray[np.float32]:
-        """(strands, particles, 3) float32, metres."""
+        """Return the particles (strands, particles, 3) float32, metres."""
         return self.groom.emitted(unpack(self.positions[:, 1:], self.strands))
 
     def rest_lengths(self) -> NDArray[np.float32]:
-        """(strands,) of a segment, metres."""
+        """Return (strands,) the rest length of a segment, metres."""
         return self.groom.emitted(self.lengths.reshape(-1)[: self.strands])
 
     def errors(self, frame: int) -> dict[str, float | None]:
-        """Errors at a frame: ``stretch_max``, the greatest error of a segment's length, a share of its rest length;
-        ``penetration_max``, the greatest depth of a particle in a solid, and ``segment_penetration_max``, that of any
-        place of a segment, both in metres and None where nothing is collided with; ``residual_max``; ``nonfinite``, the
-        number of coordinates that are not finite. Roots are left out, and of a first segment only what is deeper than
-        its root counts."""
-        out = np.zeros((len(self.positions), 2), np.float32)
+        """Return the errors at a frame.
+
+        ``stretch_max``: greatest error of a segment's length, as a share of its rest length; ``penetration_max``:
+        greatest depth of a particle in a solid, and ``segment_penetration_max`` of any point of a segment, metres, None
+        without solids to collide with; ``residual_max``: `residual`; ``nonfinite``: number of coordinates that are not
+        finite. Roots are left out, and of a first segment only the depth in excess of its root's counts.
+        """
+        out = np.zeros((len(self.positions), measure.COLUMNS), np.float32)
         measure.strands(self.positions, self.lengths, out)
         particle, segment = self._depths(max((frame - 1) / self.scene.time.fps, 0.0))
         return {
-            "stretch_max": float(out[:, 0].max()),
+            "stretch_max": float(out[:, measure.STRETCH].max()),
             "penetration_max": particle,
             "segment_penetration_max": segment,
             "residual_max": self.residual(),
-            "nonfinite": int(out[:, 1].sum()),
+            "nonfinite": int(out[:, measure.NOT_FINITE].sum()),
         }
 
     def _depths(self, time: float) -> tuple[float, float] | tuple[None, None]:
         met = touched(self.scene)
         if not met:
             return None, None
-        out = np.zeros((len(self.positions), 2), np.float32)
+        out = np.zeros((len(self.positions), measure.COLUMNS), np.float32)
         measure.depths(self.positions, solids.pack_all(met, self.scene.emitter, time), out)
-        return float(out[:, 0].max()), float(out[:, 1].max())
+        return float(out[:, measure.PARTICLES].max()), float(out[:, measure.SEGMENTS].max())

@@ -1,4 +1,4 @@
-"""Strands of a file: nothing moves them but their emitter, which carries them as one rigid thing."""
+"""The solver of strands from a file: they move rigidly with their emitter."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .solver import Solver
 if TYPE_CHECKING:
     from ..scene.model import Scene
 
-NOWHERE = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
+IDENTITY = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
 
 
 class StillSolver(Solver):
-    """Strands whose points are given. Where the emitter stands at the origin, each keeps its bits. ``lengths`` are the
-    means of a strand's segments."""
+    """Strands whose points are given; with the emitter at the origin, they keep their bits. ``lengths`` are mean
+    segment lengths."""
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
         assert groom.points is not None
@@ -32,18 +32,18 @@ class StillSolver(Solver):
         self.positions = groom.points
         self.lengths = lanes(groom.lengths[:, None] / np.float32(groom.points.shape[1] - 2))
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
-        self._pose = NOWHERE
+        self._pose = IDENTITY
         self.advance(1)
 
     def step(self, time: float, dt: float) -> None:
-        """Nothing: strands have no motion of their own."""
+        """Do nothing: strands have no motion of their own."""
 
     def place_roots(self, frame: int) -> None:
-        """Put all of the strands where they are at a frame."""
+        """Set the positions of all strands at a frame."""
         self.advance(frame)
 
     def advance(self, frame: int) -> None:
-        """Put all of the strands where they are at a frame."""
+        """Set the positions of all strands at a frame."""
         time = self.scene.time.pose_time((frame - 1) / self.scene.time.fps) if self._carried else 0.0
         pose = emitter_pose(self.scene.emitter, time)
         if pose == self._pose:
@@ -63,7 +63,7 @@ class StillSolver(Solver):
         self.positions = pack(np.concatenate([before, rows], axis=1))
 
     def errors(self, frame: int) -> dict[str, float | None]:
-        """None: nothing is simulated."""
+        """Return errors without any: nothing is simulated."""
         return {
             "stretch_max": 0.0,
             "penetration_max": None,

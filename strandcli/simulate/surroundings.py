@@ -1,6 +1,6 @@
-"""What acts on rods from outside in a step: gravity, moving air, and solids with their motion.
+"""External influences on rods in a step: gravity, air, and solids with their motion.
 
-What stays the same from step to step is computed once, such as solids that stand still.
+Constants, such as solids that do not move, are computed once.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 
 def gravity(scene: Scene) -> NDArray[np.float64]:
-    """(3,) the sum of all gravity rules, m/s²."""
+    """Return (3,) the sum of all gravity rules, m/s²."""
     pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
     return np.asarray(np.sum([np.zeros(3), *pulls], axis=0))
 
 
 class Surroundings:
-    """What acts on the rods of one scene, in a floating type. Raises `UsageError` for winds that rods cannot take
-    together."""
+    """External influences on the rods of a scene, in a floating-point type. Raises `UsageError` for a combination of
+    winds that rods do not support."""
 
     def __init__(self, scene: Scene, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
@@ -39,11 +39,11 @@ class Surroundings:
         self._loop = scene.time.period
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self._travelling = [one for one in self.winds if wind.travels(one)]
-        if self._travelling and len(self.winds) > 1:  # each strand has one factor, of the air's whole velocity
+        if self._travelling and len(self.winds) > 1:  # each strand has one factor for the total velocity of the air
             raise UsageError(
                 f"{scene.source or 'scene'}: rule wind: of {len(self.winds)} winds, {len(self._travelling)} with gusts "
-                "that travel: the solver rod lets gusts travel where there is no other wind; set wavelength: 0, take "
-                "out the other winds, or use solver: thesis"
+                "that travel: the solver rod supports travelling gusts only without another wind; set wavelength: 0, "
+                "remove the other winds, or use solver: thesis"
             )
         phases = wind.phases(scene.seed).tolist()
         self._phases, self._swings = phases[:3], phases[3:]
@@ -54,7 +54,7 @@ class Surroundings:
         """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
         self.others = solids.others(met)
-        """Solids without kernels of their own; their kind here is ""."""
+        """Solids without kernels of their own; their kind is "" here."""
         if self.others:
             kinds[""] = self.others
         self.data = other.data_of(self.others, scene.time.pose_time(0.0))
@@ -70,7 +70,7 @@ class Surroundings:
         self._poses: tuple[float, Pose | None, dict[int, Pose]] = (-1.0, None, {})
 
     def air(self, time: float) -> tuple[float, float, float]:
-        """Velocity of the air, m/s, without the part of gusts that differs from strand to strand."""
+        """Return the velocity of the air, m/s, without gusts that differ from strand to strand."""
         x = y = z = 0.0
         for one in self.winds:
             speed = one.strength
@@ -81,8 +81,8 @@ class Surroundings:
         return x, y, z
 
     def gust(self, time: float, positions: NDArray[Any]) -> NDArray[Any] | None:
-        """(blocks, W) factor of the air's velocity at strands whose ``positions`` (blocks, rows, 3 W) have the root in
-        row 1; None where it is 1 for all."""
+        """Return (blocks, W) the factor of the air's velocity at each strand, or None if it is 1 for all; positions
+        (blocks, rows, 3 W), whose row 1 is the root."""
         if not self._travelling:
             return None
         one = self._travelling[0]
@@ -96,9 +96,9 @@ class Surroundings:
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
     def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
-        """Packed solids with their motion in a step that ends at ``time``, when the emitter's pose is ``outer``:
-        spheres, capsules, planes, boxes, and where there are any, `others`. Always the same arrays; those of `data` are
-        others when a shape changes."""
+        """Return packed solids with their motion in a step that ends at ``time``, with the emitter's pose ``outer``:
+        spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
+        `data` are new when a shape changes."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
         outer = outer or emitter_pose(emitter, now)
@@ -111,7 +111,7 @@ class Surroundings:
             if own is None:
                 pose = after[id(one)] = solid_pose(one, emitter, now, outer)
                 motion = _between(before.get(id(one)) or solid_pose(one, emitter, past), pose)
-            else:  # carried along by the emitter, as others may be
+            else:  # moves with the emitter, as other solids may
                 pose = compose(outer, own)
                 motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
             (a, b, c), moved = motion
@@ -125,7 +125,7 @@ class Surroundings:
         return self._packed
 
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
-        """A solid's packed row."""
+        """Return a solid's packed row."""
         if solid.kind in solids.COLUMNS:
             return solids.numbers(solid, pose)
         found = other.numbers(solid, pose, self.others)
@@ -135,7 +135,7 @@ class Surroundings:
         return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
 
     def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
-        """(m, columns + `MOTION`) all solids of a kind as they begin, those that move last, and no motion."""
+        """Return (m, columns + `MOTION`) all solids of a kind at time 0 without motion, moving ones last."""
         mine = sorted(mine, key=self._moves)
         columns = solids.COLUMNS[kind] if kind else other.columns_of(mine)
         rows = np.zeros((len(mine), columns + MOTION), self.dtype)
@@ -146,7 +146,7 @@ class Surroundings:
 
 
 def _between(last: Pose, pose: Pose) -> Pose:
-    """The rigid motion that takes one pose to another."""
+    """Return the rigid motion from one pose to another."""
     (a, b, c), (d, e, f), (g, h, i) = last.rotation
     turn = multiply(pose.rotation, ((a, d, g), (b, e, h), (c, f, i)))
     x, y, z = rotate(turn, last.translation)

@@ -1,7 +1,7 @@
-"""The source's solver: its rules, in the preset's order, once a step, and nothing else (thesis §2).
+"""The source's solver: the rules in the preset's order, once a step (thesis §2).
 
 It has no velocity, so nothing has inertia; a rule's strength depends on the step; collision is per point; the shape
-depends on the number of particles. These are the source's flaws and are kept, so that they can be seen and measured.
+depends on the number of particles. These flaws of the source are kept, so that they can be seen and measured.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class ThesisSolver(Solver):
-    """Strands under the rules of a scene, fused into one step."""
+    """Strands that the rules of a scene move, fused into one step."""
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
         super().__init__(scene, groom)
@@ -27,14 +27,14 @@ class ThesisSolver(Solver):
         self._step = step_for(tuple(self.passes), runtime.cache_folder()) if self.passes else None
 
     def step(self, time: float, dt: float) -> None:
-        """One step of length ``dt`` seconds that ends at ``time``."""
+        """Simulate a step of ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
             moment = Moment(time, dt, self.scene)
             prepared = {id(one): one.prepare(moment) for one in {id(one): one for one in self.passes}.values()}
             self._step(self.positions, self.lengths, self.rest, *[prepared[id(one)] for one in self.passes])
 
     def place_roots(self, frame: int) -> None:
-        """By the rules that move roots, as `advance` would have."""
+        """Set the roots by the rules that move them, as `advance` does."""
         roots = [one for one in self.passes if one.stage == "root"]
         if roots and (frame > 1 or self.scene.time.preroll > 0):
             time = self.scene.time

@@ -153,13 +153,13 @@ def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.Mo
     solver = RodSolver(one, emit(one.emitter, one.seed))
     runtime.start(1)
     asked: list[int] = []
-    share_out = rod_kernel.work_queue.share_out
+    run_workers = rod_kernel.work_queue.run_workers
 
     def watched(code: int, book: Any, workers: int) -> None:
         asked.append(workers)
-        share_out(code, book, workers)
+        run_workers(code, book, workers)
 
-    monkeypatch.setattr(rod_kernel.work_queue, "share_out", watched)
+    monkeypatch.setattr(rod_kernel.work_queue, "run_workers", watched)
     solver.step(1 / 30, 1 / 30)
     assert asked == [1]
     runtime.start(2)

@@ -1,24 +1,23 @@
-"""Contact of rods, edge by edge from root to tip: an edge whose end is in a solid is turned until it is not.
+"""Contact of rods, edge by edge from root to tip: an edge whose end is in a solid is rotated until it is outside.
 
-The edge keeps its length, so its particle stays on a sphere about the one before it. Of that sphere the solid allows
-the directions d whose product with one axis is at most some limit, d·a <= c. For a ball of radius r about o, with a
-unit vector a toward o and D = |o − q|, c = (ℓ² + D² − r²) / (2 ℓ D); for a flat face with the normal −a, c = (height of
-q above it) / ℓ. Where d·a = c the edge ends on a circle about the axis, to which it is taken straight across the axis.
-Lengths stay exact, and there is no penalty term.
+The edge keeps its length, so its particle stays on a sphere around the one before it. The solid allows the directions d
+for which d·a <= c, where a is an axis. For a ball of radius r about o, with a unit vector a toward o and D = |o − q|, c
+= (ℓ² + D² − r²) / (2 ℓ D); for a flat face with the normal −a, c = (height of q above it) / ℓ. If it is violated, the
+edge is projected onto the circle d·a = c, perpendicularly to the axis. Lengths stay exact, and there is no penalty
+term.
 
-Force. Newton's iterations come before this and would bend a strand that leans on a solid as if nothing were there; what
-turning edges leaves of that depends on the step. So the force of contact is kept from step to step, as the acceleration
-of the particle that it acts on, and takes part in the iterations: it is the multiplier of an augmented Lagrangian,
-updated once a step (Nocedal & Wright 2006, §17.3). A particle that comes to lie at depth δ, where the force of the step
-before came to λ, has
+Force. Newton's iterations precede contact and would bend a strand that leans on a solid as if there were none; what the
+rotation leaves of that depends on the step. So the contact force is kept from step to step, as an acceleration of its
+particle, and takes part in the iterations: it is the multiplier of an augmented Lagrangian, updated once a step
+(Nocedal & Wright 2006, §17.3). A particle at depth δ, with the multiplier λ of the step before, gets
 
-    λ' = max(0, λ + w δ),  held at the surface where λ' > 0, set free from λ where not,
+    λ' = max(0, λ + w δ),  at the surface if λ' > 0, released from λ if not,
 
-and across the normal the same with the distance that it slid, at most μ λ' (Coulomb's law). Both are displacements,
-forces times h²; w is how many times as heavy as the particle all is that such forces on the strand move: with H of the
-iterations and χ = 1 where there are forces, 1 / w = H⁻¹ M χ. That bounds the row sums of what forces lead to, so that
-all may be updated at once without overshoot. At rest δ = 0, and a strand leans on a solid as at any other step. Depth
-that comes from velocity alone, an impact, is no force kept.
+and in the tangent plane the same with the sliding distance, at most μ λ' (Coulomb's law). Both are displacements,
+forces times h²; w is the ratio of the effective mass of all that such forces on the strand move to the particle's: with
+H of the iterations and χ = 1 at particles with forces, 1 / w = H⁻¹ M χ. That bounds the row sums of the response to the
+forces, so all are updated at once without overshoot. At rest δ = 0, and the force is the same at each step. Depth from
+velocity alone, an impact, gives no force that is kept.
 """
 
 from __future__ import annotations
@@ -34,28 +33,28 @@ from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH
 from .vectors import add_scaled, dot, select
 
 SLACK = 1e-6
-"""Depth, as a share of an edge, up to which it counts as rounding; far from the origin that of coordinates is more."""
+"""Depth, as a share of an edge, that counts as rounding; far from the origin, that of coordinates is greater."""
 ROUNDS = 3
-"""Turns out of solids that overlap; twice as many where whole edges are kept out, and then as many of the end alone."""
+"""Rotations out of overlapping solids; twice as many if whole edges are kept out, and then as many of the end alone."""
 DEEP = 0.05
-"""Depth of a segment, as a share of it, from which on other directions are tried. Two halves of an edge across a corner
-lie up to some hundredths deep when at rest; trying others there would move them at every step."""
+"""Depth of a segment, as a share of its length, above which other directions are tried. An edge across a corner rests
+up to some hundredths deep; other directions there would move it at every step."""
 UNBOUND = 1e18
-"""Limit of d·axis where no solid has turned an edge yet."""
+"""Limit of d·axis before any solid has rotated an edge."""
 LEAST_MOBILITY = 1e-6
-"""Least share of its own mobility that a particle is taken to have."""
+"""Lower bound of a particle's mobility as a share of its own."""
 
 
 @inlined
-def turn_out_of_solids(s, segment, q, d, positions, contact):
-    """The unit edge d from q, turned until its end is in no solid.
+def rotate_out_of_solids(s, segment, q, d, positions, contact):
+    """Return the unit edge d from q, rotated until its end is outside of all solids.
 
-    One solid after the other turns it, the deepest first. Where whole edges are kept out, turns to and fro may never
-    end: what one solid asks for, another forbids. So an edge that would be turned back into the solid before goes to
-    the intersection of the two circles, and then its end is turned out alone: no segment is kept out at the price of
-    its particle. Where that leaves an end inside, or much of the segment, it is tried again from other directions."""
+    One solid after the other rotates it, the deepest first. If whole edges are kept out, rotations may alternate
+    between two solids without end. So an edge that would be rotated back into the previous solid is set to the
+    intersection of the two circles, and then its end alone is rotated out: particles have priority over segments. If an
+    end, or more than `DEEP` of the segment, is still inside, other starting directions are tried."""
     length, whole = segment.length, contact.segments
-    # without slack, short edges would be turned for the rounding of where they begin, again and again
+    # without slack, the rounding of its beginning would rotate a short edge at every step
     slack = max(SLACK * length, contact.rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
     enough = DEEP * length
     at = positions, segment.position
@@ -98,7 +97,7 @@ def turn_out_of_solids(s, segment, q, d, positions, contact):
             last, last_inverse = select(inside, axis, last), where(inside, inverse, last_inverse)
             limit = where(inside, bound, limit)
         d = select(inside, turned, d)
-        if not any_lane(inside & (square > 0.0)):  # those from too deep inside are as far out as they get
+        if not any_lane(inside & (square > 0.0)):  # without a circle, an edge is as far out as it can be
             if not whole:
                 break
             left = 0
@@ -109,8 +108,8 @@ def turn_out_of_solids(s, segment, q, d, positions, contact):
 
 @inlined
 def resolve_contact(s, segment, q, state, contact, pressed):
-    """Turn the unit edge of a segment that begins at q out of all solids, update the force on its particle, and add the
-    particle's displacement to `CORRECTION`. ``pressed``: whether any lane has forces of the step before."""
+    """Rotate the unit edge of a segment from q out of all solids, update the contact force on its particle, and add the
+    particle's displacement to `CORRECTION`. pressed: whether any lane has forces from the step before."""
     length, push = segment.length, state.push
     d = load3(s, segment.scratch + EDGE, 1)
     end = add_scaled(q, length, d)
@@ -133,14 +132,14 @@ def resolve_contact(s, segment, q, state, contact, pressed):
         turned = select(free, released(d, inverse_length, held), d)
     if any_lane(near):
         axis, inverse, share, square = contact_circle(s, found, q, inverse_length)
-        # of the displacement that held the particle before, what was across the normal
+        # tangential part of the displacement by the force of the step before
         held = add_scaled(held, -dot(held, n), n)
         kept = friction(held, slide(s, found, end, d, n, depth), n, contact.friction * force)
         p = add_scaled(d, inverse_length, add_scaled(kept, -1.0, held))
         p = perpendicular(p, axis, inverse, square)
         turned = select(near, add_scaled(p, share, axis), turned)
         kept = add_scaled(kept, force, n)
-        # an edge from too deep inside to end at the surface is only turned: no force of its depth would be right
+        # an edge that cannot end at the surface is only rotated: its depth does not determine a force
         f = where(square > 0.0, 1.0 / (contact.reach * mobility), 0.0)
         new = near & ~was
         if any_lane(new):
@@ -152,7 +151,7 @@ def resolve_contact(s, segment, q, state, contact, pressed):
         store(s, CONTACT_FORCE, load(s, CONTACT_FORCE) + (abs(ax) + abs(ay) + abs(az)))
     else:
         store3(push, segment.row, PACK, 0.0, 0.0, 0.0)
-    turned = turn_out_of_solids(s, segment, q, turned, state.positions, contact)
+    turned = rotate_out_of_solids(s, segment, q, turned, state.positions, contact)
     store3(s, segment.scratch + EDGE, 1, turned[0], turned[1], turned[2])
     x, y, z = load3(s, CORRECTION, 1)
     store3(s, CORRECTION, 1, x + turned[0] - d[0], y + turned[1] - d[1], z + turned[2] - d[2])
@@ -160,12 +159,12 @@ def resolve_contact(s, segment, q, state, contact, pressed):
 
 @inlined
 def held_displacement(s, segment, push, reach):
-    """What the force of the step before has done to a particle: an upper bound of how far it displaced it, 0 where
-    there was none; the particle's mobility, 1 / w, as a share of its own; and the displacement. ``reach``: displacement
-    of a free particle by 1 m/s²."""
+    """Return the effect of the step before's force on a particle: an upper bound of the displacement's length, 0
+    without a force; the particle's mobility, 1 / w, as a share of its own; and the displacement. reach: displacement of
+    a free particle by 1 m/s², metres."""
     ax, ay, az = load3(push, segment.row, PACK)
     size = abs(ax) + abs(ay) + abs(az)
-    # of particles without a force, `MOBILITY` tells only how far forces on others move them
+    # `MOBILITY` of a particle without a force is only the response to forces on others
     mobility = where(size > 0.0, load(s, segment.scratch + MOBILITY), 0.0)
     mobility = where(mobility > 0.0, min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
     f = reach * mobility
@@ -174,13 +173,13 @@ def held_displacement(s, segment, push, reach):
 
 @inlined
 def normal_at(s, found, end, depth):
-    """Unit normal at a particle of the solid in slot ``found``, which it is ``depth`` deep in."""
+    """Return the unit normal of the solid in slot ``found`` at a particle ``depth`` below its surface."""
     round = load(s, found + ROUND) > 0.0
     centre = load3(s, found + CENTRE, 1)
     x, y, z = end[0] - centre[0], end[1] - centre[1], end[2] - centre[2]
     away = load(s, found + SIZE) - depth
     deep = round & (depth > away)
-    if any_lane(deep):  # of a small distance from the centre, a great radius less depth leaves nothing
+    if any_lane(deep):  # near the centre, the radius less the depth cancels
         away = where(deep, sqrt(x * x + y * y + z * z), away)
     away = 1.0 / max(away, TINY)
     return select(round, (away * x, away * y, away * z), centre)
@@ -188,7 +187,7 @@ def normal_at(s, found, end, depth):
 
 @inlined
 def released(d, inverse_length, held):
-    """The unit edge d without the displacement that ``held`` its end."""
+    """Return the unit edge d without the displacement ``held`` of its end."""
     e = add_scaled(d, -inverse_length, held)
     f = 1.0 / sqrt(max(dot(e, e), TINY))
     return f * e[0], f * e[1], f * e[2]
@@ -196,8 +195,8 @@ def released(d, inverse_length, held):
 
 @inlined
 def slide(s, found, end, d, n, depth):
-    """How far a particle slides on the solid in slot ``found`` in this step: from where the solid has carried it to
-    where the edge, turned about its beginning, ends at the surface."""
+    """Return the vector by which a particle slides on the solid in slot ``found`` in this step: from its position moved
+    with the solid to the point where the edge, rotated, ends at the surface."""
     f = dot(d, n)
     turned = f * (depth / max(1.0 - f * f, STEEP))
     carried = load3(s, found + CARRIED, 1)
@@ -206,8 +205,8 @@ def slide(s, found, end, d, n, depth):
 
 @inlined
 def friction(held, way, n, most):
-    """The displacement by friction across the normal n: ``held``, that of the step before, less the ``way`` that the
-    particle slides, at most ``most`` long (Coulomb's law)."""
+    """Return the tangential displacement by friction: ``held``, from the step before, less the ``way`` that the
+    particle slides, of a length of at most ``most`` (Coulomb's law); n: normal."""
     kept = add_scaled(add_scaled(held, -1.0, way), dot(way, n), n)
     f = min(sqrt(most * most / max(dot(kept, kept), TINY)), 1.0)
     return f * kept[0], f * kept[1], f * kept[2]
@@ -215,8 +214,8 @@ def friction(held, way, n, most):
 
 @inlined
 def resting_depth(s, found, segment, state, n, depth, duration):
-    """What of the depth of a particle that has met a solid anew its velocity before the step does not account for. The
-    rest is an impact, no force that stays."""
+    """Return the part of the depth of a particle in new contact that its velocity before the step does not account for;
+    the rest is an impact and gives no lasting force."""
     v = load3(state.velocity, segment.row, PACK)
     before = load3(state.positions, segment.position, W)
     carried = load3(s, found + CARRIED, 1)

@@ -1,4 +1,4 @@
-"""The circle on which an edge ends at the surface of a solid, and how an edge is taken to it."""
+"""The circle of directions in which an edge ends at the surface of a solid, and projection of an edge onto it."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from .contact_shapes import LEAST, TINY
 from .vectors import add_scaled, dot, select
 
 STEEP = 0.01
-"""Square of an edge's share across an axis below which what rounding adds along the axis is taken out."""
+"""Squared component of an edge perpendicular to an axis below which it is made orthogonal a second time, because of
+rounding."""
 
 
 @inlined
 def contact_circle(s, found, q, inverse_length):
-    """The circle on which an edge of length 1 from q ends at the surface of the solid in slot ``found``: its axis,
-    which leads to a ball's centre or straight into a flat face; 1 over the axis's square; where along the axis the
-    circle's centre is, as a share; the square of its radius. Where there is no circle, the point nearest to it, with a
-    radius of 0 or less."""
+    """Return the circle on which an edge of length 1 from q ends at the surface of the solid in slot ``found``: its
+    axis, toward a ball's centre or against a face's normal; 1 / |axis|²; the position of the circle's centre along the
+    axis, as a share; its squared radius. Without an intersection, the nearest point, with a squared radius of at most
+    0."""
     o = load3(s, found + CENTRE, 1)
     size = load(s, found + SIZE)
     round = load(s, found + ROUND) > 0.0
@@ -30,7 +31,7 @@ def contact_circle(s, found, q, inverse_length):
     share = where(round, 0.5 + 0.5 * (square - size * size), height) * inverse
     high = share * share * square
     beyond = high > 1.0
-    if any_lane(beyond):  # a share may be more than numbers can tell; at a ball's very centre any direction is as good
+    if any_lane(beyond):  # the share may overflow; at a ball's centre every direction is equal
         least = sqrt(inverse)
         share = where(beyond, where(share > 0.0, least, -least), share)
         high = where(beyond, where(square > TINY, broadcast(high, 1.0), 0.0), high)
@@ -39,7 +40,8 @@ def contact_circle(s, found, q, inverse_length):
 
 @inlined
 def perpendicular(d, axis, inverse, square):
-    """What of d is across an axis, brought to a length whose square is ``square``; ``inverse`` is 1 over |axis|²."""
+    """Return the component of d perpendicular to an axis, scaled to the squared length ``square``; inverse: 1 /
+    |axis|²."""
     p = add_scaled(d, -(dot(d, axis) * inverse), axis)
     left = dot(p, p)
     steep = left < STEEP
@@ -47,7 +49,7 @@ def perpendicular(d, axis, inverse, square):
         p = select(steep, add_scaled(p, -(dot(p, axis) * inverse), axis), p)
         left = dot(p, p)
         lost = left < LEAST * LEAST
-        if any_lane(lost):  # d is parallel to the axis: any direction across it will do
+        if any_lane(lost):  # d is parallel to the axis: any perpendicular direction will do
             one = where(axis[0] * axis[0] * inverse > 0.25, broadcast(left, 0.0), 1.0)
             two = 1.0 - one
             f = (one * axis[0] + two * axis[1]) * inverse
@@ -59,12 +61,12 @@ def perpendicular(d, axis, inverse, square):
 
 @inlined
 def intersection_of_circles(d, one, one_inverse, one_limit, two, two_inverse, two_limit):
-    """The unit vector nearest to d with d·one = one_limit and d·two = two_limit, and whether there is any.
+    """Return the unit vector x nearest to d with x·one = one_limit and x·two = two_limit, and whether there is one.
 
-    d = α one + β two ± γ one × two, where α and β solve the two equations and γ is left for the length; `one_inverse`
-    and `two_inverse` are 1 over the squares of the two axes."""
+    x = α one + β two ± γ one × two, where α and β solve the two equations and γ follows from the length; one_inverse,
+    two_inverse: 1 over the squared axes."""
     share = dot(one, two) * one_inverse
-    # of the second axis what is across the first, and what d has to have along it
+    # component of the second axis perpendicular to the first
     p = add_scaled(two, -share, one)
     square = dot(p, p)
     independent = square * two_inverse > LEAST  # else the axes are parallel

@@ -1,12 +1,12 @@
-"""Where solids without kernels of their own are from a particle of a rod: as `contact_shapes`, by the functions that
+"""Contact of a rod's particles with solids without kernels of their own: as `contact_shapes`, by the functions that
 `strandcli.solids.shapes.other_code` writes.
 
-`shape` is its `Others` and, of solids whose rows begin at a place there, the distance, the normal and the deepest place
-of a segment. `Others` comes first: Numba takes a tuple of functions alone for one of values. The functions come with a
-type, and what they are handed to is inlined: machine code that holds their addresses could not be kept.
+`shape` is the `Others` of all solids, and the functions distance, normal and deepest of a solid whose row begins at an
+index of the rows. `Others` comes first, because Numba types a tuple of functions alone differently. The functions come
+with a type, and functions that take them are inlined: machine code with their addresses could not be cached.
 
-Each lane by itself, in scalars. Such a solid is met as a flat face: the one that touches its surface where the
-particle's way out ends, which turns as the particle moves.
+Lanes are computed one after the other, in scalars. The contact is with a face: the tangent plane at the end of the
+particle's way out, which turns as the particle moves.
 """
 
 from __future__ import annotations
@@ -16,16 +16,15 @@ from numba.extending import overload
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, lane, lane_count, with_lane
 from ...solids.shapes.other import REACH, X, Y, Z
-from .contact_place import find
+from .contact_place import write_slot
+from .records import MOTION, OTHERS
 
 TINY = 1e-20
-MOTION = 12
-"""Columns that follow a packed solid's: its motion in this step."""
 
 
 @inlined
 def depth(shape, m, x, y, z):
-    """Depth of points in the solid at place m, and its normal there."""
+    """Return the depth of points in the solid whose row begins at m, and its normal there."""
     others, distance, normal, _ = shape
     under = broadcast(x, -1.0 / TINY)
     nx = broadcast(x, 0.0)
@@ -43,7 +42,7 @@ def depth(shape, m, x, y, z):
 
 @device
 def in_reach(others, m, x, y, z, far):
-    """Whether any lane is within `far` of the ball about a solid."""
+    """Return whether any lane is within `far` of a solid's bounding ball."""
     rows = others.rows
     dx, dy, dz = x - rows[m + X], y - rows[m + Y], z - rows[m + Z]
     far += rows[m + REACH]
@@ -52,7 +51,7 @@ def in_reach(others, m, x, y, z, far):
 
 @inlined
 def deepest(shape, m, point, edges, lever):
-    """`depth` of a particle, or of the point that is deepest of its two edges up to ``lever`` away from it."""
+    """Return `depth` of a particle, or of the deepest point of its two edges within ``lever`` of it."""
     x, y, z = point
     edge, next = edges
     under, nx, ny, nz = depth(shape, m, x, y, z)
@@ -79,7 +78,7 @@ def deepest(shape, m, point, edges, lever):
 
 @inlined
 def nearest(s, places, most, point, edges, lever, at, others, shape):
-    """What `contact_shapes.nearest` goes on with: the greatest depth and the place of that solid, others included."""
+    """Return the greatest depth and the slot of that solid, others included; see `contact_shapes.nearest`."""
     found, other = places
     all_of, last, columns = others
     x, y, z = point
@@ -87,7 +86,7 @@ def nearest(s, places, most, point, edges, lever, at, others, shape):
         if in_reach(all_of, m, x, y, z, lever - most):
             d, ox, oy, oz = deepest(shape, m, point, edges, lever)
             level = d + x * ox + y * oy + z * oz
-            found, other = find(
+            found, other = write_slot(
                 s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
             )
             most = max(most, d)
@@ -95,15 +94,16 @@ def nearest(s, places, most, point, edges, lever, at, others, shape):
 
 
 def by_others(s, places, most, point, edges, lever, at, solids):
-    """`nearest` where `solids` has a fifth part, whose class has the functions of its shapes; else what there was."""
+    """Return `nearest` if `solids` has a fifth member, whose class has the functions of its shapes; else the
+    arguments."""
 
 
 @overload(by_others)
 def _by_others(s, places, most, point, edges, lever, at, solids):
-    if len(solids) == 4:
+    if len(solids) == OTHERS:
         return lambda s, places, most, point, edges, lever, at, solids: (most, places[0])
-    form = solids[4].instance_class
+    form = solids[OTHERS].instance_class
     distance, normal, place = form.distance, form.normal, form.deepest
     return lambda s, places, most, point, edges, lever, at, solids: nearest(
-        s, places, most, point, edges, lever, at, solids[4], (solids[4].all, distance, normal, place)
+        s, places, most, point, edges, lever, at, solids[OTHERS], (solids[OTHERS].all, distance, normal, place)
     )

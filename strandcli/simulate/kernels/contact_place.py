@@ -1,6 +1,6 @@
 """Slots of scratch for the solid that a particle is deepest in: two, written in turns.
 
-A slot tells what is to keep the particle out there: a ball, or a flat face.
+A slot describes the shape that the particle is kept out of: a ball, or the half-space below a face.
 """
 
 from __future__ import annotations
@@ -11,26 +11,26 @@ from ...simd import broadcast, load, load3, store, where
 from .records import MOTION_SHIFT
 
 CENTRE = 0
-"""(3) Centre of the ball, or unit normal of the face, which points out of the solid."""
+"""(3) Centre of the ball, or outward unit normal of the face."""
 SIZE = 3
-"""Radius of the ball, or the coordinate along the normal that the particle must have."""
+"""Radius of the ball, or the face's coordinate along the normal."""
 CARRIED = 4
-"""(3) Where the solid's motion has carried the place that the particle had before the step."""
+"""(3) The particle's position before the step, moved with the solid."""
 ROUND = 7
 """1 for a ball, 0 for a face."""
 SLOT = 8
-"""Vectors of a slot."""
+"""Number of vectors in a slot."""
 
 
 @inlined
-def find(s, found, other, nearer, round, place, size, solids, moved, at):
-    """Write the slot ``other``: of this solid where ``nearer`` holds, else what the slot ``found`` has. Returns the
-    places of both slots, exchanged.
+def write_slot(s, found, other, nearer, round, place, size, solids, moved, at):
+    """Write this solid, in lanes where ``nearer`` is set, or the content of slot ``found`` to slot ``other``; return
+    the indices of both slots, exchanged.
 
-    round: 1.0 or 0.0; place: centre or normal; size: radius or coordinate along the normal; ``solids`` has the solid's
-    motion in columns from ``moved`` on; at: positions, and the place in them of the particle before the step.
+    round: 1.0 or 0.0; place: centre or normal; size: radius or coordinate along the normal; solids: the solid's motion
+    begins at column ``moved``; at: positions, and the index in them of the particle before the step.
     """
-    # two slots, since processors take long to store some lanes only
+    # two slots, because masked stores are slow
     positions, here = at
     x, y, z = load3(positions, here, W)
     store(s, other + CENTRE, where(nearer, place[0], load(s, found + CENTRE)))

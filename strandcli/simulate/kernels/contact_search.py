@@ -1,5 +1,5 @@
-"""Where else an edge may go that its turns have not brought out of all solids: directions to begin anew from, and how
-bad an edge is where it has ended up."""
+"""Search for a direction of an edge that rotations have not moved out of all solids: starting directions, and the cost
+of a result."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, sqrt, where
 from ...solids.kernels import box, capsule, plane, sphere
 from .contact_shapes import BOX, CAPSULE, PLANE, SPHERE
+from .records import BOXES, CAPSULES, PLANES, SPHERES
 
 STARTS = 7
-"""Directions from which an edge is turned anew."""
+"""Number of starting directions."""
 PARTICLE = 1e5
-"""How much worse the depth of a particle is than that of a segment."""
+"""Weight of a particle's depth relative to that of a segment in the cost."""
 
 
 @inlined
 def direction(d, start):
-    """Direction number ``start`` to turn the edge d anew from: d, then there and back along each axis."""
+    """Return starting direction number ``start`` of the edge d: d itself, then both directions of each axis."""
     along = (start + 1) // 2
     way = broadcast(d[0], 1.0 if start % 2 == 1 else -1.0)
     zero = broadcast(d[0], 0.0)
@@ -29,29 +30,28 @@ def direction(d, start):
 
 @device
 def segment_depth(q, e, first, solids):
-    """Depth of the deepest place of the segment from q to q + e in any solid, 0 where it is in none. Of the ``first``
-    one, whose root cannot give way, what is deeper than its root. Solids are those of `contact_shapes.nearest`; those
-    of other packages do not count."""
+    """Return the greatest depth of the segment from q to q + e in any solid, at least 0; of the ``first``, whose root
+    is fixed, only what exceeds its root's. Solids as in `contact_shapes.nearest`, without those of other packages."""
     x, y, z = q
     size = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
     ends = x + e[0], y + e[1], z + e[2]
     most = broadcast(x, 0.0)
-    rows, last = solids[0]
+    rows, last = solids[SPHERES]
     for m in range(0, last, SPHERE):
         if any_lane(sphere.depth(rows, m, ends[0], ends[1], ends[2]) + size > 0.0):
             depth = sphere.segment_depth(rows, m, q, e)
             most = max(most, below_root(depth, sphere.depth(rows, m, x, y, z), first))
-    rows, last = solids[1]
+    rows, last = solids[CAPSULES]
     for m in range(0, last, CAPSULE):
         if any_lane(capsule.depth(rows, m, ends[0], ends[1], ends[2]) + size > 0.0):
             depth = capsule.segment_depth(rows, m, q, e)
             most = max(most, below_root(depth, capsule.depth(rows, m, x, y, z), first))
-    rows, last = solids[2]
+    rows, last = solids[PLANES]
     for m in range(0, last, PLANE):
         under = plane.depth(rows, m, x, y, z)
         depth = max(under, plane.depth(rows, m, ends[0], ends[1], ends[2]))
         most = max(most, below_root(depth, under, first))
-    rows, last = solids[3]
+    rows, last = solids[BOXES]
     for m in range(0, last, BOX):
         if any_lane(box.depth(rows, m, ends[0], ends[1], ends[2])[0] + size > 0.0):
             depth = box.segment_depth(rows, m, q, e)
@@ -61,5 +61,5 @@ def segment_depth(q, e, first, solids):
 
 @inlined
 def below_root(depth, under, first):
-    """A segment's depth; of the ``first``, whose root is ``under`` the surface, what is deeper than that."""
+    """Return the depth of a segment; of the ``first``, what exceeds the depth ``under`` of its root."""
     return depth - max(under, 0.0) if first else depth

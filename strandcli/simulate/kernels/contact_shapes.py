@@ -1,14 +1,13 @@
-"""The solid that a particle of a rod is deepest in, and the ball or the flat face that is to keep it out there.
+"""Search for the solid that a particle of a rod is deepest in, and the ball or face that it is kept out of.
 
-Solids come packed as by `strandcli.solids.pack`, each row followed by the `MOTION` of this step. Solids of a kind come
-as a pair: the numbers of all rows, and how many there are; a single solid as numbers and the place m of its row; kinds
-in the order spheres, capsules, planes, boxes. Coordinates are vectors of lanes. A solid out of every lane's reach costs
-no more than finding that out.
+Solids are packed as by `strandcli.solids.pack`, each row followed by the `MOTION` of this step. All solids of a kind
+are a pair: the numbers of all rows, and how many numbers; a single solid is numbers and the index m of its row's
+beginning. Coordinates are vectors of lanes.
 
-Where whole edges are kept out, each particle stays far enough from a solid that the near halves of its edges do, in
-their present directions: √(r² + s²) from a ball, where s is the distance along a half to its place nearest the centre.
-So no contact near the beginning of an edge acts on its end as on a lever. Of the first edge, whose root cannot give
-way, the particle takes care of all.
+If whole edges are kept out, each particle keeps such a distance from a solid that the adjacent halves of its edges, in
+their present directions, are outside: √(r² + s²) from a ball, where s is the distance along a half edge to its point
+nearest to the centre. So contact near the beginning of an edge does not act on its end by a lever. Of the first edge,
+whose root is fixed, the particle accounts for the whole.
 """
 
 from __future__ import annotations
@@ -21,15 +20,15 @@ from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
 from .contact_others import by_others
-from .contact_place import SLOT, find
-from .records import MOTION
+from .contact_place import SLOT, write_slot
+from .records import BOXES, CAPSULES, MOTION, PLANES, SPHERES
 from .rod_scratch import EDGE, SEGMENT, SOLID_SLOTS
 
 TINY = 1e-20
 OUT_OF_REACH = -1.0 / TINY
-"""A depth less than any."""
+"""Less than any depth."""
 LEAST = 1e-6
-"""Length below which a vector of two unit vectors has no direction."""
+"""Length below which a difference of two unit vectors has no direction."""
 OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
 SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
 """Columns of a packed solid without its motion, and with it."""
@@ -45,7 +44,7 @@ class Edges(NamedTuple):
     length: Any
     """Metres."""
     lever: Any
-    """How far the place of an edge that is nearest to a solid may be from the particle, metres; 0 where only particles
+    """Greatest distance from the particle of the points of an edge that it accounts for, metres; 0 if only particles
     are kept out."""
     whole: Any
     """Whether edges are kept out, not only particles."""
@@ -55,8 +54,8 @@ class Edges(NamedTuple):
 
 @device
 def edge_depth_in_box(boxes, m, x, y, z, dx, dy, dz, reach):
-    """Depth in box m of the line from (x, y, z) along the unit vector d up to ``reach``, and the normal of the shortest
-    way out; `OUT_OF_REACH` where the line meets no face.
+    """Return the depth in box m of the line from (x, y, z) along the unit vector d up to ``reach``, and the normal of
+    the shortest way out; the depth is `OUT_OF_REACH` if the line meets no face.
 
     A line that enters by a face F and leaves by a face G cuts off an edge of the box; the way out is perpendicular to
     the line and to that edge, |d·G| F + |d·F| G. A line that passes G before it comes to F misses the edge, at a
@@ -114,8 +113,8 @@ def edge_depth_in_box(boxes, m, x, y, z, dx, dy, dz, reach):
 
 @inlined
 def nearest_on_edges(x, y, z, edge, next, half):
-    """Distances along a particle's edges, back and on, to their places nearest to a point from which the particle is
-    (x, y, z) away; at most ``half``."""
+    """Return the distances along a particle's edges, back and on, to their points nearest to a point; the particle is
+    at (x, y, z) relative to it. At most ``half``."""
     back = min(max(x * edge[0] + y * edge[1] + z * edge[2], 0.0), half)
     on = min(max(-(x * next[0] + y * next[1] + z * next[2]), 0.0), half)
     return back, on
@@ -123,9 +122,9 @@ def nearest_on_edges(x, y, z, edge, next, half):
 
 @inlined
 def clearance_radius(away, radius, edges):
-    """Radius that keeps a particle, ``away`` from a ball's centre, so far off that the halves of its edges are out of
-    the ball, and all of the first edge: there s is what is left of it beyond the tangent point. A first edge that
-    begins inside is kept from going deeper than its root."""
+    """Return the distance from a ball's centre at which the halves of a particle's edges are outside of the ball, and
+    all of the first edge: there s is its part beyond the tangent point. A first edge that begins inside is kept from
+    going deeper than its root. away: the particle relative to the centre."""
     if not edges.whole:
         return broadcast(away[0], radius)
     dx, dy, dz = away
@@ -145,8 +144,8 @@ def clearance_radius(away, radius, edges):
 
 @device
 def axis_point_near_edges(capsules, m, point, on_axis, edges):
-    """Point of a capsule's axis nearest to a particle's edges, by alternating projections that begin with ``on_axis``,
-    the one nearest to the particle."""
+    """Return the point of a capsule's axis nearest to a particle's edges, by alternating projections from ``on_axis``,
+    the point nearest to the particle."""
     x, y, z = point
     ox, oy, oz = on_axis
     edge, next = edges.edge, edges.next
@@ -164,7 +163,7 @@ def axis_point_near_edges(capsules, m, point, on_axis, edges):
 
 @device
 def deeper(one, other):
-    """Of two pairs of depth and normal, (depth, x, y, z) each, the one with the greater depth."""
+    """Return the one of two (depth, x, y, z), depth and normal, that has the greater depth."""
     a = one[0] > other[0]
     return (
         max(one[0], other[0]), where(a, one[1], other[1]), where(a, one[2], other[2]), where(a, one[3], other[3]),
@@ -173,8 +172,8 @@ def deeper(one, other):
 
 @device
 def box_depth_with_edges(boxes, m, point, under, edges, reach):
-    """Depth and normal of a particle in box m: ``under``, those of `box.depth`, or where the particle is outside those
-    of its edges, if no further outside than ``reach``."""
+    """Return depth and normal of a particle in box m: ``under``, from `box.depth`, or those of its edges if the
+    particle is outside and its edges are at most ``reach`` outside."""
     x, y, z = point
     edge, next = edges.edge, edges.next
     out = under[0] <= 0.0
@@ -186,7 +185,7 @@ def box_depth_with_edges(boxes, m, point, under, edges, reach):
 
 @inlined
 def edges_of(s, o, edge, length, whole, first):
-    """`Edges` of the particle of the segment at place o of the scratch, which has the next edge."""
+    """Return the `Edges` of the particle at the end of the segment at index o of the scratch."""
     zero = broadcast(length, 0.0)
     next = zero, zero, zero
     lever = zero
@@ -198,24 +197,24 @@ def edges_of(s, o, edge, length, whole, first):
 
 @inlined
 def nearest(s, point, edges, at, reach, solids):
-    """Depth of a particle in the solid that it is deepest in, or nearest to and within ``reach``, and the place of that
-    solid's slot in the scratch; a depth of -reach where there is none.
+    """Return the depth of a particle in the solid that it is deepest in, or nearest to within ``reach``, and the index
+    of that solid's slot in the scratch; -reach if there is none.
 
-    point: the particle; edges: its `Edges`; at: positions, and the place in them of the particle before this step;
-    solids: a pair for each kind, and perhaps others (`contact_others`).
+    point: the particle; edges: its `Edges`; at: positions, and the index in them of the particle before this step;
+    solids: `records.Contact.solids`.
     """
     slots = SOLID_SLOTS, SOLID_SLOTS + SLOT
-    most, slots = nearest_sphere(s, slots, -reach, point, edges, at, solids[0])
-    most, slots = nearest_capsule(s, slots, most, point, edges, at, solids[1])
-    most, slots = nearest_plane(s, slots, most, point, at, solids[2])
-    most, slots = nearest_box(s, slots, most, point, edges, at, solids[3], reach)
+    most, slots = nearest_sphere(s, slots, -reach, point, edges, at, solids[SPHERES])
+    most, slots = nearest_capsule(s, slots, most, point, edges, at, solids[CAPSULES])
+    most, slots = nearest_plane(s, slots, most, point, at, solids[PLANES])
+    most, slots = nearest_box(s, slots, most, point, edges, at, solids[BOXES], reach)
     return by_others(s, slots, most, point, (edges.edge, edges.next), edges.lever, at, solids)
 
 
 @inlined
 def nearest_sphere(s, slots, most, point, edges, at, spheres):
-    """`nearest` among spheres: the greatest depth, at least ``most``, and the places of the slots, that of the solid
-    first."""
+    """Return `nearest` among spheres: the greatest depth, at least ``most``, and the indices of the slots, that of the
+    solid first."""
     x, y, z = point
     rows, end = spheres
     found, other = slots
@@ -225,18 +224,18 @@ def nearest_sphere(s, slots, most, point, edges, at, spheres):
         far = radius + edges.lever - most
         if any_lane(dx * dx + dy * dy + dz * dz < far * abs(far)):
             r = clearance_radius((dx, dy, dz), radius, edges)
-            depth = sphere.under(dx, dy, dz, r)
+            depth = sphere.ball_depth(dx, dy, dz, r)
             centre = (
                 broadcast(x, rows[m + sphere.X]), broadcast(x, rows[m + sphere.Y]), broadcast(x, rows[m + sphere.Z]),
             )  # fmt: skip
-            found, other = find(s, found, other, depth > most, 1.0, centre, r, rows, m + OF_SPHERE, at)
+            found, other = write_slot(s, found, other, depth > most, 1.0, centre, r, rows, m + OF_SPHERE, at)
             most = max(most, depth)
     return most, (found, other)
 
 
 @inlined
 def nearest_capsule(s, slots, most, point, edges, at, capsules):
-    """The same among capsules, each of which is a ball about the nearest point of its axis."""
+    """Return the same among capsules, each of which acts as a ball around the nearest point of its axis."""
     x, y, z = point
     rows, end = capsules
     found, other = slots
@@ -250,18 +249,18 @@ def nearest_capsule(s, slots, most, point, edges, at, capsules):
             if edges.whole:
                 px, py, pz = axis_point_near_edges(rows, m, point, (ox, oy, oz), edges)
                 clear = clearance_radius((x - px, y - py, z - pz), radius, edges)
-                by_edge = sphere.under(x - px, y - py, z - pz, clear) > sphere.under(dx, dy, dz, radius)
+                by_edge = sphere.ball_depth(x - px, y - py, z - pz, clear) > sphere.ball_depth(dx, dy, dz, radius)
                 ox, oy, oz = where(by_edge, px, ox), where(by_edge, py, oy), where(by_edge, pz, oz)
                 r = where(by_edge, clear, r)
-            depth = sphere.under(x - ox, y - oy, z - oz, r)
-            found, other = find(s, found, other, depth > most, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
+            depth = sphere.ball_depth(x - ox, y - oy, z - oz, r)
+            found, other = write_slot(s, found, other, depth > most, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
             most = max(most, depth)
     return most, (found, other)
 
 
 @inlined
 def nearest_plane(s, slots, most, point, at, planes):
-    """The same among planes, in which no edge is deeper than both of its ends."""
+    """Return the same among planes, in which no edge is deeper than both of its ends."""
     x, y, z = point
     rows, end = planes
     found, other = slots
@@ -270,14 +269,14 @@ def nearest_plane(s, slots, most, point, at, planes):
         if any_lane(depth > most):
             normal = broadcast(x, rows[m + plane.X]), broadcast(x, rows[m + plane.Y]), broadcast(x, rows[m + plane.Z])
             height = broadcast(x, rows[m + plane.HEIGHT])
-            found, other = find(s, found, other, depth > most, 0.0, normal, height, rows, m + OF_PLANE, at)
+            found, other = write_slot(s, found, other, depth > most, 0.0, normal, height, rows, m + OF_PLANE, at)
             most = max(most, depth)
     return most, (found, other)
 
 
 @inlined
 def nearest_box(s, slots, most, point, edges, at, boxes, reach):
-    """The same among boxes; of their edges and corners the face through the surface there."""
+    """Return the same among boxes; at their edges and corners the face is the tangent plane."""
     x, y, z = point
     rows, end = boxes
     found, other = slots
@@ -287,6 +286,6 @@ def nearest_box(s, slots, most, point, edges, at, boxes, reach):
             if edges.whole:
                 depth, nx, ny, nz = box_depth_with_edges(rows, m, point, (depth, nx, ny, nz), edges, reach)
             level = depth + x * nx + y * ny + z * nz
-            found, other = find(s, found, other, depth > most, 0.0, (nx, ny, nz), level, rows, m + OF_BOX, at)
+            found, other = write_slot(s, found, other, depth > most, 0.0, (nx, ny, nz), level, rows, m + OF_BOX, at)
             most = max(most, depth)
     return most, (found, other)

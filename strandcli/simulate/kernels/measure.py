@@ -1,4 +1,4 @@
-"""Errors of a frame: stretch, coordinates that are not finite, and depths in solids; one number a block."""
+"""Errors of a frame: stretch, coordinates that are not finite, depths in solids; one row for each block."""
 
 from __future__ import annotations
 
@@ -15,14 +15,19 @@ ZERO = np.float32(0)
 ONE = np.float32(1)
 ROW = 3 * W
 """Numbers of a row of positions."""
+STRETCH, NOT_FINITE = 0, 1
+"""Columns of what `strands` writes."""
+PARTICLES, SEGMENTS = 0, 1
+"""Columns of what `depths` writes."""
+COLUMNS = 2
 
 
 @parallel
 def strands(positions, lengths, out):
-    """Set the greatest stretch and the number of coordinates that are not finite.
+    """Write the greatest stretch | |e_i| / L − 1 | and the number of coordinates that are not finite to out (blocks, 2)
+    float32: columns `STRETCH` and `NOT_FINITE`.
 
-    positions (blocks, n + 1, 3 W), lengths (blocks, W); out (blocks, 2) float32: greatest | |e_i| / L − 1 |, and the
-    number of coordinates that are not finite.
+    positions (blocks, n + 1, 3 W), lengths (blocks, W), metres.
     """
     for b in prange(positions.shape[0]):
         block = positions[b]
@@ -41,28 +46,30 @@ def strands(positions, lengths, out):
                 dy = x[W + k] - q[W + k]
                 dz = x[2 * W + k] - q[2 * W + k]
                 stretch = max(stretch, abs(math.sqrt(dx * dx + dy * dy + dz * dz) / lengths[b, k] - ONE))
-        out[b, 0] = stretch
-        out[b, 1] = bad
+        out[b, STRETCH] = stretch
+        out[b, NOT_FINITE] = bad
 
 
 @parallel
 def depths(positions, solids, out):
-    """Set the greatest depth of a particle and that of any place of a segment in a solid, metres.
+    """Write the greatest depths of a particle and of any point of a segment in a solid to out (blocks, 2) float32,
+    metres: columns `PARTICLES` and `SEGMENTS`.
 
-    positions as above; solids: a `strandcli.solids.Solids`; out (blocks, 2) float32. Roots are left out, for no solver
-    moves them, and of the first segment only what is deeper than its root counts.
+    positions as above; solids: a `strandcli.solids.Solids`. Roots are left out, because no solver moves them, and of
+    the first segment only the depth in excess of its root's counts.
     """
     for b in prange(positions.shape[0]):
         own = np.int64(b)
         most, along = deepest(positions, own, solids)
         other_most, other_along = other.deepest(solids, positions, own)
-        out[b, 0] = max(most, other_most)
-        out[b, 1] = max(along, other_along)
+        out[b, PARTICLES] = max(most, other_most)
+        out[b, SEGMENTS] = max(along, other_along)
 
 
 @function
 def deepest(positions, b, solids):
-    """Greatest depth of a particle of block b, and of any place of its segments, in solids of the four shapes."""
+    """Return the greatest depth of a particle of block b, and of any point of its segments, in solids of the four
+    shapes."""
     spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
     x = pointer(positions)
     balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
@@ -103,5 +110,5 @@ def deepest(positions, b, solids):
 
 @inlined
 def beyond_root(depth, under, first):
-    """Depth of a segment; of the ``first``, by how much it is deeper than its root, which is ``under`` the surface."""
+    """Return the depth of a segment; of the ``first``, what exceeds the depth ``under`` of its root."""
     return depth - max(under, 0.0) if first else depth

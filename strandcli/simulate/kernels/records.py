@@ -19,6 +19,8 @@ POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
 step."""
 
+SPHERES, CAPSULES, PLANES, BOXES, OTHERS = range(5)
+"""Members of ``Contact.solids``, in the order of the fields of `strandcli.solids.Solids`."""
 MOTION, MOTION_SHIFT = 12, 9
 """Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and then translation."""
 

@@ -1,6 +1,6 @@
 """The step of the rod solver over packs of strands: predict, iterate, make lengths exact, set the new velocity.
 
-Each thread takes packs from the work queue (`work_queue.share_out`) and has scratch of its own. Strands are
+Each thread takes packs from the work queue (`work_queue.run_workers`) and has scratch of its own. Strands are
 independent, so the number of threads changes no bit. A vector of strands goes through all phases of the step before the
 next one begins.
 """

@@ -1,6 +1,6 @@
-"""Vectors of three coordinates and 3 × 3 matrices, as tuples of vectors of lanes.
+"""Algebra of 3-vectors and 3 × 3 matrices, as tuples of vectors of lanes.
 
-A symmetric matrix is (xx, xy, xz, yy, yz, zz), any other its nine elements by rows.
+A symmetric matrix is (xx, xy, xz, yy, yz, zz); any other matrix is its nine elements by rows.
 """
 
 from __future__ import annotations
@@ -11,39 +11,39 @@ from ...simd import where
 
 @inlined
 def dot(a, b):
-    """Scalar product."""
+    """Return the scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def add_scaled(a, f, b):
-    """a + f b."""
+    """Return a + f b."""
     return a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]
 
 
 @inlined
 def select(mask, a, b):
-    """a where a mask holds, else b; vectors of three."""
+    """Return the 3-vector a where a mask is set, else b."""
     return where(mask, a[0], b[0]), where(mask, a[1], b[1]), where(mask, a[2], b[2])
 
 
 @inlined
 def matrix_product(m, v):
-    """A matrix by rows times a vector."""
+    """Return the product of a matrix by rows and a vector."""
     x, y, z = v
     return m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z
 
 
 @inlined
 def symmetric_product(m, v):
-    """A symmetric matrix (xx, xy, xz, yy, yz, zz) times a vector."""
+    """Return the product of a symmetric matrix and a vector."""
     x, y, z = v
     return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
 
 
 @inlined
 def less_outer(m, a, b):
-    """A matrix by rows less a bᵀ."""
+    """Return m − a bᵀ for a matrix by rows."""
     x, y, z = b
     return (
         m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
@@ -54,7 +54,7 @@ def less_outer(m, a, b):
 
 @inlined
 def less_symmetric(m, a, b):
-    """A symmetric matrix less a bᵀ, where that is symmetric."""
+    """Return m − a bᵀ for symmetric matrices m and a bᵀ."""
     x, y, z = b
     return (
         m[0] - a[0] * x, m[1] - a[0] * y, m[2] - a[0] * z,
@@ -64,17 +64,17 @@ def less_symmetric(m, a, b):
 
 @inlined
 def sum_of(a, b):
-    """a + b, three coordinates."""
+    """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inlined
 def scaled(f, a):
-    """f a."""
+    """Return f a."""
     return f * a[0], f * a[1], f * a[2]
 
 
 @inlined
 def combined(f, a, g, b):
-    """f a − g b."""
+    """Return f a − g b."""
     return f * a[0] - g * b[0], f * a[1] - g * b[1], f * a[2] - g * b[2]

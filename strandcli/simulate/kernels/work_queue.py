@@ -1,8 +1,8 @@
-"""A work queue, from which threads take tasks one after the other, so that none waits for a slow one.
+"""Work queue: threads take one task after the other, so that none waits for a slow one.
 
-A descriptor, an int64 array, holds what all threads need: the number of the next task, how many tasks there are, and
-then what the work itself reads, such as addresses. Numba compiles the body of a parallel loop three times, with all
-that it calls; so here that body calls compiled code by its address.
+A descriptor, an int64 array, has the number of the next task, the number of tasks, and then data of the work itself,
+such as addresses. Numba compiles the body of a parallel loop three times, with all functions that it calls; so that
+body calls compiled code by its address.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NEXT, TASKS = 0, 1
 
 @intrinsic
 def take(typingctx: Any, descriptor: Any) -> Any:
-    """The number of the next task, taken by an atomic increment."""
+    """Return the number of the next task, and increment it atomically."""
     if descriptor != DESCRIPTOR:
         return None
 
@@ -36,7 +36,7 @@ def take(typingctx: Any, descriptor: Any) -> Any:
 
 @intrinsic
 def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
-    """Run the code at an address that `address` gave."""
+    """Call the code at an address from `address`."""
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = context.call_conv.get_function_type(types.none, sig.args[1:])
@@ -47,8 +47,9 @@ def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
     return types.none(types.int64, DESCRIPTOR, types.int64), emit
 
 
-def share_out(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
-    """Run code once for each of ``workers``, which is given its number; a single one runs on the calling thread."""
+def run_workers(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
+    """Run the code at an address once for each of ``workers``, with the worker's number; a single worker runs on the
+    calling thread."""
     if workers > 1:
         on_threads(code, descriptor, workers)
     else:
@@ -57,19 +58,19 @@ def share_out(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
 
 @parallel
 def on_threads(code, descriptor, workers):
-    """`share_out` where there are several."""
+    """Run `run_workers` on several threads."""
     for worker in prange(workers):
         call(code, descriptor, np.int64(worker))
 
 
 @function
 def on_this(code, descriptor):
-    """`share_out` by the thread that calls."""
+    """Run `run_workers` on the calling thread."""
     call(code, descriptor, 0)
 
 
 def address(function: Any) -> int:
-    """Address of the machine code of a function of a descriptor and a worker's number; compiles it."""
+    """Compile a function of a descriptor and a worker's number; return the address of its machine code."""
     signature = DESCRIPTOR, types.int64
     function.compile(signature)
     made = function.overloads[signature]

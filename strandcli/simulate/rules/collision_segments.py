@@ -1,10 +1,11 @@
-"""Catching a segment that passes through a solid between two particles outside of it (``segments: true``).
+"""Collision of whole segments, which may pass through a solid between two particles outside of it
+(``segments: true``): passes of the stage "particle" (`rule.Pass`); columns of p in `strandcli.solids.shapes`.
 
 The deepest point of the segment lies at a share t of the way from the parent to the particle. Moving the particle by
-depth / t along the surface normal there brings that point out, exactly for a flat surface. Where t is small the parent
-itself is at the surface, and the push is bounded by `REACH`. The segment then gets the length back that it had: it has
-been turned, not stretched, so that elasticity, where it comes after collision, does not pull its particle from the
-surface into another solid. The sweeps repeat: a few times is enough because later steps go on from there.
+depth / t along the surface normal there brings that point out, exactly for a flat surface. If t is small the parent
+itself is at the surface; `LEAST_SHARE` bounds the displacement. The segment is then scaled to its length from before:
+it is turned, not stretched, so that elasticity, if it follows collision, does not pull its particle from the surface
+into another solid. A few sweeps are enough, because later steps continue from the result.
 """
 
 from __future__ import annotations
@@ -16,27 +17,34 @@ import numpy as np
 from numba.extending import register_jitable
 
 from ...constants import W
+from ...solids.kernels.capsule import bounding_ball
+from ...solids.shapes import box as boxes
+from ...solids.shapes import capsule as capsules
+from ...solids.shapes import sphere as balls
 
 ZERO = np.float32(0)
 HALF = np.float32(0.5)
 ONE = np.float32(1)
 TWO = np.float32(2)
-REACH = np.float32(0.1)
-CENTRED = np.float32(1e-8)  # squared share of the radius: nearer to the middle, rounding has taken the direction
+LEAST_SHARE = np.float32(0.1)
+"""Least t by which the depth is divided."""
+CENTRED = np.float32(1e-8)
+"""Squared share of the radius; nearer to the centre, rounding has destroyed the direction."""
 SWEEPS = 2
-ALONG = np.float32(1e-6)  # squared sine of the angle under which two axes are parallel
+PARALLEL = np.float32(1e-6)
+"""Squared sine of the angle below which two axes count as parallel."""
 
 
 def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p (m, 5): centre, radius, tiny."""
+    """Turn segments out of balls; p: packed spheres."""
     for s in range(p.shape[0]):
-        r = p[s, 3]
-        tiny = p[s, 4]
+        r = p[s, balls.RADIUS]
+        tiny = p[s, balls.LEAST]
         for _ in range(SWEEPS):
             for k in range(W):
-                qx = parent[k] - p[s, 0]
-                qy = parent[W + k] - p[s, 1]
-                qz = parent[2 * W + k] - p[s, 2]
+                qx = parent[k] - p[s, balls.X]
+                qy = parent[W + k] - p[s, balls.Y]
+                qz = parent[2 * W + k] - p[s, balls.Z]
                 ex = x[k] - parent[k]
                 ey = x[W + k] - parent[W + k]
                 ez = x[2 * W + k] - parent[2 * W + k]
@@ -54,7 +62,7 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 cz = (-ex if flat > tiny else ZERO) if centred else cz
                 size = math.sqrt(max(cx * cx + cy * cy + cz * cz, tiny))
                 out = r if centred else max(r - size, ZERO)
-                out = out / (max(t, REACH) * size) if t > ZERO else ZERO
+                out = out / (max(t, LEAST_SHARE) * size) if t > ZERO else ZERO
                 nx = ex + cx * out
                 ny = ey + cy * out
                 nz = ez + cz * out
@@ -64,17 +72,10 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 x[2 * W + k] = parent[2 * W + k] + nz * keep if out > ZERO else x[2 * W + k]
 
 
-@register_jitable(error_model="numpy")  # rules are run as plain Python, too, where `blame` looks for a culprit
+@register_jitable(error_model="numpy")  # for plain Python too, in which `blame` runs passes
 def in_reach(x: Any, parent: Any, p: Any, s: int) -> int:
-    """Number of lanes whose segment may touch the ball about capsule s, by (a + b)² <= 2 (a² + b²)."""
-    bx = p[s, 3]
-    by = p[s, 4]
-    bz = p[s, 5]
-    mx = p[s, 0] + HALF * bx
-    my = p[s, 1] + HALF * by
-    mz = p[s, 2] + HALF * bz
-    reach = HALF * math.sqrt(bx * bx + by * by + bz * bz) + p[s, 6]
-    reach *= reach
+    """Return the number of lanes whose segment may touch the bounding ball of capsule s, by (a + b)² <= 2 (a² + b²)."""
+    mx, my, mz, reach = bounding_ball(p, s)
     near = 0
     for k in range(W):
         dx = x[k] - mx
@@ -89,17 +90,16 @@ def in_reach(x: Any, parent: Any, p: Any, s: int) -> int:
 
 
 def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p (m, 9): first end, vector to the other end, radius, 1 / its squared length, tiny.
-
-    Closest points of two segments by the clamped 2 × 2 system (Ericson 2005, §5.1.9).
+    """Turn segments out of capsules, by the closest points of two segments from a clamped 2 × 2 system (Ericson 2005,
+    §5.1.9); p: packed capsules.
     """
     for s in range(p.shape[0]):
-        bx = p[s, 3]
-        by = p[s, 4]
-        bz = p[s, 5]
-        r = p[s, 6]
-        per = p[s, 7]
-        tiny = p[s, 8]
+        bx = p[s, capsules.AXIS_X]
+        by = p[s, capsules.AXIS_Y]
+        bz = p[s, capsules.AXIS_Z]
+        r = p[s, capsules.RADIUS]
+        per = p[s, capsules.PER_SQUARE]
+        tiny = p[s, capsules.LEAST]
         bb = bx * bx + by * by + bz * bz
         if in_reach(x, parent, p, s) == 0:
             continue
@@ -108,9 +108,9 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
                 ex = x[k] - parent[k]
                 ey = x[W + k] - parent[W + k]
                 ez = x[2 * W + k] - parent[2 * W + k]
-                rx = parent[k] - p[s, 0]
-                ry = parent[W + k] - p[s, 1]
-                rz = parent[2 * W + k] - p[s, 2]
+                rx = parent[k] - p[s, capsules.X]
+                ry = parent[W + k] - p[s, capsules.Y]
+                rz = parent[2 * W + k] - p[s, capsules.Z]
                 ee = max(ex * ex + ey * ey + ez * ez, tiny)
                 eb = ex * bx + ey * by + ez * bz
                 er = ex * rx + ey * ry + ez * rz
@@ -127,7 +127,7 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
                 centred = square <= CENTRED * r * r
                 # crossing axes part along the normal of both, parallel ones sideways as from a sphere
                 flat = ex * ex + ez * ez
-                askew = area > ALONG * ee * bb
+                askew = area > PARALLEL * ee * bb
                 nx = ey * bz - ez * by if askew else (ez if flat > tiny else ONE)
                 ny = ez * bx - ex * bz if askew else ZERO
                 nz = ex * by - ey * bx if askew else (-ex if flat > tiny else ZERO)
@@ -136,7 +136,7 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
                 cz = nz if centred else cz
                 size = math.sqrt(max(cx * cx + cy * cy + cz * cz, tiny))
                 out = r if centred else max(r - size, ZERO)
-                out = out / (max(t, REACH) * size) if t > ZERO else ZERO
+                out = out / (max(t, LEAST_SHARE) * size) if t > ZERO else ZERO
                 nx = ex + cx * out
                 ny = ey + cy * out
                 nz = ez + cz * out
@@ -147,49 +147,48 @@ def capsule(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
 
 
 def box(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """p (m, 16): centre, rotation by rows, half extents, tiny. The middle of the part inside leaves by its nearest
-    face."""
+    """Turn segments out of boxes: the middle of the part inside leaves by its nearest face; p: packed boxes."""
     for s in range(p.shape[0]):
-        tiny = p[s, 15]
+        tiny = p[s, boxes.LEAST]
         for _ in range(SWEEPS):
             for k in range(W):
-                qx = parent[k] - p[s, 0]
-                qy = parent[W + k] - p[s, 1]
-                qz = parent[2 * W + k] - p[s, 2]
+                qx = parent[k] - p[s, boxes.X]
+                qy = parent[W + k] - p[s, boxes.Y]
+                qz = parent[2 * W + k] - p[s, boxes.Z]
                 ex = x[k] - parent[k]
                 ey = x[W + k] - parent[W + k]
                 ez = x[2 * W + k] - parent[2 * W + k]
-                qu = p[s, 3] * qx + p[s, 6] * qy + p[s, 9] * qz
-                qv = p[s, 4] * qx + p[s, 7] * qy + p[s, 10] * qz
-                qw = p[s, 5] * qx + p[s, 8] * qy + p[s, 11] * qz
-                eu = p[s, 3] * ex + p[s, 6] * ey + p[s, 9] * ez
-                ev = p[s, 4] * ex + p[s, 7] * ey + p[s, 10] * ez
-                ew = p[s, 5] * ex + p[s, 8] * ey + p[s, 11] * ez
+                qu = p[s, boxes.ROW_X] * qx + p[s, boxes.ROW_Y] * qy + p[s, boxes.ROW_Z] * qz
+                qv = p[s, boxes.ROW_X + 1] * qx + p[s, boxes.ROW_Y + 1] * qy + p[s, boxes.ROW_Z + 1] * qz
+                qw = p[s, boxes.ROW_X + 2] * qx + p[s, boxes.ROW_Y + 2] * qy + p[s, boxes.ROW_Z + 2] * qz
+                eu = p[s, boxes.ROW_X] * ex + p[s, boxes.ROW_Y] * ey + p[s, boxes.ROW_Z] * ez
+                ev = p[s, boxes.ROW_X + 1] * ex + p[s, boxes.ROW_Y + 1] * ey + p[s, boxes.ROW_Z + 1] * ez
+                ew = p[s, boxes.ROW_X + 2] * ex + p[s, boxes.ROW_Y + 2] * ey + p[s, boxes.ROW_Z + 2] * ez
                 au = ONE / (eu if abs(eu) > tiny else tiny)
                 av = ONE / (ev if abs(ev) > tiny else tiny)
                 aw = ONE / (ew if abs(ew) > tiny else tiny)
-                enter = max(-qu * au - abs(au) * p[s, 12], -qv * av - abs(av) * p[s, 13])
-                enter = max(max(enter, -qw * aw - abs(aw) * p[s, 14]), ZERO)
-                leave = min(-qu * au + abs(au) * p[s, 12], -qv * av + abs(av) * p[s, 13])
-                leave = min(min(leave, -qw * aw + abs(aw) * p[s, 14]), ONE)
+                enter = max(-qu * au - abs(au) * p[s, boxes.HALF], -qv * av - abs(av) * p[s, boxes.HALF + 1])
+                enter = max(max(enter, -qw * aw - abs(aw) * p[s, boxes.HALF + 2]), ZERO)
+                leave = min(-qu * au + abs(au) * p[s, boxes.HALF], -qv * av + abs(av) * p[s, boxes.HALF + 1])
+                leave = min(min(leave, -qw * aw + abs(aw) * p[s, boxes.HALF + 2]), ONE)
                 t = HALF * (enter + leave)
                 u = qu + t * eu
                 v = qv + t * ev
                 w = qw + t * ew
-                du = p[s, 12] - abs(u)
-                dv = p[s, 13] - abs(v)
-                dw = p[s, 14] - abs(w)
+                du = p[s, boxes.HALF] - abs(u)
+                dv = p[s, boxes.HALF + 1] - abs(v)
+                dw = p[s, boxes.HALF + 2] - abs(w)
                 least = min(du, min(dv, dw))
-                inside = max(least, ZERO) / max(t, REACH) if leave > enter else ZERO
+                inside = max(least, ZERO) / max(t, LEAST_SHARE) if leave > enter else ZERO
                 by_u = inside if du <= least else ZERO
                 by_v = inside if (dv <= least) and (du > least) else ZERO
                 by_w = inside - by_u - by_v
                 by_u = by_u if u >= ZERO else -by_u
                 by_v = by_v if v >= ZERO else -by_v
                 by_w = by_w if w >= ZERO else -by_w
-                nx = ex + p[s, 3] * by_u + p[s, 4] * by_v + p[s, 5] * by_w
-                ny = ey + p[s, 6] * by_u + p[s, 7] * by_v + p[s, 8] * by_w
-                nz = ez + p[s, 9] * by_u + p[s, 10] * by_v + p[s, 11] * by_w
+                nx = ex + p[s, boxes.ROW_X] * by_u + p[s, boxes.ROW_X + 1] * by_v + p[s, boxes.ROW_X + 2] * by_w
+                ny = ey + p[s, boxes.ROW_Y] * by_u + p[s, boxes.ROW_Y + 1] * by_v + p[s, boxes.ROW_Y + 2] * by_w
+                nz = ez + p[s, boxes.ROW_Z] * by_u + p[s, boxes.ROW_Z + 1] * by_v + p[s, boxes.ROW_Z + 2] * by_w
                 keep = math.sqrt((ex * ex + ey * ey + ez * ez) / max(nx * nx + ny * ny + nz * nz, tiny))
                 x[k] = parent[k] + nx * keep if inside > ZERO else x[k]
                 x[W + k] = parent[W + k] + ny * keep if inside > ZERO else x[W + k]

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 name = "elasticity"
 order = 60.0
+COINCIDENT, ZERO = 0, 1
+"""Columns of p: a squared length below which two particles coincide; the number 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +27,13 @@ class Parameters:
 
 
 def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
-    """p[0]: a squared length below which two particles coincide; p[1]: zero."""
+    """Return a particle's place at the rest length from the one before it; p: columns above."""
     dx = a[0] - b[0]
     dy = a[1] - b[1]
     dz = a[2] - b[2]
-    size = math.sqrt(max(dx * dx + dy * dy + dz * dz, p[0]))
+    size = math.sqrt(max(dx * dx + dy * dy + dz * dz, p[COINCIDENT]))
     # what flew off so far that its square overflows must not come back as a strand of no length: 0 * inf is NaN
-    f = length / size + p[1] * size
+    f = length / size + p[ZERO] * size
     return b[0] + dx * f, b[1] + dy * f, b[2] + dz * f
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 name = "emitter_motion"
 order = 0.0
+ROW_X, ROW_Y, ROW_Z, SHIFT = 0, 3, 6, 9
+"""Where the rows of the rotation begin in p, and the translation, metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,20 +29,20 @@ class Parameters:
 
 
 def apply(clamp: Any, root: Any, rest_clamp: Any, rest_root: Any, p: Any) -> None:
-    """p (12,): a 3 × 3 rotation by rows, then a translation."""
+    """Write a strand's root and the row before it from their positions in the emitter's frame; p: columns above."""
     for k in range(W):
         ax = rest_root[k]
         ay = rest_root[W + k]
         az = rest_root[2 * W + k]
-        root[k] = p[0] * ax + p[1] * ay + p[2] * az + p[9]
-        root[W + k] = p[3] * ax + p[4] * ay + p[5] * az + p[10]
-        root[2 * W + k] = p[6] * ax + p[7] * ay + p[8] * az + p[11]
+        root[k] = p[ROW_X] * ax + p[ROW_X + 1] * ay + p[ROW_X + 2] * az + p[SHIFT]
+        root[W + k] = p[ROW_Y] * ax + p[ROW_Y + 1] * ay + p[ROW_Y + 2] * az + p[SHIFT + 1]
+        root[2 * W + k] = p[ROW_Z] * ax + p[ROW_Z + 1] * ay + p[ROW_Z + 2] * az + p[SHIFT + 2]
         bx = rest_clamp[k]
         by = rest_clamp[W + k]
         bz = rest_clamp[2 * W + k]
-        clamp[k] = p[0] * bx + p[1] * by + p[2] * bz + p[9]
-        clamp[W + k] = p[3] * bx + p[4] * by + p[5] * bz + p[10]
-        clamp[2 * W + k] = p[6] * bx + p[7] * by + p[8] * bz + p[11]
+        clamp[k] = p[ROW_X] * bx + p[ROW_X + 1] * by + p[ROW_X + 2] * bz + p[SHIFT]
+        clamp[W + k] = p[ROW_Y] * bx + p[ROW_Y + 1] * by + p[ROW_Y + 2] * bz + p[SHIFT + 1]
+        clamp[2 * W + k] = p[ROW_Z] * bx + p[ROW_Z + 1] * by + p[ROW_Z + 2] * bz + p[SHIFT + 2]
 
 
 def idle(parameters: Parameters, scene: Scene) -> str:

@@ -23,7 +23,7 @@ class Parameters:
 
 
 def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
-    """p[0:3]: g Δt² in metres."""
+    """Return a particle's place after gravity; p: g Δt², metres."""
     return a[0] + p[0], a[1] + p[1], a[2] + p[2]
 
 

@@ -31,11 +31,12 @@ class Parameters:
 
 
 def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
-    """p[0]: k of this particle."""
+    """Return a particle's place turned toward the segment before; p: k of this particle."""
+    (k,) = p
     return (
-        a[0] + p[0] * (b[0] - c[0] - (a[0] - b[0])),
-        a[1] + p[0] * (b[1] - c[1] - (a[1] - b[1])),
-        a[2] + p[0] * (b[2] - c[2] - (a[2] - b[2])),
+        a[0] + k * (b[0] - c[0] - (a[0] - b[0])),
+        a[1] + k * (b[1] - c[1] - (a[1] - b[1])),
+        a[2] + k * (b[2] - c[2] - (a[2] - b[2])),
     )
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 name = "wind"
 order = 20.0
 
+PULL_X, PULL_Y, PULL_Z, DIRECTION_X, DIRECTION_Y, DIRECTION_Z = range(6)
+"""Columns of p: w Δt², and w / |w|."""
 # Periods in units of the gust period, and amplitudes that add up to one.
 WAVES = ((1.0, 0.55), (0.4142, 0.3), (0.1716, 0.15))
 
@@ -82,27 +84,27 @@ def waves(u: Any) -> Any:
 
 
 def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
-    """p[0:3]: w Δt²; p[3:6]: w / |w|."""
+    """Return a particle's place after the wind as printed; p: columns above."""
     dx = a[0] - b[0]
     dy = a[1] - b[1]
     dz = a[2] - b[2]
-    cx = p[4] * dz - p[5] * dy
-    cy = p[5] * dx - p[3] * dz
-    cz = p[3] * dy - p[4] * dx
+    cx = p[DIRECTION_Y] * dz - p[DIRECTION_Z] * dy
+    cy = p[DIRECTION_Z] * dx - p[DIRECTION_X] * dz
+    cz = p[DIRECTION_X] * dy - p[DIRECTION_Y] * dx
     m = math.sqrt(cx * cx + cy * cy + cz * cz)
-    return a[0] + p[0] * m, a[1] + p[1] * m, a[2] + p[2] * m
+    return a[0] + p[PULL_X] * m, a[1] + p[PULL_Y] * m, a[2] + p[PULL_Z] * m
 
 
 def apply_by_angle(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:
-    """As `apply`, with the segment's rest length divided out: only its angle to the wind counts."""
+    """Return the place as `apply`, with the segment's rest length divided out: only its angle to the wind counts."""
     dx = a[0] - b[0]
     dy = a[1] - b[1]
     dz = a[2] - b[2]
-    cx = p[4] * dz - p[5] * dy
-    cy = p[5] * dx - p[3] * dz
-    cz = p[3] * dy - p[4] * dx
+    cx = p[DIRECTION_Y] * dz - p[DIRECTION_Z] * dy
+    cy = p[DIRECTION_Z] * dx - p[DIRECTION_X] * dz
+    cz = p[DIRECTION_X] * dy - p[DIRECTION_Y] * dx
     m = math.sqrt(cx * cx + cy * cy + cz * cz) / length
-    return a[0] + p[0] * m, a[1] + p[1] * m, a[2] + p[2] * m
+    return a[0] + p[PULL_X] * m, a[1] + p[PULL_Y] * m, a[2] + p[PULL_Z] * m
 
 
 def downwind(parameters: Parameters, time: float, phases: Any, loop: float = 0.0) -> tuple[float, float, float]:

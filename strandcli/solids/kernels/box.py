@@ -1,7 +1,4 @@
-"""A cuboid in kernels: rays, normals, depth and contact.
-
-`p` holds packed boxes, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
-"""
+"""Compiled functions of boxes: as `sphere`; `p` holds packed boxes."""
 
 from __future__ import annotations
 
@@ -19,14 +16,14 @@ ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
 NONE = 1e-30
-"""Least slope by which anything is divided."""
+"""Least divisor: slope along a segment."""
 DEEPEST = 1e20
-"""More than any depth."""
+"""Greater than any depth, metres."""
 
 
 @device
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """As `sphere.meet`, by slabs (Kay & Kajiya 1986)."""
+    """Return the distance as `sphere.meet`, by slabs (Kay & Kajiya 1986)."""
     cx = ox - p[m, X]
     cy = oy - p[m, Y]
     cz = oz - p[m, Z]
@@ -50,7 +47,7 @@ def meet(p, m, ox, oy, oz, dx, dy, dz):
 
 @device
 def normal(p, m, x, y, z):
-    """Outward normal of the face on which a point is."""
+    """Return the outward unit normal of the face that contains a point."""
     cx = x - p[m, X]
     cy = y - p[m, Y]
     cz = z - p[m, Z]
@@ -69,7 +66,7 @@ def normal(p, m, x, y, z):
 
 @device
 def outside(p, m, x, y, z, clear):
-    """A point, moved to `clear` metres off the nearest face where it is nearer or inside."""
+    """Return a point, moved to `clear` metres from the nearest face if it is nearer or inside."""
     least = INF
     face = 0
     side = ONE
@@ -87,13 +84,14 @@ def outside(p, m, x, y, z, clear):
 
 @device
 def own(p, m, k, x, y, z):
-    """Coordinate of directions along axis k of a box; vectors of lanes."""
+    """Return the component of vectors along axis k of box m; vectors of lanes."""
     return p[m + ROW_X + k] * x + p[m + ROW_Y + k] * y + p[m + ROW_Z + k] * z
 
 
 @device
 def depth(p, m, x, y, z):
-    """Depth of points in a box below its nearest face, and that face's normal in the world; vectors of lanes."""
+    """Return the depth of points below the nearest face of box m, and that face's unit normal in the world; vectors of
+    lanes."""
     dx = x - p[m + X]
     dy = y - p[m + Y]
     dz = z - p[m + Z]
@@ -115,15 +113,15 @@ def depth(p, m, x, y, z):
 
 @inlined
 def below_faces(p, m, u, v, w):
-    """Depth below the nearest face of a point of the box's own frame."""
+    """Return the depth below the nearest face of a point in the box's own frame."""
     return min(min(p[m + HALF] - abs(u), p[m + HALF + 1] - abs(v)), p[m + HALF + 2] - abs(w))
 
 
 @device
 def segment_depth(p, m, start, edge):
-    """As `sphere.segment_depth`; outside it is no distance. The depth below each of six faces is linear along the
-    segment, so the greatest of the least of them is at an end, midway between opposite faces, or where two others are
-    equally near."""
+    """Return the depth as `sphere.segment_depth`; if negative, it is not a distance. The depths below the six faces are
+    linear along the segment, so their minimum is greatest at an end, midway between opposite faces, or at equal
+    distances from two others."""
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     u, v, w = own(p, m, 0, x, y, z), own(p, m, 1, x, y, z), own(p, m, 2, x, y, z)
     du, dv = own(p, m, 0, edge[0], edge[1], edge[2]), own(p, m, 1, edge[0], edge[1], edge[2])
@@ -133,7 +131,7 @@ def segment_depth(p, m, start, edge):
         if k < 3:
             at = u if k == 0 else (v if k == 1 else w)
             slope = du if k == 0 else (dv if k == 1 else dw)
-        else:  # of two pairs of faces one each: half - sign a = other - side b
+        else:  # equally far from one face of each of two pairs: half − sign a = other − side b
             pair = (k - 3) // 4
             a, da, half = (u, du, p[m + HALF]) if pair < 2 else (v, dv, p[m + HALF + 1])
             b, db, other = (v, dv, p[m + HALF + 1]) if pair == 0 else (w, dw, p[m + HALF + 2])
@@ -147,7 +145,7 @@ def segment_depth(p, m, start, edge):
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """Put particles inside of a box onto its nearest face, as `sphere.collide`."""
+    """Move particles inside of boxes to the nearest face, as `sphere.collide`."""
     for s in range(p.shape[0]):
         for k in range(W):
             dx = x[k] - p[s, X]

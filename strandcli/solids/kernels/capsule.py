@@ -1,7 +1,4 @@
-"""A rounded cylinder in kernels: rays, normals, depth and contact.
-
-`p` holds packed capsules, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
-"""
+"""Compiled functions of capsules: as `sphere`; `p` holds packed capsules."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numba.extending import register_jitable
 
 from ...constants import W
 from ...jit import device, inlined
@@ -22,12 +20,12 @@ ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
 PARALLEL = 1e-12
-"""Squared sine of the angle under which two segments count as parallel."""
+"""Squared sine of the angle below which two segments count as parallel."""
 
 
 @inlined
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """As `sphere.meet`: the open cylinder, then its two ends; without branches."""
+    """Return the distance as `sphere.meet`, from the open cylinder and the two end balls; without branches."""
     cx = ox - p[m, X]
     cy = oy - p[m, Y]
     cz = oz - p[m, Z]
@@ -57,7 +55,7 @@ def meet(p, m, ox, oy, oz, dx, dy, dz):
 
 @inlined
 def meet_end(r, cx, cy, cz, dx, dy, dz, dd):
-    """Distance to a capsule's end, a ball from whose centre the ray begins at c; dd: d · d."""
+    """Return the distance to a capsule's end, a ball; c: start of the ray relative to the centre; dd: d · d."""
     t = -(cx * dx + cy * dy + cz * dz) / dd
     ex = cx + t * dx
     ey = cy + t * dy
@@ -67,8 +65,8 @@ def meet_end(r, cx, cy, cz, dx, dy, dz, dd):
 
 
 @inlined
-def passes(p, m, x, y, z, lx, ly, lz):
-    """Whether a ray passes the ball about a capsule for sure; without a root."""
+def misses_ball(p, m, x, y, z, lx, ly, lz):
+    """Return whether a ray certainly misses the bounding ball of capsule m; without a square root."""
     hx = HALF * p[m, AXIS_X]
     hy = HALF * p[m, AXIS_Y]
     hz = HALF * p[m, AXIS_Z]
@@ -82,9 +80,9 @@ def passes(p, m, x, y, z, lx, ly, lz):
 
 
 @device
-def past(p, m, x, y, z, lx, ly, lz, reach, skin):
-    """As `sphere.past`, from a point that has been moved by `skin` along l; without branches but where all is far."""
-    if passes(p, m, x, y, z, lx, ly, lz):
+def visibility(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """Return the visibility as `sphere.visibility`, from a point that is already moved by `skin` along l."""
+    if misses_ball(p, m, x, y, z, lx, ly, lz):
         return ONE
     t = meet(p, m, x, y, z, lx, ly, lz)
     return ZERO if (skin < t) & (t < reach) else ONE
@@ -92,7 +90,7 @@ def past(p, m, x, y, z, lx, ly, lz, reach, skin):
 
 @device
 def normal(p, m, x, y, z):
-    """Outward normal at a point of the surface, not of unit length: from the nearest point of the axis."""
+    """Return the outward normal at a point of the surface, from the nearest point of the axis; not of unit length."""
     nx = x - p[m, X]
     ny = y - p[m, Y]
     nz = z - p[m, Z]
@@ -102,10 +100,10 @@ def normal(p, m, x, y, z):
 
 @device
 def outside(p, m, x, y, z, clear):
-    """A point, moved to `clear` metres off the surface where it is nearer or inside."""
+    """Return a point, moved to `clear` metres from the surface if it is nearer or inside."""
     t = (x - p[m, X]) * p[m, AXIS_X] + (y - p[m, Y]) * p[m, AXIS_Y]
     t = min(max((t + (z - p[m, Z]) * p[m, AXIS_Z]) * p[m, PER_SQUARE], ZERO), ONE)
-    return sphere.off(
+    return sphere.push_out(
         x, y, z, p[m, X] + t * p[m, AXIS_X], p[m, Y] + t * p[m, AXIS_Y], p[m, Z] + t * p[m, AXIS_Z],
         p[m, RADIUS] + clear,
     )  # fmt: skip
@@ -113,7 +111,7 @@ def outside(p, m, x, y, z, clear):
 
 @inlined
 def on_axis(p, m, x, y, z):
-    """Point of a capsule's axis that is nearest to (x, y, z); vectors of lanes."""
+    """Return the point of a capsule's axis nearest to (x, y, z); vectors of lanes."""
     ax, ay, az = p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
     t = (x - p[m + X]) * ax + (y - p[m + Y]) * ay + (z - p[m + Z]) * az
     t = min(max(t * p[m + PER_SQUARE], 0.0), 1.0)
@@ -122,14 +120,14 @@ def on_axis(p, m, x, y, z):
 
 @device
 def depth(p, m, x, y, z):
-    """Depth of points in a capsule; vectors of lanes."""
+    """Return the depth of points in capsule m, negative outside; vectors of lanes."""
     ox, oy, oz = on_axis(p, m, x, y, z)
-    return sphere.under(x - ox, y - oy, z - oz, p[m + RADIUS])
+    return sphere.ball_depth(x - ox, y - oy, z - oz, p[m + RADIUS])
 
 
 @device
 def segment_depth(p, m, start, edge):
-    """As `sphere.segment_depth`, by the closest points of two segments (Ericson 2005, §5.1.9)."""
+    """Return the depth as `sphere.segment_depth`, from the closest points of two segments (Ericson 2005, §5.1.9)."""
     ax, ay, az = p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     ee = max(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2], sphere.NONE)
@@ -143,13 +141,21 @@ def segment_depth(p, m, start, edge):
     u = min(max((ar + t * ea) / aa, 0.0), 1.0)
     t = min(max((u * ea - er) / ee, 0.0), 1.0)
     u = min(max((ar + t * ea) / aa, 0.0), 1.0)
-    return sphere.under(
+    return sphere.ball_depth(
         x + t * edge[0] - u * ax, y + t * edge[1] - u * ay, z + t * edge[2] - u * az, p[m + RADIUS]
     )  # fmt: skip
 
 
+@register_jitable(error_model="numpy")  # for plain Python too, in which `strandcli.simulate.blame` runs passes
+def bounding_ball(p: Any, m: Any) -> Any:
+    """Return the centre and the squared radius of the bounding ball of row m of packed capsules, metres."""
+    ax, ay, az = p[m, AXIS_X], p[m, AXIS_Y], p[m, AXIS_Z]
+    reach = HALF * math.sqrt(ax * ax + ay * ay + az * az) + p[m, RADIUS]
+    return p[m, X] + HALF * ax, p[m, Y] + HALF * ay, p[m, Z] + HALF * az, reach * reach
+
+
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """Put particles inside of a capsule onto its surface, as `sphere.collide`. One on the axis leaves across it."""
+    """Move particles inside of capsules to the surface, as `sphere.collide`; from the axis itself at right angles."""
     for s in range(p.shape[0]):
         ax = p[s, X]
         ay = p[s, Y]
@@ -160,21 +166,16 @@ def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
         r = p[s, RADIUS]
         per = p[s, PER_SQUARE]
         tiny = p[s, LEAST]
-        # a ball about the capsule: where no lane is in it, there is nothing to do
-        mx = ax + HALF * bx
-        my = ay + HALF * by
-        mz = az + HALF * bz
-        reach = HALF * math.sqrt(bx * bx + by * by + bz * bz) + r
-        reach *= reach
+        mx, my, mz, reach = bounding_ball(p, s)
         near = 0
         for k in range(W):
             dx = x[k] - mx
             dy = x[W + k] - my
             dz = x[2 * W + k] - mz
             near += 1 if dx * dx + dy * dy + dz * dz <= reach else 0
-        if near == 0:
+        if near == 0:  # all lanes are outside of the bounding ball
             continue
-        # a direction across the axis, for particles on it
+        # perpendicular to the axis, for particles on it
         flat = bx * bx + bz * bz
         size = math.sqrt(max(flat, tiny))
         ux = r * bz / size if flat > tiny else r

@@ -1,4 +1,4 @@
-"""A point out of the solids that it is in: one after the other, each along its own normal."""
+"""Moving a point out of all solids."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from . import box, capsule, other, plane, sphere
 
 @device
 def outside(x, y, z, clear, solids):
-    """The point, `clear` metres off the surface of every one of the `Solids` that it was in or nearer to."""
+    """Return a point, moved out of one of the `Solids` after the other along its normal, to `clear` metres from its
+    surface. A later solid may move it into an earlier one."""
     for s in range(solids.spheres.shape[0]):
         x, y, z = sphere.outside(solids.spheres, s, x, y, z, clear)
     for s in range(solids.capsules.shape[0]):
@@ -22,6 +23,6 @@ def outside(x, y, z, clear, solids):
 
 @device
 def count(solids):
-    """How many `Solids` there are."""
+    """Return the number of `Solids`."""
     shipped = solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0] + solids.boxes.shape[0]
     return shipped + other.count(solids)

@@ -1,7 +1,4 @@
-"""Everything below a plane in kernels: rays, depth and contact.
-
-`p` holds packed planes, a row each; m is the number of one, or in vectors of lanes the place where its row begins.
-"""
+"""Compiled functions of planes, whose solid is all below them: as `sphere`; `p` holds packed planes."""
 
 from __future__ import annotations
 
@@ -19,7 +16,7 @@ INF = np.float32(np.inf)
 
 @device
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """As `sphere.meet`, for the upper side of a plane."""
+    """Return the distance as `sphere.meet`, to the upper side of plane m."""
     down = p[m, X] * dx + p[m, Y] * dy + p[m, Z] * dz
     over = p[m, X] * ox + p[m, Y] * oy + p[m, Z] * oz - p[m, HEIGHT]
     if down >= ZERO or over < ZERO:
@@ -29,25 +26,25 @@ def meet(p, m, ox, oy, oz, dx, dy, dz):
 
 @device
 def normal(p, m, x, y, z):
-    """Outward normal."""
+    """Return the outward unit normal."""
     return p[m, X], p[m, Y], p[m, Z]
 
 
 @device
 def outside(p, m, x, y, z, clear):
-    """A point, moved to `clear` metres off the surface where it is nearer or inside."""
+    """Return a point, moved to `clear` metres from the surface if it is nearer or inside."""
     deep = max(p[m, HEIGHT] + clear - (x * p[m, X] + y * p[m, Y] + z * p[m, Z]), ZERO)
     return x + deep * p[m, X], y + deep * p[m, Y], z + deep * p[m, Z]
 
 
 @device
 def depth(p, m, x, y, z):
-    """Depth of points under a plane; vectors of lanes."""
+    """Return the depth of points below plane m, negative above; vectors of lanes."""
     return p[m + HEIGHT] - (x * p[m + X] + y * p[m + Y] + z * p[m + Z])
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """Put particles below a plane onto it, as `sphere.collide`."""
+    """Move particles below planes to the surface, as `sphere.collide`."""
     for s in range(p.shape[0]):
         nx = p[s, X]
         ny = p[s, Y]

@@ -1,6 +1,7 @@
-"""Segments in solids by their signed distance, in kernels: the deepest place, and the way out.
+"""Contact of segments with solids that have a signed distance: the deepest point, and rotation out of a solid.
 
-`distance`, `normal` and `deepest` as in `distance_field`. A segment is its first end and the vector to the other one.
+`distance` and `normal` as in `distance_field`; `deepest` is one of the two functions below with its `distance` bound. A
+segment is its first end and the vector to the other one.
 """
 
 from __future__ import annotations
@@ -14,31 +15,31 @@ from ...jit import inlined
 from .distance_field import INF, ROUNDS, TINY, ZERO
 
 PARTS = 4
-"""Of a segment that is looked at between its ends."""
+"""Equal parts of a segment whose ends are tested."""
 SEARCH = 20
-"""Steps of a search along a segment, which narrow it to 7e-5 of its length."""
+"""Steps of golden-section search along a segment, which narrow it to 7e-5 of its length."""
 CLOSER = (math.sqrt(5.0) - 1.0) / 2.0
 LEVER = np.float32(0.1)
-"""Least share of a segment by which it is turned, as in `strandcli.simulate.rules.collision_segments`."""
+"""Least share of a segment by which a depth is divided, as `collision_segments.LEAST_SHARE`."""
 
 
 @inlined
 def clears(distance, p, m, begin, edge):
-    """Whether a segment surely is outside of solid m: the surface is further from its middle than its ends are."""
+    """Return whether a segment is certainly outside of solid m: the surface is farther from its middle than its end."""
     far = distance(p, m, begin[0] + 0.5 * edge[0], begin[1] + 0.5 * edge[1], begin[2] + 0.5 * edge[2])
     return far > 0 and 4.0 * far * far >= edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
 
 
 @inlined
 def along(distance, p, m, begin, edge, t):
-    """Distance of a segment's point from the surface of solid m."""
+    """Return the signed distance of the point at share t of a segment from the surface of solid m."""
     return distance(p, m, begin[0] + t * edge[0], begin[1] + t * edge[1], begin[2] + t * edge[2])
 
 
 @inlined
 def deepest_of_some(distance, p, m, begin, edge):
-    """The share of a segment after which it is deepest in solid m, of `PARTS` places and its end among them, and the
-    depth there, metres: not positive where none is inside."""
+    """Return the share of a segment at which it is deepest in solid m, of `PARTS` points including its end, and the
+    depth there, metres; not positive if none is inside."""
     share, most = 1.0, -1.0 * INF
     if not clears(distance, p, m, begin, edge):
         for j in range(1, PARTS + 1):
@@ -51,9 +52,9 @@ def deepest_of_some(distance, p, m, begin, edge):
 
 @inlined
 def deepest_of_all_places(distance, p, m, begin, edge):
-    """The same of all its places, by golden-section search: the distance from a convex solid is convex along the
-    segment. The share is wrong by CLOSER^(SEARCH + 1) at most and the depth, which is no steeper than 1, by as much of
-    the segment's length."""
+    """Return the same of all points of a segment, by golden-section search: the distance from a convex solid is convex
+    along the segment. The error of the share is at most CLOSER^(SEARCH + 1), that of the depth this share of the
+    segment's length, because its slope is at most 1."""
     low, high = 0.0, 1.0
     near, far = 1.0 - CLOSER, CLOSER
     if clears(distance, p, m, begin, edge):
@@ -73,7 +74,8 @@ def deepest_of_all_places(distance, p, m, begin, edge):
 
 @inlined
 def put_segment_outside(normal, deepest, p, m, begin, x, y, z):
-    """The far end of a segment, turned until its deepest place is out of solid m; its length stays."""
+    """Return the far end (x, y, z) of a segment, rotated until its deepest point is outside of solid m; the length
+    stays the same."""
     ex, ey, ez = x - begin[0], y - begin[1], z - begin[2]
     size = ex * ex + ey * ey + ez * ez
     for _ in range(ROUNDS):
@@ -91,8 +93,8 @@ def put_segment_outside(normal, deepest, p, m, begin, x, y, z):
 
 @inlined
 def deepest_of_block(distance, deepest, p, positions, b):
-    """Greatest depth of a particle of block b of positions (blocks, n + 1, 3 W) in these solids, roots left out, and of
-    a place of its segments; of the first segment what is deeper than its root. Metres."""
+    """Return the greatest depth in these solids of a particle, except roots, of block b of positions
+    (blocks, n + 1, 3 W), and of a point of its segments, of the first segment only what exceeds its root's; metres."""
     most = ZERO
     within = ZERO
     for i in range(2, positions.shape[1]):

@@ -1,4 +1,8 @@
-"""A ball in kernels: rays, normals, depth and contact. `p` holds packed spheres, a row each; m is the number of one."""
+"""Compiled functions of spheres: intersection with rays, visibility, normals, depth, contact.
+
+`p` holds packed spheres, one in each row; m is a row's number, or in functions of vectors of lanes the index where the
+row begins.
+"""
 
 from __future__ import annotations
 
@@ -17,19 +21,19 @@ ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
 NONE = 1e-30
-"""Least square of a segment's length, in m², by which anything is divided."""
+"""Least divisor: squared length of a segment, m²."""
 
 
 @device
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """Distance along a ray, in units of |d|, to the outside of sphere m; inf where it misses or begins inside."""
-    # p[m] would be a view, and views are counted by an atomic instruction: an index is not
+    """Return the distance along a ray, in units of |d|, to sphere m; inf if it misses or begins inside."""
+    # no view p[m]: it would be reference counted, by atomic instructions
     cx = ox - p[m, X]
     cy = oy - p[m, Y]
     cz = oz - p[m, Z]
     a = dx * dx + dy * dy + dz * dz
     b = cx * dx + cy * dy + cz * dz
-    # the distance of the centre from the ray, not b² − a c: that cancels for a far and small sphere (Haines 2019)
+    # from the distance between centre and ray; b² − a c cancels for a distant small sphere (Haines 2019)
     t = -b / a
     ex = cx + t * dx
     ey = cy + t * dy
@@ -40,9 +44,9 @@ def meet(p, m, ox, oy, oz, dx, dy, dz):
 
 
 @device
-def past(p, m, x, y, z, lx, ly, lz, reach, skin):
-    """0 where sphere m stands between a point and a light at `reach` along the unit direction l, else 1; points within
-    `skin` under the surface count as on it. Without branches."""
+def visibility(p, m, x, y, z, lx, ly, lz, reach, skin):
+    """Return 0 if sphere m is between a point and a light at the distance `reach` along the unit direction l, else 1.
+    Points up to `skin` below the surface count as on it. Without branches."""
     cx = p[m, X] - x - skin * lx
     cy = p[m, Y] - y - skin * ly
     cz = p[m, Z] - z - skin * lz
@@ -54,19 +58,19 @@ def past(p, m, x, y, z, lx, ly, lz, reach, skin):
 
 @device
 def normal(p, m, x, y, z):
-    """Outward normal at a point of the surface, not of unit length."""
+    """Return the outward normal at a point of the surface, not of unit length."""
     return x - p[m, X], y - p[m, Y], z - p[m, Z]
 
 
 @device
 def outside(p, m, x, y, z, clear):
-    """A point, moved to `clear` metres off the surface where it is nearer or inside."""
-    return off(x, y, z, p[m, X], p[m, Y], p[m, Z], p[m, RADIUS] + clear)
+    """Return a point, moved to `clear` metres from the surface if it is nearer or inside."""
+    return push_out(x, y, z, p[m, X], p[m, Y], p[m, Z], p[m, RADIUS] + clear)
 
 
 @device
-def off(x, y, z, ox, oy, oz, r):
-    """A point, moved to the distance r from (ox, oy, oz) where it is nearer; one at the very centre leaves upward."""
+def push_out(x, y, z, ox, oy, oz, r):
+    """Return a point, moved to the distance r from (ox, oy, oz) if it is nearer; from the centre itself upward."""
     dx = x - ox
     dy = y - oy
     dz = z - oz
@@ -80,31 +84,31 @@ def off(x, y, z, ox, oy, oz, r):
 
 
 @inlined
-def under(dx, dy, dz, r):
-    """Depth, in a ball of radius r, of points (dx, dy, dz) away from its centre; vectors of lanes."""
+def ball_depth(dx, dy, dz, r):
+    """Return the depth in a ball of radius r of points at (dx, dy, dz) from its centre; vectors of lanes."""
     return r - sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @device
 def depth(p, m, x, y, z):
-    """Depth of points in the ball whose row begins at m; vectors of lanes."""
-    return under(x - p[m + X], y - p[m + Y], z - p[m + Z], p[m + RADIUS])
+    """Return the depth of points in sphere m, negative outside; vectors of lanes."""
+    return ball_depth(x - p[m + X], y - p[m + Y], z - p[m + Z], p[m + RADIUS])
 
 
 @device
 def segment_depth(p, m, start, edge):
-    """Greatest depth in a ball of the places of a segment from ``start`` along ``edge``: that of the nearest to the
-    centre; vectors of lanes. Not positive outside."""
+    """Return the greatest depth in sphere m of the points of a segment from ``start`` to ``start`` + ``edge``: that of
+    the point nearest to the centre; negative outside. Vectors of lanes."""
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
     t = min(max(-(x * edge[0] + y * edge[1] + z * edge[2]) / max(square, NONE), 0.0), 1.0)
-    return under(x + t * edge[0], y + t * edge[1], z + t * edge[2], p[m + RADIUS])
+    return ball_depth(x + t * edge[0], y + t * edge[1], z + t * edge[2], p[m + RADIUS])
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
-    """Put particles inside of a ball onto its surface.
+    """Move particles inside of spheres to the surface.
 
-    A pass of the stage "particle", whose parameters `strandcli.simulate.rules.Pass` describes.
+    A pass of the stage "particle"; parameters as in `strandcli.simulate.rules.Pass`.
     """
     for s in range(p.shape[0]):
         ox = p[s, X]
@@ -119,7 +123,7 @@ def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
             dy = x[W + k] - oy
             dz = x[2 * W + k] - oz
             inside += 1 if dx * dx + dy * dy + dz * dz < reach else 0
-        if inside == 0:  # no lane needs the roots and divisions below
+        if inside == 0:
             continue
         for k in range(W):
             dx = x[k] - ox
@@ -127,7 +131,7 @@ def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: An
             dz = x[2 * W + k] - oz
             square = dx * dx + dy * dy + dz * dz
             size = math.sqrt(max(square, tiny))
-            # at the centre, where nothing points outward, up does
+            # at the centre the normal is undefined; +y is used
             dy = dy if square > tiny else size
             f = max(r / size - ONE, ZERO)
             x[k] += dx * f

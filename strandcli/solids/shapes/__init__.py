@@ -1,2 +1,2 @@
-"""What each shape of solid is without compiled code: its packed row, whose columns have names, the ball about it, and
-the depth of points in it. One file a shape; kernels of the same name are in `strandcli.solids.kernels`."""
+"""Shapes of solids without compiled code: columns of the packed row, bounding ball, depth of points. One file for each
+shape; its kernels are in the file of the same name in `strandcli.solids.kernels`."""

@@ -1,4 +1,4 @@
-"""A cuboid: its packed row, the ball about it, and the depth of points in it."""
+"""Box: packed row, bounding ball, depth of points."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ TINY = 1e-30
 
 
 def numbers(solid: Any, pose: Pose) -> list[float]:
-    """The row of a solid that has a pose."""
+    """Return the packed row of a solid with a pose."""
     a, b, c = pose.rotation
     return [*pose.translation, *a, *b, *c, *(side / 2 for side in solid.size), TINY]
 
 
 def ball(row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of a ball about a packed solid."""
+    """Return centre and radius of the bounding ball of a packed solid."""
     return row[:3], float(np.linalg.norm(row[HALF : HALF + 3]))
 
 
 def depth(row: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the nearest face, metres; not positive outside."""
+    """Return (k,) the depth of points (k, 3) below the nearest face, metres; not positive outside."""
     own = np.abs((points - row[:3]) @ row[ROW_X:HALF].reshape(3, 3))
     return np.asarray((row[HALF : HALF + 3] - own).min(1))

@@ -1,4 +1,4 @@
-"""A rounded cylinder: its packed row, the ball about it, and the depth of points in it."""
+"""Capsule: packed row, bounding ball, depth of points."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TINY = 1e-30
 
 
 def numbers(solid: Any, pose: Pose) -> list[float]:
-    """The row of a solid that has a pose."""
+    """Return the packed row of a solid with a pose."""
     x, y, z = rotate(pose.rotation, (0.0, 1.0, 0.0))
     u, v, w = pose.translation
     size = solid.length
@@ -27,13 +27,13 @@ def numbers(solid: Any, pose: Pose) -> list[float]:
 
 
 def ball(row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of a ball about a packed solid."""
+    """Return centre and radius of the bounding ball of a packed solid."""
     axis = row[AXIS_X : AXIS_Z + 1]
     return row[:3] + axis / 2, float(np.linalg.norm(axis) / 2 + row[RADIUS])
 
 
 def depth(row: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the surface, metres; not positive outside."""
+    """Return (k,) the depth of points (k, 3) below the surface, metres; not positive outside."""
     axis = row[AXIS_X : AXIS_Z + 1]
     along = np.clip((points - row[:3]) @ axis * row[PER_SQUARE], 0, 1)
     return np.asarray(row[RADIUS] - np.linalg.norm(points - row[:3] - along[:, None] * axis, axis=1))

@@ -1,4 +1,4 @@
-"""Everything below a plane: its packed row, and the depth of points in it."""
+"""Plane, whose solid is all below it: packed row, depth of points."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ COLUMNS = 4
 
 
 def numbers(solid: Any, pose: Pose) -> list[float]:
-    """The row of a solid that has a pose."""
+    """Return the packed row of a solid with a pose."""
     x, y, z = rotate(pose.rotation, (0.0, 1.0, 0.0))
     u, v, w = pose.translation
     return [x, y, z, x * u + y * v + z * w]
 
 
 def ball(row: NDArray[np.float64]) -> None:
-    """None: no ball holds a plane."""
+    """Return None: a plane has no bounding ball."""
 
 
 def depth(row: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the surface, metres; not positive outside."""
+    """Return (k,) the depth of points (k, 3) below the surface, metres; not positive outside."""
     return np.asarray(row[HEIGHT] - points @ row[:3])

@@ -1,4 +1,4 @@
-"""A ball: its packed row, the ball about it, and the depth of points in it."""
+"""Sphere: packed row, bounding ball, depth of points."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ TINY = 1e-30
 
 
 def numbers(solid: Any, pose: Pose) -> list[float]:
-    """The row of a solid that has a pose."""
+    """Return the packed row of a solid with a pose."""
     return [*pose.translation, solid.radius, TINY]
 
 
 def ball(row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of a ball about a packed solid."""
+    """Return centre and radius of the bounding ball of a packed solid."""
     return row[:3], float(row[RADIUS])
 
 
 def depth(row: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the surface, metres; not positive outside."""
+    """Return (k,) the depth of points (k, 3) below the surface, metres; not positive outside."""
     return np.asarray(row[RADIUS] - np.linalg.norm(points - row[:3], axis=1))
