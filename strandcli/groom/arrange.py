@@ -1,8 +1,8 @@
-"""Strands so placed that those that move and are drawn together are neighbours.
+"""Reordering of strands, so that neighbours are adjacent in memory.
 
-Strands are emitted in an order of which every prefix covers the emitter: of sixteen in a row no two are near each
-other. Kernels take so many at a time, and do for all of them what one needs: another iteration, contact with a solid.
-Neighbours need the same, and touch the same pixels and texels.
+Every prefix of the order of emission covers the emitter, so sixteen consecutive strands are far apart. A kernel
+processes so many at once, and does for all what one requires: another iteration, contact with a solid. Neighbours
+require the same, and affect the same pixels and texels.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from .record import Groom
 
-TOGETHER = 16
-"""Strands that are as near each other as can be: those of a vector."""
+LEAF = 16
+"""Strands of a leaf of the tree: those of a vector."""
 
 
 def arranged(groom: Groom) -> Groom:
-    """The same strands, neighbours together; ``places`` tells where each was."""
-    order = near(groom.roots)
+    """Return the same strands in an order by position; ``places`` are their numbers in the old order."""
+    order = spatial_order(groom.roots)
     return replace(
         groom,
         roots=groom.roots[order],
@@ -32,20 +32,20 @@ def arranged(groom: Groom) -> Groom:
     )
 
 
-def near(points: NDArray[np.floating]) -> NDArray[np.int32]:
-    """An order of points (N, 3) in which every `TOGETHER` in a row, and twice, four times … as many, are near each
-    other: the leaves of a tree whose boxes are halved across their longest side (Friedman, Bentley & Finkel 1977), from
-    left to right. Points that tie keep their order."""
+def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:
+    """Return an order of points (N, 3) in which each `LEAF` consecutive ones, and each twice, four times … as many, are
+    near each other: the leaves, left to right, of a k-d tree split across the longest side (Friedman, Bentley & Finkel
+    1977). Ties keep their order."""
     count = len(points)
     order = np.arange(count, dtype=np.int32)
     columns = [np.array(points[:, axis]) for axis in range(3)]
-    size = TOGETHER
+    size = LEAF
     while size < count:
         size *= 2
-    while size > TOGETHER:
+    while size > LEAF:
         full = count - count % size
         for begin, end, row in ((0, full, size), (full, count, count - full)):
-            if begin < end and row > TOGETHER:
+            if begin < end and row > LEAF:
                 boxes = [column[begin:end].reshape(-1, row) for column in columns]
                 turn = _along_longest(boxes) + np.arange(begin, end, row)[:, None]
                 for values in (order, *columns):
@@ -55,7 +55,8 @@ def near(points: NDArray[np.floating]) -> NDArray[np.int32]:
 
 
 def _along_longest(boxes: list[NDArray[np.floating]]) -> NDArray[np.int64]:
-    """For each row of points, whose coordinates are (rows, points) each, their order along its box's longest side."""
+    """Return the order of the points of each row along the longest side of its bounding box, (rows, points); boxes:
+    their x, y and z, (rows, points) each."""
     longest = np.argmax([np.ptp(box, axis=1) for box in boxes], axis=0)
     along = np.choose(longest[:, None], boxes)
     return np.argsort(along, axis=1, kind="stable")

@@ -1,4 +1,4 @@
-"""Refuses strands that nothing can be made of, by name, before a solver is given them."""
+"""Validation of a groom before it is simulated."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from ..errors import UsageError
 from .record import Groom
 
 UNIT = 1e-3
-"""How far a direction may be from a unit vector."""
+"""Tolerance of a direction's length."""
 
 
 def check(groom: Groom) -> None:
-    """Raise `UsageError` for the first strand whose root, direction or length cannot be simulated; says how many."""
+    """Raise `UsageError` for the first strand whose root, direction or length is invalid, with the number of such
+    strands."""
     with np.errstate(invalid="ignore", over="ignore"):
         sizes = np.linalg.norm(groom.directions.astype(np.float64), axis=1)
         found = (
             (~np.isfinite(groom.roots).all(1), "its root is not finite"),
             (~(np.abs(sizes - 1) <= UNIT), "its direction is no unit vector"),
             (~np.isfinite(groom.lengths), "its length is not finite"),
-            (~(groom.lengths > 0), "it has no length: its particles coincide"),
+            (~(groom.lengths > 0), "its length is not positive"),
         )
     for bad, words in found:
         if bad.any():

@@ -1,12 +1,12 @@
-"""Strands that are drawn about the simulated ones, which guide them: locks, waves and an undercoat.
+"""Children: drawn strands that are interpolated from simulated ones, the guides, with clumps, waves and an undercoat.
 
-Simulating one strand in twenty and drawing the others about it is how hair is produced for films, and costs little.
-Children are the strands that the emitter would have made had it made so many, so a child's root, colour and length
-depend on the seed and its number alone, and the guides are the first of them. A child follows its three nearest guides
-by Shepard's weights within the distance of the fourth (Franke and Nielson 1980): where a guide is, it is that guide.
+Film productions simulate one strand in twenty and interpolate the others, which costs little. Children are the strands
+that the emitter would make if it made so many: a child's root, colour and length depend on the seed and its number
+alone, and the guides are the first children. A child is interpolated from its three nearest guides with Shepard's
+weights within the distance of the fourth (Franke and Nielson 1980); at a guide it is that guide.
 
-Locks are cells about the first so many roots of the same sequence, each moved at random by part of a cell's size,
-without which they would stand in rows. A lock lies in that wider lock which its middle lies in.
+Clumps are Voronoi cells of the first roots of the same sequence, each displaced at random by part of a cell's size, so
+that they are not in rows. A clump belongs to the wider clump that contains its centre.
 """
 
 from __future__ import annotations
@@ -33,18 +33,19 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 PARENTS = 3
-ASTRAY = 0.15
-"""Share of a lock's strength that still pulls the strands that go their own way."""
-UNEVEN = 0.35
-"""Spread of the lengths of waves from lock to lock."""
+"""Guides of a child."""
+STRAY_PULL = 0.15
+"""Factor of a clump's strength for stray strands."""
+WAVE_SPREAD = 0.35
+"""Relative spread of wavelengths between clumps."""
 SHARED = np.float32(0.4)
-"""Part of a strand's tone that it has in common with its locks."""
+"""Share of a strand's tone that is that of its clumps."""
 RANDOM = 20
-"""First of the random streams that are used here."""
+"""Number of the first random stream that is used here."""
 
 
 class _Family(NamedTuple):
-    """All that does not move. A: children; C: clumps' levels; V: waves."""
+    """Constants of all children, as in `kernels.inputs`. A: children; C: levels of clumps; V: waves."""
 
     tones: NDArray[np.float32]
     roots: NDArray[np.float64]
@@ -53,23 +54,23 @@ class _Family(NamedTuple):
     weights: NDArray[np.float32]
     """(A, 3)"""
     shares: NDArray[np.float32]
-    """(A,) of the guides' length."""
+    """(A,) ratio of a child's length to that of its guides."""
     middles: NDArray[np.int32]
     """(C, A)"""
     pulls: NDArray[np.float32]
     """(C, A)"""
     radii: NDArray[np.float32]
-    """(V, A) metres, 0 of children that do not wave so."""
+    """(V, A) amplitude, metres; 0 for children without this wave."""
     phases: NDArray[np.float32]
     """(V, A) radians."""
     turns: NDArray[np.float32]
     """(V, A) radians a metre."""
     across: NDArray[np.float64]
-    """(A, 3) unit vectors across each lock's direction, in the emitter's frame."""
+    """(A, 3) unit vectors perpendicular to the direction of each child's clump, in the emitter's frame."""
 
 
 class Children:
-    """The children of one scene's guides."""
+    """The children of a scene's guides."""
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
         """``groom``: the guides, the first strands that the scene's emitter makes."""
@@ -80,12 +81,12 @@ class Children:
         self.count = groom.strands * self.settings.count
         self._waves = [wave for wave in self.settings.waves if wave.radius > 0 and wave.share > 0]
         self.steps: int = self.settings.steps(scene.emitter.segment)
-        """Steps in which a guide's segment is drawn."""
+        """Parts into which a guide's segment is subdivided."""
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32] | None]:
-        """The tones of all children whose guides (blocks, n + 1, 3 W) are finite, and which they are; None: all.
-        Raises `SimulationError` where there are none."""
+        """Return the tones of all children whose guides, positions (blocks, n + 1, 3 W), are finite, and their numbers,
+        None for all. Raises `SimulationError` if there are none."""
         family = self.family
         if np.isfinite(positions).all():
             return family.tones, None
@@ -94,7 +95,7 @@ class Children:
         sound: NDArray[np.bool_] = np.asarray(good[family.parents].all(1))
         alive = sound & sound[family.middles].all(0)
         if not alive.any():
-            raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
+            raise SimulationError("every child has a guide that is not finite; correct the preset")
         ids = np.flatnonzero(alive)
         return family.tones[ids], ids.astype(np.int32)
 
@@ -102,7 +103,7 @@ class Children:
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any,
         ids: NDArray[np.int32] | None = None,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
-        """The first ``strands`` children at a time in seconds, or of those called ``ids``, as positions
+        """Return the first ``strands`` children, or of those numbered ``ids``, at a time in seconds: positions
         (blocks, rows, 3 W) and segment lengths (blocks, W), from guides in the same layout."""
         from .kernels import children as kernel
         from .kernels.inputs import Clumps, Following, Guides, Waves
@@ -140,7 +141,7 @@ class Children:
 
     @cached_property
     def every(self) -> Groom:
-        """The children as the emitter makes them."""
+        """The children as emitted."""
         emitter, seed, edges = self.scene.emitter, self.scene.seed, self.settings.fringe
         moved = None
         if edges is not None:
@@ -149,46 +150,46 @@ class Children:
 
     @cached_property
     def family(self) -> _Family:
-        """What does not move, made when it is first asked for."""
+        """Constants of all children, computed on first use."""
         scene, settings, count = self.scene, self.settings, self.count
         seed: int = scene.seed
         emitter, every = scene.emitter, self.every
         where = _places(emitter, every.roots)
         parents, weights = self._parents(where)
         lots = stream(seed, RANDOM, count)
-        level = _Levels(emitter, settings.clumps, where, seed)
+        levels = _Levels(emitter, settings.clumps, where, seed)
         pulls = [
             clump.strength
-            * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[level.middles[number]])
-            * np.where(lots < clump.stray, ASTRAY, 1.0)
+            * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[levels.middles[number]])
+            * np.where(lots < clump.stray, STRAY_PULL, 1.0)
             for number, clump in enumerate(settings.clumps)
         ]
         shares = 1.0 - settings.cut * stream(seed, RANDOM + 1, count)
         shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
         if settings.fringe is not None:
             shares *= fringe.lengths(settings.fringe, seed, count, self.groom.strands)
-        # strands of a lock wave together
-        lock = level.middles[0] if settings.clumps else np.zeros(count, np.int32)
+        # strands of a clump share their waves
+        clump_of = levels.middles[0] if settings.clumps else np.zeros(count, np.int32)
         radii, phases, turns = [], [], []
         for number, wave in enumerate(self._waves):
-            each = stream(seed, RANDOM + 40 + 2 * number, count)[lock]
+            each = stream(seed, RANDOM + 40 + 2 * number, count)[clump_of]
             own = stream(seed, RANDOM + 41 + 2 * number, count)
             radii.append(np.where(stream(seed, RANDOM + 100 + number, count) < wave.share, wave.radius, 0.0))
             phases.append(2 * np.pi * (each + wave.disorder * (own - 0.5)))
-            longer = stream(seed, RANDOM + 80 + number, count)[lock] - 0.5
-            turns.append(2 * np.pi / (wave.length * (1.0 + UNEVEN * longer)))
+            longer = stream(seed, RANDOM + 80 + number, count)[clump_of] - 0.5
+            turns.append(2 * np.pi / (wave.length * (1.0 + WAVE_SPREAD * longer)))
         tones = every.tones
         if settings.clumps:
-            tones = (1 - SHARED) * tones + SHARED * tones[level.middles].mean(0)
+            tones = (1 - SHARED) * tones + SHARED * tones[levels.middles].mean(0)
         axes = every.directions.astype(np.float64)
-        across = frame(axes[lock])[0]
+        across = frame(axes[clump_of])[0]
         return _Family(
             tones,
             every.roots.astype(np.float64),
             parents,
             weights,
             np.maximum(shares, 1e-3).astype(np.float32),
-            level.middles,
+            levels.middles,
             np.array(pulls, np.float32).reshape(-1, count),
             np.array(radii, np.float32).reshape(-1, count),
             np.array(phases, np.float32).reshape(-1, count),
@@ -197,7 +198,7 @@ class Children:
         )
 
     def _parents(self, where: NDArray[np.float32]) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        """Guides that each child follows, and how much."""
+        """Return the guides of each child, (A, P), and their weights."""
         guides = self.groom.strands
         found, squares = _nearest(where, where[:guides], min(PARENTS + 1, guides))
         used = min(PARENTS, guides)
@@ -211,25 +212,25 @@ class Children:
         parents = np.ascontiguousarray(found[:, :used])
         parents[:guides, 0] = np.arange(guides)
         weights[:guides, 0] = 1.0
-        # a guide that has no weight has no say at all, not even where it is no number
+        # a guide of weight 0 must not matter, not even if it is NaN
         parents = np.where(weights > 0, parents, parents[:, :1])
         return self.groom.emitted(np.arange(guides, dtype=np.int32))[parents], weights.astype(np.float32)
 
 
 class _Levels:
-    """Locks in locks."""
+    """Nested levels of clumps."""
 
     def __init__(self, emitter: Emitter, clumps: tuple[Any, ...], where: NDArray[np.float32], seed: int) -> None:
         count = len(where)
         self.middles = np.zeros((len(clumps), count), np.int32)
-        """(C, A) the child in the middle of each one's lock."""
+        """(C, A) number of the child at the centre of each child's clump."""
         inner = np.arange(count)
         for number in range(len(clumps) - 1, -1, -1):
             size = clumps[number].size
-            locks = min(max(round(_area(emitter) / size**2), 1), count)
-            moved = where[:locks].copy()
+            clump_count = min(max(round(_area(emitter) / size**2), 1), count)
+            moved = where[:clump_count].copy()
             for c in range(3):
-                lots = stream(seed, RANDOM + 60 + 3 * number + c, locks)
+                lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
                 moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
             self.middles[number] = _nearest(where, moved, 1)[0][:, 0][inner]
             inner = self.middles[number]
@@ -248,13 +249,14 @@ def _nearest(
 
 
 def _places(emitter: Emitter, roots: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(N, 4) what strands are near by: their roots, and the side of the parting, which is farther than anything."""
+    """Return (N, 4) the coordinates for distances between strands: roots, and the side of the parting, farther apart
+    than any roots."""
     apart = 10.0 * float(np.abs(roots).max())
     return np.column_stack([roots, apart * sides(emitter, roots)]).astype(np.float32)
 
 
 def _area(emitter: Emitter) -> float:
-    """Of the surface that strands are simulated from, m²."""
+    """Return the area of the surface from which simulated strands begin, m²."""
     shape = emitter.shape
     if emitter.tie is not None:
         return math.pi * emitter.tie.radius**2

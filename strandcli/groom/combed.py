@@ -1,7 +1,7 @@
-"""Of tied strands what is not simulated: their ways from root to tie, which move with the emitter.
+"""Combed parts: paths of tied strands from root to tie, which are not simulated but move with the emitter.
 
-All of it is worked out once, in the emitter's frame; a frame takes a rigid motion and a copy. From here on a strand is
-one line from root to tip, for curves, shadow, light and layers alike.
+They are computed once, in the emitter's frame; a frame costs a rigid transform and a copy. The result is one line from
+root to tip for all later stages.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from .. import solids
 from ..blocks import pack
 from ..constants import W
 from ..scene.motion import Pose, emitter_pose, solid_pose
+from ..solids.shapes import capsule, sphere
 from .emit import stream
 from .record import Groom
 from .tie import Floats, paths
@@ -25,19 +26,19 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
     from ..scene.model.emitter import Tie
 
-AT_ONCE = 1 << 16
-"""Strands that are combed at once, which bounds what that takes."""
+BATCH = 1 << 16
+"""Strands that are combed at once, which bounds the memory."""
 CLEAR = 0.06
-"""Ways of blending by which strands are kept clear of what blends: it is drawn a little thicker than it is."""
-FEW = 6
-"""Power of an even number that tells how far a strand bows: half of them less than a sixtieth of the most."""
+"""Distance of strands from blended solids, in blending distances, because those are drawn slightly thicker."""
+BOW_POWER = 6
+"""Power of a uniform random number that gives a strand's bow: half of them are below a sixtieth of the greatest."""
 
 
 class Combed:
-    """The combed parts of the strands of one scene, whose emitter has a tie."""
+    """Combed parts of the strands of a scene whose emitter has a tie."""
 
     def __init__(self, scene: Scene, groom: Groom) -> None:
-        """``groom``: all strands that are drawn, children included."""
+        """``groom``: all drawn strands, children included."""
         self.scene = scene
         self.groom = groom
         assert scene.emitter.tie is not None
@@ -48,8 +49,8 @@ class Combed:
     def join(
         self, hanging: NDArray[np.float32], at: float, strands: int, scratch: Any, ids: NDArray[np.int32] | None = None
     ) -> NDArray[np.float32]:
-        """The first ``strands`` strands at a time in seconds, or of those called ``ids``, from root to tip: positions
-        (blocks, rows, 3 W), from what ``hanging`` in the same layout has of them."""
+        """Return the first ``strands`` strands, or of those numbered ``ids``, from root to tip at a time in seconds:
+        positions (blocks, rows, 3 W); hanging: their parts beyond the tie, in the same layout."""
         from .kernels import combed as kernel
 
         combed = self.packed if ids is None else pack(self.points[ids[:strands]])
@@ -67,14 +68,14 @@ class Combed:
 
     @cached_property
     def short(self) -> NDArray[np.int64]:
-        """(K,) which strands are too short for the tie, in rising order."""
+        """(K,) numbers of the strands that are too short for the tie, ascending."""
         groom, emitter = self.groom, self.scene.emitter
         if self.tie.wisps == 0:
             return np.zeros(0, np.int64)
         return chosen(emitter, groom, groom.placed(stream(self.scene.seed, 11, groom.strands)))
 
     def _short(self, rows: int) -> NDArray[np.float32]:
-        """(K, rows, 3) metres in the emitter's frame: those strands."""
+        """Return those strands, (K, rows, 3) metres in the emitter's frame."""
         if self._wisps is None or self._wisps.shape[1] != rows:
             groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
             assert groom.grown is not None
@@ -89,16 +90,15 @@ class Combed:
 
     @cached_property
     def points(self) -> NDArray[np.float32]:
-        """(strands, 1 + `TIED`, 3) metres in the emitter's frame: the row before the root, and from there to the
-        tie."""
+        """(strands, 1 + `TIED`, 3) metres in the emitter's frame: the row before the root, then points to the tie."""
         groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
         assert groom.grown is not None
-        far = self.tie.slack * stream(seed, 9, groom.strands) ** FEW
+        far = self.tie.slack * stream(seed, 9, groom.strands) ** BOW_POWER
         bows = groom.placed(np.stack([far, far * (2.0 * stream(seed, 10, groom.strands) - 1.0)], 1))
         over = _Over(self.scene, self.tie)
         found = []
-        for begin in range(0, groom.strands, AT_ONCE):
-            some = slice(begin, begin + AT_ONCE)
+        for begin in range(0, groom.strands, BATCH):
+            some = slice(begin, begin + BATCH)
             part = Groom(
                 groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some],
                 grown=groom.grown[some],
@@ -108,30 +108,32 @@ class Combed:
 
 
 class _Over:
-    """The solids that combed strands lie over, as they stand at first."""
+    """Lifts points out of the solids that combed strands lie over, with their poses at time 0."""
 
     def __init__(self, scene: Scene, tie: Tie) -> None:
-        # spheres and capsules: the checks of a scene refuse others
+        # only spheres and capsules: checked with the scene
         named: list[Any] = [solid for solid in scene.solids if solid.name and solid.name in tie.over]
-        named.sort(key=lambda solid: solid.kind != "sphere")  # the first that blends tells how far: as they are drawn
+        named.sort(key=lambda solid: solid.kind != "sphere")  # the first blended one gives the distance
         outer = emitter_pose(scene.emitter, 0.0)
         turn, centre = np.array(outer.rotation), np.array(outer.translation)
         rows = []
-        for solid in named:
+        for solid in named:  # a sphere is a capsule whose axis has no length
             pose = solid_pose(solid, scene.emitter, 0.0, outer)
             a, b, c = (tuple(row) for row in turn.T @ np.array(pose.rotation))
             numbers = solids.numbers(solid, Pose((a, b, c), tuple(turn.T @ (pose.translation - centre))))
             if solid.kind == "sphere":
-                numbers = [*numbers[:3], 0.0, 0.0, 0.0, numbers[3], 0.0]
-            numbers[6] += CLEAR * solid.blend
-            rows.append([*numbers[:8], float(solid.blend > 0)])
-        self.rows = np.array(rows, np.float64).reshape(-1, 9)
-        self.way = next((solid.blend for solid in named if solid.blend > 0), 1.0)
+                numbers = [*numbers[: sphere.RADIUS], 0.0, 0.0, 0.0, solid.radius, 0.0, sphere.TINY]
+            numbers[capsule.RADIUS] += CLEAR * solid.blend
+            rows.append(numbers)
+        self.rows = np.array(rows, np.float64).reshape(-1, capsule.COLUMNS)
+        self.blended = np.array([solid.blend > 0 for solid in named], np.bool_)
+        self.distance = next((solid.blend for solid in named if solid.blend > 0), 1.0)
 
     def __call__(self, points: Floats, normals: Floats) -> Floats:
+        """Return (N,) how far points (N, 3) must move along normals (N, 3), metres."""
         out = np.zeros(len(points))
         if len(self.rows):
             from .kernels import combed as kernel
 
-            kernel.clear(points, np.ascontiguousarray(normals), self.rows, float(self.way), out)
+            kernel.lift(points, np.ascontiguousarray(normals), self.rows, self.blended, float(self.distance), out)
         return out

@@ -1,10 +1,10 @@
-"""Strands as an emitter places them (thesis §1): roots, directions, lengths, all straight.
+"""Emission of strands (thesis §1): roots, directions and lengths.
 
-Everything about strand i depends on the seed and on i alone. So the first thousand strands of ten thousand are the
-thousand that would have been emitted alone: counts can be changed without the look jumping, level of detail keeps a
-prefix, and no thread count can matter. Roots follow the additive recurrence of Roberts (2018, "The Unreasonable
-Effectiveness of Quasirandom Sequences", R2), every prefix of which covers the surface evenly; the rest comes from
-NumPy's counter-based Philox generator, one stream a quantity.
+Strand i depends on the seed and on i alone. So the first thousand strands of ten thousand are those that would be
+emitted alone: the count can change without a change of the look, level of detail draws a prefix, and the number of
+threads does not matter. Roots follow the additive recurrence of Roberts (2018, "The Unreasonable Effectiveness of
+Quasirandom Sequences", R2), every prefix of which covers the surface evenly; other quantities come from NumPy's
+counter-based Philox generator, one stream for each.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from .record import Groom, frame
 from .tie import bind
 
 Moved = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""Roots (strands, 3) in metres, on a sphere about the origin, to where they are moved on it."""
+"""Maps roots (strands, 3), metres, on a sphere around the origin to other points of it."""
 PLASTIC = 1.3247179572447460260  # the real root of x³ = x + 1
 
 
 def stream(seed: int, number: int, count: int) -> NDArray[np.float64]:
-    """(count,) even numbers in [0, 1), of which every shorter request is a prefix."""
+    """Return (count,) uniform random numbers in [0, 1); a smaller count gives a prefix of them."""
     return np.random.Generator(np.random.Philox(key=(seed, number))).random(count)
 
 
 def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved | None = None) -> Groom:
-    """The first ``strands`` strands of an emitter (all of them by default); ``fringe`` moves some of the roots."""
+    """Return the first ``strands`` strands of an emitter, by default all; ``fringe`` moves some of the roots."""
     count = emitter.strands if strands is None else min(strands, emitter.strands)
     start = stream(seed, 1, 2)
     index = np.arange(count, dtype=np.float64)
@@ -53,7 +53,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
     if emitter.jitter > 0:
         directions = _tilt(directions, np.radians(emitter.jitter), stream(seed, 2, count), stream(seed, 3, count))
     spread = emitter.length_variation * (2.0 * stream(seed, 4, count) - 1.0)
-    # a strand of no length at all has no direction: the shortest keeps a millionth
+    # at least a millionth, because a strand without length has no direction
     lengths = emitter.length * np.maximum(1.0 + spread, 1e-6)
     return Groom(
         roots.astype(np.float32),
@@ -68,7 +68,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
 def _surface(
     emitter: Emitter, u: NDArray[np.float64], v: NDArray[np.float64], seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points spread by area and the normals there, both (strands, 3)."""
+    """Return points, uniform by area, and their normals, both (strands, 3); u, v: uniform in [0, 1)."""
     shape = emitter.shape
     if isinstance(shape, SphereShape):
         y = 1.0 - u * (1.0 - np.cos(np.radians(rim(shape, v, seed))))
@@ -84,8 +84,9 @@ def _surface(
 
 
 def rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.float64] | float:
-    """Polar angle in degrees that each strand's meridian, at the share v of a turn, has its roots down to: the cap's
-    less up to `ragged`, half of it by waves along the rim and half at random, so that the rim thins out."""
+    """Return the greatest polar angle of roots, degrees, on the meridian at the share v of a turn of each strand: the
+    cap's less up to `ragged`, half of that by waves along the rim and half at random, so that density decreases
+    there."""
     if shape.ragged == 0:
         return shape.cap
     waves = np.array([3, 5, 8, 13, 21])
@@ -96,11 +97,11 @@ def rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.flo
 
 
 SLANT = 0.2
-"""Sine of the angle between comb and normal under which combed strands stand up, so that they turn smoothly there."""
+"""Sine of the angle between comb and normal below which combed strands stand up, so that directions are continuous."""
 
 
 def _combed(emitter: Emitter, roots: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Directions along the surface toward the comb's, mirrored to the left of the parting, and lifted off it."""
+    """Return unit directions along the surface toward that of the comb, mirrored left of the parting, and lifted."""
     comb = np.array(emitter.comb, np.float64)
     way = np.repeat((comb / np.linalg.norm(comb))[None], len(roots), 0)
     way[:, 0] *= sides(emitter, roots)
@@ -112,8 +113,8 @@ def _combed(emitter: Emitter, roots: NDArray[np.float64], normals: NDArray[np.fl
 
 
 def sides(emitter: Emitter, roots: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Of each root, on which side of the parting it is: −1 to the left, 1 to the right, and in between about and behind
-    the middle, where partings end; 1 everywhere without one."""
+    """Return the side of the parting of each root: −1 left, 1 right, between them near and behind the middle, where
+    partings end; 1 everywhere without one."""
     if emitter.parting is None:
         return np.ones(len(roots))
     front = np.clip(0.5 + 2.0 * roots[:, 2] / max(float(np.abs(roots).max()), 1e-30), 0.0, 1.0)
@@ -123,7 +124,7 @@ def sides(emitter: Emitter, roots: NDArray[np.floating]) -> NDArray[np.float64]:
 def _tilt(
     axes: NDArray[np.float64], cone: float, u: NDArray[np.float64], v: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Directions spread evenly by solid angle in a cone about each axis, (strands, 3)."""
+    """Return directions, uniform by solid angle in a cone around each axis, (strands, 3); u, v: uniform in [0, 1)."""
     first, second = frame(axes)
     cosine = 1.0 - u * (1.0 - np.cos(cone))
     sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))

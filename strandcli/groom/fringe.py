@@ -1,9 +1,9 @@
-"""Hair where hair begins: children that grow at the hairline and along the parting, beyond those that grow anywhere.
+"""Fringe: additional children at the hairline and along the parting.
 
-Strands lie over those that grow behind them, so that it takes a while from an edge inward until they cover the skin:
-with ρ roots a square metre and strands w wide, 1 / (ρ w) metres. A head has ten times the hairs that are drawn of it,
-each a third as wide, and covers its skin three times as soon. So some of the children move there, as thick at an edge
-as hair is, and 1/e of that `within` metres inside.
+Strands lie over those behind them, so it takes a distance from an edge inward until they cover the skin: 1 / (ρ w)
+metres with ρ roots a square metre and strands of width w. A head has ten times as many hairs as are drawn, each a third
+as wide, so its skin is covered in a third of the distance. Therefore some children are moved to the edges; their
+density falls to 1/e `within` metres from an edge.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from ..scene.model import Emitter, Fringe
 
 RANDOM = 200
-"""First of the random streams that are used here."""
+"""Number of the first random stream that is used here."""
 BEHIND = -0.15
-"""Radians ahead of the crown at which partings end."""
+"""Angle from the crown toward the front, radians, at which partings end."""
 
 
 def lengths(fringe: Fringe, seed: int, count: int, guides: int) -> NDArray[np.float64]:
-    """(count,) of each child its length as a share of what it would have without a fringe."""
+    """Return (count,) the factor of each child's length."""
     shorter = 1.0 - (1.0 - fringe.length) * stream(seed, RANDOM + 1, count)
     return np.where(_chosen(fringe, seed, count, guides), shorter, 1.0)
 
 
 def roots(fringe: Fringe, emitter: Emitter, seed: int, places: NDArray[np.float64], guides: int) -> NDArray[np.float64]:
-    """Where children grow, (N, 3) metres, that would at ``places`` (N, 3), of which the first so many are guides, which
-    stay. Those of the fringe are dealt out to hairline and parting by how long these are."""
+    """Return the roots of children (N, 3), metres, which without a fringe would be at ``places`` (N, 3); the first
+    ``guides`` stay. Those of the fringe are divided between hairline and parting in proportion to their lengths."""
     shape, count = emitter.shape, len(places)
     assert isinstance(shape, SphereShape)
     deep = -fringe.within / shape.radius * np.log1p(-stream(seed, RANDOM + 2, count))
@@ -51,11 +51,11 @@ def roots(fringe: Fringe, emitter: Emitter, seed: int, places: NDArray[np.float6
         front = np.arccos(np.clip(lowest / np.maximum(np.cos(side), 1e-9), -1.0, 1.0))
         ahead = BEHIND + np.maximum(front - BEHIND, 0.0) * along
         by_parting = np.stack([np.sin(side), np.cos(side) * np.cos(ahead), np.cos(side) * np.sin(ahead)], 1)
-        both = 2.0 * math.cos(line) * max(math.radians(shape.cap) - BEHIND, 0.0)  # it has two sides
+        both = 2.0 * math.cos(line) * max(math.radians(shape.cap) - BEHIND, 0.0)  # a parting has two sides
         found = np.where((which * (edge + both) < both)[:, None], by_parting, found)
     return np.where(_chosen(fringe, seed, count, guides)[:, None], shape.radius * found, places)
 
 
 def _chosen(fringe: Fringe, seed: int, count: int, guides: int) -> NDArray[np.bool_]:
-    """(count,) which children belong to it."""
+    """Return (count,) whether children belong to the fringe."""
     return np.asarray((stream(seed, RANDOM, count) < fringe.share) & (np.arange(count) >= guides))

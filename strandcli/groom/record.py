@@ -1,4 +1,4 @@
-"""The record of strands at rest, which solvers, children and drawing share."""
+"""Strands at rest, as solvers, children and drawing use them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Groom:
-    """Strands at rest in the emitter's own frame."""
+    """Strands at rest in the emitter's frame."""
 
     roots: NDArray[np.float32]
     """(strands, 3) metres."""
@@ -20,22 +20,23 @@ class Groom:
     lengths: NDArray[np.float32]
     """(strands,) metres from root to tip."""
     tones: NDArray[np.float32]
-    """(strands,) in [-1, 1): how each strand's colour departs from the mean."""
+    """(strands,) in [−1, 1): deviation of each strand's colour from the mean."""
 
     curl: tuple[float, float] = (0.0, 0.0)
-    """Angle in radians between a strand and its own axis, and the turns about it from root to tip."""
+    """Angle between a strand and its axis, radians, and number of turns around the axis from root to tip."""
     places: NDArray[np.int32] | None = None
-    """(strands,) of each its place in the order of emission; None: they stand in it."""
+    """(strands,) number of each in the order of emission; None: they are in this order."""
     grown: NDArray[np.float64] | None = None
-    """(strands, 3) metres: where strands grow that are tied, whose `roots` are where they are bound; else None."""
+    """(strands, 3) metres: roots on the surface of tied strands, whose `roots` are at the tie; else None."""
     points: NDArray[np.float32] | None = None
-    """(blocks, n + 1, 3 W) metres: strands that are given point by point, as `strandcli.blocks` has them; else None."""
+    """(blocks, n + 1, 3 W) metres: the points of strands from a file, in the layout of `strandcli.blocks`; else
+    None."""
     widths: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
-        """(strands, 3) unit vectors: the direction at the middle of edge j of so many, root to tip. Curled strands are
-        helices, each turned about its axis by its tone."""
+        """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are
+        helices, each turned around its axis by its tone."""
         angle, turns = self.curl
         axes = self.directions.astype(np.float64)
         if angle == 0:
@@ -46,11 +47,11 @@ class Groom:
 
     @property
     def strands(self) -> int:
-        """How many."""
+        """Number of strands."""
         return len(self.lengths)
 
     def emitted(self, values: NDArray[Any]) -> NDArray[Any]:
-        """What belongs to the strands as they stand here, (strands, …), in the order of emission."""
+        """Return values of the strands, (strands, …), reordered from this groom's order to that of emission."""
         if self.places is None:
             return values
         out = np.empty_like(values)
@@ -58,13 +59,13 @@ class Groom:
         return out
 
     def placed(self, values: NDArray[Any]) -> NDArray[Any]:
-        """What belongs to the strands in the order of emission, (strands, …), as they stand here."""
+        """Return values of the strands, (strands, …), reordered from the order of emission to this groom's."""
         return values if self.places is None else values[self.places]
 
 
 def frame(axes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Two unit vectors across each axis and each other, (strands, 3), without a singular case (Duff et al. 2017,
-    "Building an Orthonormal Basis, Revisited")."""
+    """Return two unit vectors orthogonal to each axis and to each other, (strands, 3), without a singularity (Duff et
+    al. 2017, "Building an Orthonormal Basis, Revisited")."""
     x, y, z = axes.T
     sign = np.where(z >= 0, 1.0, -1.0)
     a = -1.0 / (sign + z)

@@ -1,12 +1,12 @@
-"""Strands that are combed to one place of the emitter and bound there, as a ponytail.
+"""Ties: strands that are combed to one point of the emitter and bound there, as a ponytail.
 
-About the place below the tie the surface has polar coordinates: every root lies at a distance D along it in a direction
-ψ, on the shortest path there is, a great circle of a sphere or a line of a plane. Per radian, A(d) is the area of the
-surface nearer than d, and c(d) = A′(d) the arc at d.
+The surface has geodesic polar coordinates around the point below the tie: each root is at a distance D in a direction
+ψ on the shortest path, a great circle of a sphere or a line of a plane. Per radian, A(d) is the area of the surface
+within d, and c(d) = A′(d) is the arc at d.
 
-Hair keeps its volume. A bundle of radius ρ holds all of it, each strand at ρ √(A(D) / A(D_rim)), so that strands rooted
-evenly fill it evenly, neighbours stay neighbours, and those from the hairline lie outermost. Where the same hair
-crosses the arc at d it lies as thick as that asks for, and a strand lies on all that is rooted between d and itself:
+Hair keeps its volume. A bundle of radius ρ contains all of it, each strand at ρ √(A(D) / A(D_rim)): uniform roots fill
+it uniformly, neighbours stay neighbours, and those from the hairline are outermost. Conservation of volume gives the
+thickness of the hair that crosses the arc at d; a strand lies on all strands rooted between d and itself:
 
     h(d) = ρ² / 2 · (A(D) − A(d)) / (A(D_rim) c(d)).
 """
@@ -30,16 +30,16 @@ Floats = NDArray[np.float64]
 Over = Callable[[Floats, Floats], Floats]
 
 ON_SURFACE = 14
-"""Points of a path along the surface; the rest of `TIED` are where it turns up into the bundle."""
+"""Points of a path along the surface; the others of `TIED` are on the curve into the bundle."""
 TURN = 1.2
-"""Heights of the tie, beyond the bundle's radius, from which on strands turn up."""
+"""Distance from the bundle at which strands turn up, in heights of the tie."""
 NEAR = 1e-9
-"""Metres under which a root has no direction from the tie."""
+"""Distance from the tie, metres, below which a root has no direction."""
 
 
 @dataclass(frozen=True)
 class Chart:
-    """An emitter's surface in polar coordinates about the place below its tie."""
+    """Geodesic polar coordinates of an emitter's surface around the point below its tie, the foot."""
 
     shape: SphereShape | DiscShape | PlaneShape
     foot: Floats
@@ -47,11 +47,11 @@ class Chart:
     normal: Floats
     """(3,)"""
     radius: float
-    """Of the surface's curvature, metres; infinite where it is flat."""
+    """Radius of curvature, metres; infinite for a flat surface."""
 
     def polar(self, points: Floats) -> tuple[Floats, Floats]:
-        """Distances (N,) of points (N, 3) of the surface along it, and unit vectors (N, 3) in which each path begins
-        at the foot."""
+        """Return the distances (N,) of points (N, 3) of the surface from the foot along it, and the unit directions
+        (N, 3) of their paths at the foot."""
         away = points - self.foot
         if np.isfinite(self.radius):
             away = points - (points @ self.normal)[:, None] * self.normal
@@ -63,18 +63,18 @@ class Chart:
         return size, ways
 
     def area(self, d: Floats) -> Floats:
-        """A(d), m²."""
+        """Return A(d), m²."""
         if np.isfinite(self.radius):
             return np.asarray(2 * (self.radius * np.sin(0.5 * d / self.radius)) ** 2)
         return 0.5 * d * d
 
     def arc(self, d: Floats) -> Floats:
-        """c(d), m."""
+        """Return c(d), metres."""
         return np.asarray(self.radius * np.sin(d / self.radius)) if np.isfinite(self.radius) else d
 
     def point(self, d: Floats, ways: Floats, height: Floats) -> tuple[Floats, Floats]:
-        """Points at distances d (N,) along paths that begin in ``ways`` (N, 3), so far above the surface, and its
-        normals there, (N, 3) both."""
+        """Return points at distances d (N,) on paths with the directions ``ways`` (N, 3) at the foot, at a height (N,)
+        above the surface, and its normals there; (N, 3) both."""
         if not np.isfinite(self.radius):
             normals = np.broadcast_to(self.normal, ways.shape)
             return self.foot + d[:, None] * ways + height[:, None] * normals, normals
@@ -83,13 +83,13 @@ class Chart:
         return (self.radius + height[:, None]) * normals, normals
 
     def rim(self, ways: Floats) -> Floats:
-        """D_rim (N,): how far roots reach on the paths that begin in ``ways``, from a foot that they surround."""
+        """Return D_rim (N,), the greatest distance of roots on paths with the directions ``ways`` at the foot."""
         shape, x, z = self.shape, ways[:, 0], ways[:, 2]
         if isinstance(shape, SphereShape):  # the polar angle θ along a path: cos θ = a cos(d − δ)
             a = np.hypot(self.normal[1], ways[:, 1])
             middle = np.arctan2(ways[:, 1], self.normal[1])
             open_ = np.arccos(np.clip(np.cos(np.radians(shape.cap)) / np.maximum(a, 1e-12), -1.0, 1.0))
-            # a circle that leaves the cap nowhere is followed as far as there are shortest ways
+            # a circle entirely within the cap is followed as far as it is a shortest path
             return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
         u, w = self.foot[0], self.foot[2]
         if isinstance(shape, DiscShape):
@@ -104,7 +104,7 @@ class Chart:
 
 
 def chart_of(emitter: Emitter) -> Chart:
-    """The chart of an emitter that has a tie."""
+    """Return the chart of an emitter with a tie."""
     assert emitter.tie is not None
     at = np.array(emitter.tie.position, np.float64)
     if isinstance(emitter.shape, SphereShape):
@@ -114,13 +114,13 @@ def chart_of(emitter: Emitter) -> Chart:
 
 
 def bind(emitter: Emitter, roots: Floats) -> tuple[Floats, Floats]:
-    """Where strands with ``roots`` (N, 3) on the surface are bound, and the unit directions in which they leave the
-    tie, (N, 3) both, in the emitter's frame."""
+    """Return the points at which strands with ``roots`` (N, 3) on the surface are bound, and their unit directions
+    there; (N, 3) both, in the emitter's frame."""
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     axis = _axis(emitter, chart)
     d, ways = chart.polar(roots)
-    # the least turn that takes the normal to the axis takes the ways along
+    # the least rotation from the normal to the axis, applied to the ways
     both = chart.normal + axis
     sides = ways - (ways @ axis / (1.0 + axis @ chart.normal))[:, None] * both
     share = np.sqrt(np.clip(chart.area(d) / chart.area(chart.rim(ways)), 0.0, 1.0))
@@ -132,11 +132,11 @@ def bind(emitter: Emitter, roots: Floats) -> tuple[Floats, Floats]:
 
 
 def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
-    """The ways of tied strands from where they grow to where they are bound, (N, 1 + `TIED`, 3) metres in the emitter's
-    frame: a point before the root, in whose direction from there they begin, the root, and on, the end left out.
+    """Return the paths of tied strands from root to tie, (N, 1 + `TIED`, 3) metres in the emitter's frame: a point
+    before the root, the root, and so on, without the end.
 
-    ``bows`` (N, 2): how far each departs from its way at the most, up and aside, metres. ``over``: how far up points
-    (N, 3) have to be moved along normals (N, 3).
+    bows (N, 2): greatest deviation of each from its path, up and sideways, metres; over: function of points (N, 3) and
+    normals (N, 3), how far the points must move along the normals to be outside of solids.
     """
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
@@ -161,7 +161,7 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
     found += [on(d + (last - d) * (k / ON_SURFACE)) for k in range(ON_SURFACE)]
     start = on(last)
     way = _unit(start - on(last + step))
-    # a cubic by Hermite up into the bundle
+    # a cubic Hermite curve into the bundle
     size = np.linalg.norm(ends - start, axis=1)[:, None]
     normals = chart.point(last, ways, 0 * last)[1]
     turn = TIED - ON_SURFACE
@@ -172,7 +172,7 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
             + t * t * (3 - 2 * t) * ends - t * t * (1 - t) * size * directions
         )  # fmt: skip
         found.append(there + over(there, normals)[:, None] * normals)
-    # so far before the root as the next point is behind it
+    # as far before the root as the next point is after it
     found[0] = found[1] + np.linalg.norm(found[2] - found[1], axis=1)[:, None] * _unit(found[0] - found[1])
     return np.stack(found, 1)
 

@@ -1,7 +1,7 @@
-"""Hair along the hairline that is too short for the tie: wisps that lie about as it grew, and stand off at their tips.
+"""Wisps: strands along the hairline that are too short for the tie, and stand off at their tips.
 
-At the rim of what bears roots their share is `wisps`, and it falls to 1/e over `wisp_length`. They do not hang: they
-are worked out once, in the emitter's frame, and are carried along with it.
+Their share is `wisps` at the hairline, and falls to 1/e over `wisp_length`. They do not hang: they are computed once,
+in the emitter's frame, and move with it.
 """
 
 from __future__ import annotations
@@ -18,17 +18,20 @@ if TYPE_CHECKING:
     from .record import Groom
 
 ASIDE = 0.7
-"""Radians from the way to the tie, to either side, in which wisps begin at the most,"""
+"""Greatest angle, radians, between the path to the tie and a wisp's direction at its root."""
 BEND = 1.2
-"""by which they turn from root to tip,"""
+"""Greatest angle by which a wisp turns from root to tip, radians."""
 OFF = 0.4
-"""and share of their length by which their tips stand off; half of them by less than an eighth of it."""
+"""Greatest distance of tips from the surface as a share of the length; half of them have less than an eighth of it."""
 SHORTEST = 0.4
-"""Of `wisp_length`."""
+"""Least length as a share of `wisp_length`."""
+
+LENGTH, DIRECTION, TURN, TIP = range(4)
+"""Columns of the random numbers of wisps."""
 
 
 def chosen(emitter: Emitter, groom: Groom, lots: Floats) -> NDArray[np.int64]:
-    """(K,) which strands are wisps, by even ``lots`` (strands,) in [0, 1)."""
+    """Return (K,) the numbers of the strands that are wisps; lots (strands,): uniform random numbers in [0, 1)."""
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     assert groom.grown is not None
@@ -38,9 +41,9 @@ def chosen(emitter: Emitter, groom: Groom, lots: Floats) -> NDArray[np.int64]:
 
 
 def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) -> NDArray[np.float32]:
-    """Wisps that grow at ``roots`` (K, 3), evenly in so many rows, the one before the root first: (K, rows, 3) metres
-    in the emitter's frame. ``lots`` (K, 4), even in [0, 1), tell their length, way, bend and how far they stand off;
-    ``over`` as in `tie.paths`."""
+    """Return wisps with ``roots`` (K, 3): (K, rows, 3) metres in the emitter's frame, the point before the root first.
+    lots (K, 4): uniform random numbers in [0, 1) for length, direction, bend and distance of the tip; over: as in
+    `tie.paths`."""
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     d, ways = chart.polar(roots)
@@ -49,8 +52,8 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
     ahead /= np.linalg.norm(ahead, axis=1)[:, None]
     normals = chart.point(d, ways, none)[1]
     aside = np.cross(normals, ahead)
-    length = tie.wisp_length * (SHORTEST + (1.0 - SHORTEST) * lots[:, 0])
-    begin, bend = ASIDE * (2.0 * lots[:, 1] - 1.0), BEND * (2.0 * lots[:, 2] - 1.0)
+    length = tie.wisp_length * (SHORTEST + (1.0 - SHORTEST) * lots[:, LENGTH])
+    begin, bend = ASIDE * (2.0 * lots[:, DIRECTION] - 1.0), BEND * (2.0 * lots[:, TURN] - 1.0)
     pieces = rows - 2
     found, flat = [], roots.astype(np.float64)
     for k in range(pieces + 1):
@@ -59,7 +62,7 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
         if np.isfinite(chart.radius):
             up = flat / np.linalg.norm(flat, axis=1)[:, None]
             bare = chart.radius * up
-        height = OFF * lots[:, 3] ** 3 * length * way * way + over(bare, up)
+        height = OFF * lots[:, TIP] ** 3 * length * way * way + over(bare, up)
         found.append(bare + height[:, None] * up)
         turn = begin + bend * (way + 0.5 / pieces)
         flat = flat + (length / pieces)[:, None] * (np.cos(turn)[:, None] * ahead + np.sin(turn)[:, None] * aside)

@@ -20,7 +20,7 @@ from ..exchange.edit.transform import turned
 from ..exchange.ends import ends, up_axis
 from ..exchange.files import ReadOptions, read
 from ..exchange.strands import CHUNK, Strands
-from ..groom.arrange import near
+from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
 from .measure import Seen, box_of, seen_of
@@ -68,7 +68,7 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
     strands, factor = _placed(_upright(strands, given, notes), given)
     roots, lengths = strands.roots(), strands.lengths()
     widths = widths_of(strands, factor, lengths, notes)
-    order = near(roots)
+    order = spatial_order(roots)
     counts = strands.counts()
     most = int(counts.max())
     if counts.min() < most:

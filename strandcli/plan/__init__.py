@@ -1,6 +1,6 @@
-"""What a scene needs, what is left out and why, and the memory that it takes. Imports neither numpy nor numba.
+"""The plan of a scene: stages that run, stages that are left out and why, and memory. Imports neither NumPy nor Numba.
 
-The decisions are the drivers' own: they leave a stage out by the same conditions that are told here.
+The decisions are those of the drivers, which use the same conditions.
 """
 
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps

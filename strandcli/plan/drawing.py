@@ -1,4 +1,4 @@
-"""What is drawn: a function for each part of the house, whose decisions follow each other in the plan."""
+"""Decisions on the stages of drawing: a function for each room, in the order of the plan."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 Decide = Callable[["Scene"], Iterator[Decision]]
-"""What a driver says of its stages in a scene."""
+"""Decides on the stages of a room in a scene."""
 
 
 def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iterator[Decision]:
-    """Decide on the stages of drawing some frames, where so many strands are simulated."""
+    """Yield the decisions on the stages of drawing some frames; strands: number of simulated ones."""
     yield from _groom(scene, strands)
     for decide in BEFORE_DETAIL:
         yield from decide(scene)
@@ -50,7 +50,7 @@ def _curves(scene: Scene) -> Iterator[Decision]:
     elif curves.mode == "fixed":
         yield Decision("curves", f"each segment becomes {pieces} pieces")
     else:
-        enough = f"within {curves.tolerance:g} px where {pieces} pieces a segment are enough, else so many"
+        enough = f"within {curves.tolerance:g} px, with at most {pieces} pieces a segment"
         yield Decision("curves", enough)
         if not needs_shadow_maps(scene):
             yield left_out("curves off the screen", "no shadow map needs them")

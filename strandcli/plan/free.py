@@ -1,4 +1,4 @@
-"""Memory that is free, and the refusal of a run that would take more."""
+"""Available memory, and refusal of a run that would use more."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def require_memory(plan: Plan) -> None:
-    """Raise `RefusedError` where the estimate exceeds the memory that is free."""
+    """Raise `RefusedError` if a plan's estimate exceeds the available memory."""
     free = available_memory()
     if free is not None and plan.memory_bytes > free:
         raise RefusedError(
@@ -22,7 +22,7 @@ def require_memory(plan: Plan) -> None:
 
 
 def available_memory() -> int | None:
-    """Free bytes, by the system and by the control group of this process; None where neither says."""
+    """Return the available bytes, by the system and by the control group of this process; None if neither is known."""
     found = []
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of the run and the reason why it is run or left out."""
+    """A stage, and the reason why it runs or is left out."""
 
     stage: str
     why: str
@@ -28,33 +28,33 @@ class Stage:
 
 @dataclass
 class Plan:
-    """What would run for some frames of a scene."""
+    """The stages of a run of some frames of a scene, and its cost."""
 
     used: list[Stage] = field(default_factory=list)
     left_out: list[Stage] = field(default_factory=list)
     strands: int = 0
-    """Strands that are simulated: no more than any frame draws."""
+    """Number of simulated strands: the greatest that any frame needs."""
     particles: int = 0
     steps: int = 0
-    """Solver steps, those of the pre-roll and of frames that are not drawn included."""
+    """Solver steps, including those of the pre-roll and of frames that are not drawn."""
     frames: int = 0
     segments_max: int = 0
-    """Line pieces a frame at the most."""
+    """Greatest number of line pieces in a frame."""
     pixels: int = 0
     samples: int = 0
     memory_bytes: int = 0
-    """Peak of the whole process, estimated."""
+    """Estimated peak of the process."""
     warnings: list[str] = field(default_factory=list)
-    """What is hardly meant, one line each."""
+    """Settings that are probably not intended, one line each."""
 
     def add(self, decisions: Iterable[Decision]) -> None:
-        """Note stages that run or are left out."""
+        """Add stages that run or are left out."""
         for one in decisions:
             (self.used if one.runs else self.left_out).append(Stage(one.stage, one.why))
 
 
 def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
-    """The plan for some frames (numbered from 1). Panels add up."""
+    """Return the plan for some frames, numbered from 1; that of panels is their sum."""
     if scene.panels:
         return _of_panels(scene, frames, draw)
     plan = Plan(frames=len(frames))
@@ -85,7 +85,7 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
 
 
 def _measure(plan: Plan, scene: Scene) -> None:
-    """Note how many line pieces, pixels and samples a frame has."""
+    """Set the numbers of line pieces, pixels and samples of a frame."""
     curves = scene.curves
     pieces = 1 if curves.mode == "off" else 2**curves.level
     plan.segments_max = drawn_strands(plan, scene) * (drawn_particles(scene) - 1) * pieces
@@ -95,8 +95,8 @@ def _measure(plan: Plan, scene: Scene) -> None:
 
 
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
-    """Strands that any of the frames draws: a strand that level of detail leaves out of all of them is never made,
-    unless it guides others."""
+    """Return the number of strands that any of the frames draws. Strands that level of detail leaves out of all frames
+    are not emitted, unless they are guides."""
     if scene.children is not None:
         return scene.emitter.strands
     if scene.detail is None:  # every frame needs the same
@@ -106,10 +106,10 @@ def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
 
 
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:
-    """How many frames may be drawn at once: more than one may at most double what the run takes, and use up half of
-    what is free."""
+    """Return how many frames may be drawn at once: several may at most double the memory of the run and use half of the
+    available memory."""
     plan = make_plan(scene, frames)
     free = available_memory()
     spare = plan.memory_bytes if free is None else min(plan.memory_bytes, free // 2)
-    state = plan.strands * 12 * (scene.emitter.particles + 1)  # of which each has a copy
+    state = plan.strands * 12 * (scene.emitter.particles + 1)  # each frame has a copy
     return 1 + spare // (picture_bytes(plan, scene) + state)

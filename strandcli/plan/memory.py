@@ -1,4 +1,4 @@
-"""Estimates of the memory that a run takes at its peak."""
+"""Estimates of the peak memory of a run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RESIDENT = 190_000_000
 
 
 def drawn_particles(scene: Scene) -> int:
-    """Particles of a strand as it is drawn."""
+    """Return the number of particles of a drawn strand."""
     n = scene.emitter.particles
     if scene.children is not None:
         n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
@@ -27,12 +27,12 @@ def drawn_particles(scene: Scene) -> int:
 
 
 def drawn_strands(plan: Plan, scene: Scene) -> int:
-    """Strands that are drawn at the most."""
+    """Return the greatest number of drawn strands."""
     return plan.strands if scene.children is None else scene.drawn_strands
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
-    """Bytes of the whole process at its peak."""
+    """Return the peak bytes of the process."""
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
@@ -41,7 +41,7 @@ def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
 
 
 def picture_bytes(plan: Plan, scene: Scene) -> int:
-    """Bytes that drawing one frame takes at the most."""
+    """Return the greatest number of bytes for drawing one frame."""
     strands, n = drawn_strands(plan, scene), drawn_particles(scene)
     per_strand = plan.segments_max // max(strands, 1) + 1
     vertices = strands * per_strand
@@ -58,7 +58,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
 
 
 def _groom_bytes(plan: Plan, scene: Scene) -> int:
-    """Bytes of children and of strands that are tied."""
+    """Return the bytes of children and of tied strands."""
     strands, n = drawn_strands(plan, scene), drawn_particles(scene)
     total = 0
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
@@ -70,16 +70,16 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
 
 
 def _traced_bytes(scene: Scene, vertices: int, traced: int) -> int:
-    """Bytes of exact shadows in so many lights."""
+    """Return the bytes of exact shadows; traced: number of lights with them."""
     total = sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light))
     if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
-        marked = scene.image.resolver != "zbuffer"  # which of their places are seen
+        marked = scene.image.resolver != "zbuffer"  # which of their positions are visible
         total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
     return total
 
 
 def _light_bytes(scene: Scene) -> int:
-    """Bytes of ambient occlusion and of shadow maps."""
+    """Return the bytes of ambient occlusion and shadow maps."""
     total = 0
     if scene.occluded and scene.ambient_occlusion is not None:
         total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
@@ -91,9 +91,9 @@ def _light_bytes(scene: Scene) -> int:
 
 
 def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
-    """Bytes of fragments, samples and pixels."""
+    """Return the bytes of fragments, samples and pixels."""
     total = 0
-    if scene.image.resolver != "zbuffer":  # each pixel has a list and what solids hide; vertices are marked twice
+    if scene.image.resolver != "zbuffer":  # each pixel has a list and the solids' depth; vertices are marked twice
         total += fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
     if scene.image.haze is not None:  # the picture before solids are lit
         total += plan.samples * 12
@@ -107,6 +107,6 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
 
 
 def fragment_bytes(scene: Scene) -> int:
-    """Bytes of sorted fragments that are held at once, at the most."""
+    """Return the greatest number of bytes of sorted fragments in memory at once."""
     exact = any(shades_vertices(light) for light in scene.lights) and scene.image.resolver == "sorted"
     return FRAGMENTS * (FRAGMENT_BYTES + (2 * POINTS_BYTES if exact else 0))

@@ -1,4 +1,4 @@
-"""What moves the strands: rules, keys, pre-roll."""
+"""Decisions on the stages of simulation: rules, keys, pre-roll."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
-    """Decide on the stages of simulation, where so many strands are simulated."""
+    """Yield the decisions on the stages of simulation; strands: number of simulated ones."""
     emitter = scene.emitter
     if strands < emitter.strands:
         hidden = f"{emitter.strands - strands} of {emitter.strands}"
@@ -39,7 +39,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
 
 
 def solver_steps(scene: Scene, frames: Sequence[int]) -> int:
-    """Steps of the solver up to the last of the frames, those of the pre-roll included."""
+    """Return the number of solver steps up to the last of the frames, including the pre-roll."""
     if not _moving(scene):
         return 0
     return _preroll_steps(scene) + (max(frames, default=1) - 1) * scene.time.substeps

@@ -1,4 +1,4 @@
-"""What a picture's settings hardly mean, told before it is drawn."""
+"""Warnings about settings of drawing that are probably not intended."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 THIN = 0.7
-"""Samples that a root is wide on the screen, below which lines of the z-buffer show that they are a sample wide."""
+"""Width of a root on the screen, in samples, below which the z-buffer's lines are visibly too wide."""
 
 
 def warnings_of(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
-    """Lines about settings of drawing that a person hardly means, for some frames."""
+    """Yield warnings, a line each, for some frames."""
     width = scene.material.width
     if width == 0 or scene.image.resolver != "zbuffer" or scene.look == "source" or not frames:
         return
@@ -29,7 +29,7 @@ def warnings_of(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
 
 
 def samples_a_metre(scene: Scene, time: float) -> float:
-    """Samples that a metre at the emitter is wide on the screen at a time."""
+    """Return the number of samples of a metre at the emitter on the screen, at a time."""
     camera = scene.camera
     view = camera_at(camera, time)
     samples = scene.image.size[1] * scene.image.supersample

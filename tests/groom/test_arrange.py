@@ -12,7 +12,7 @@ from strand_kit import frames_of, groom_of, moved, scene_of
 from strandcli.blocks import unpack
 from strandcli.constants import VECTOR
 from strandcli.draw.common.scratch import Scratch
-from strandcli.groom.arrange import TOGETHER, arranged, near
+from strandcli.groom.arrange import LEAF, arranged, spatial_order
 from strandcli.groom.children import Children
 from strandcli.simulate.rod import RodSolver
 
@@ -38,25 +38,25 @@ def sides(points: np.ndarray, together: int) -> float:
 @pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 32, 700, 4096, 5000])
 def test_every_point_has_one_place(count: int) -> None:
     points = np.random.default_rng(count).normal(size=(count, 3))
-    np.testing.assert_array_equal(np.sort(near(points)), np.arange(count))
+    np.testing.assert_array_equal(np.sort(spatial_order(points)), np.arange(count))
 
 
 def test_so_many_in_a_row_are_near_each_other() -> None:
     """As near as squares that tile the sphere would have them, about, and 32 or 64 as well."""
     points = np.random.default_rng(1).normal(size=(5000, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
-    found = points[near(points)]
-    assert TOGETHER == VECTOR // 4  # single precision
-    for together in (TOGETHER, 2 * TOGETHER, 4 * TOGETHER):
+    found = points[spatial_order(points)]
+    assert LEAF == VECTOR // 4  # single precision
+    for together in (LEAF, 2 * LEAF, 4 * LEAF):
         assert sides(found, together) < 1.2 * np.sqrt(4 * np.pi * together / len(points))
-    assert sides(points, TOGETHER) > 1.5
+    assert sides(points, LEAF) > 1.5
 
 
 def test_points_that_tie_keep_their_order() -> None:
     points = np.zeros((100, 3))
-    np.testing.assert_array_equal(near(points), np.arange(100))
+    np.testing.assert_array_equal(spatial_order(points), np.arange(100))
     points[::2, 1] = 1.0
-    np.testing.assert_array_equal(near(points)[:50], np.arange(1, 100, 2))
+    np.testing.assert_array_equal(spatial_order(points)[:50], np.arange(1, 100, 2))
 
 
 def test_what_strands_have_goes_with_them_and_back() -> None:
@@ -81,7 +81,7 @@ def test_what_strands_have_goes_with_them_and_back() -> None:
     assert grown is not None
     np.testing.assert_array_equal(arranged(tied).emitted(grown), tied.grown)
     # neighbours are those that hang beside each other, which are simulated
-    assert sides(arranged(tied).roots, TOGETHER) < 0.7 * sides(tied.roots[near(tied.grown)], TOGETHER)
+    assert sides(arranged(tied).roots, LEAF) < 0.7 * sides(tied.roots[spatial_order(tied.grown)], LEAF)
     np.testing.assert_array_equal(groom.emitted(groom.lengths), groom.lengths)
 
 

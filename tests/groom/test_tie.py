@@ -21,16 +21,18 @@ from strandcli.groom.arrange import arranged
 from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
-from strandcli.groom.kernels.combed import clear
+from strandcli.groom.kernels.combed import lift
 from strandcli.groom.tie import chart_of
 from strandcli.plan import make_plan
 from strandcli.scene.model import Camera, Curves, DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
+from strandcli.solids.shapes import capsule
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject
 
 SPHERE = SphereShape(radius=0.1, cap=110)
+AXIS = slice(capsule.AXIS_X, capsule.AXIS_Z + 1)
 TIE = Tie(position=(0.01, 0.09, -0.04), radius=0.016, lift=0.012)
 SCENE = """
 emitter: {strands: 300, particles: 6, length: 0.3, shape: {kind: sphere, radius: 0.1, cap: 110},
@@ -208,7 +210,7 @@ def test_the_combed_parts_of_many_are_those_of_each() -> None:
     assert near.places is not None
     assert not np.array_equal(near.places, np.arange(300))
     np.testing.assert_array_equal(Combed(scene, near).points, points[near.places])
-    with patch("strandcli.groom.combed.AT_ONCE", 77):
+    with patch("strandcli.groom.combed.BATCH", 77):
         np.testing.assert_array_equal(Combed(scene, groom).points, points)
 
 
@@ -248,25 +250,25 @@ def test_strands_lie_on_what_is_wider_than_the_emitter() -> None:
 def test_the_way_out_is_the_first_one() -> None:
     """Of balls and capsules that blend, and of such that do not, for points and directions at random."""
     rng = np.random.default_rng(3)
-    rows = np.zeros((6, 9))
+    rows = np.zeros((6, capsule.COLUMNS))
     rows[:, :3] = rng.uniform(-0.1, 0.1, (6, 3))
-    rows[:4, 3:6] = rng.uniform(-0.1, 0.1, (4, 3))
-    rows[:4, 7] = 1 / (rows[:4, 3:6] ** 2).sum(1)
-    rows[:, 6] = rng.uniform(0.03, 0.06, 6)
-    rows[[0, 2, 4], 8] = 1
+    rows[:4, AXIS] = rng.uniform(-0.1, 0.1, (4, 3))
+    rows[:4, capsule.PER_SQUARE] = 1 / (rows[:4, AXIS] ** 2).sum(1)
+    rows[:, capsule.RADIUS] = rng.uniform(0.03, 0.06, 6)
+    blended = np.arange(6) % 2 == 0
     k = 0.01
 
     def apart(points: np.ndarray) -> np.ndarray:
         from_ends = points[..., None, :] - rows[:, :3]
-        along = np.clip((from_ends * rows[:, 3:6]).sum(-1) * rows[:, 7], 0, 1)
-        each = np.linalg.norm(from_ends - along[..., None] * rows[:, 3:6], axis=-1) - rows[:, 6]
-        blended = -k * np.log(np.exp(-each[..., [0, 2, 4]] / k).sum(-1))
-        return np.asarray(np.minimum(blended, each[..., [1, 3, 5]].min(-1)))
+        along = np.clip((from_ends * rows[:, AXIS]).sum(-1) * rows[:, capsule.PER_SQUARE], 0, 1)
+        each = np.linalg.norm(from_ends - along[..., None] * rows[:, AXIS], axis=-1) - rows[:, capsule.RADIUS]
+        union = -k * np.log(np.exp(-each[..., blended] / k).sum(-1))
+        return np.asarray(np.minimum(union, each[..., ~blended].min(-1)))
 
     points, normals = rng.uniform(-0.15, 0.15, (400, 3)), rng.normal(size=(400, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     up = np.zeros(400)
-    clear(points, normals, rows, k, up)
+    lift(points, normals, rows, blended, k, up)
     outside = apart(points) >= 0
     assert 50 < outside.sum() < 350
     np.testing.assert_array_equal(up[outside], 0)

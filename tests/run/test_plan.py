@@ -145,7 +145,7 @@ def test_reasons_are_told() -> None:
     assert left["level of detail"] == "the preset has none"
     assert left["pre-roll"] == "its time is zero"
     assert left["supersampling"] == "one sample a pixel"
-    assert used["curves"] == "within 0.25 px where 4 pieces a segment are enough, else so many"
+    assert used["curves"] == "within 0.25 px, with at most 4 pieces a segment"
     text = UNLIT.replace("size: [20, 16]", "size: [20, 16], supersample: 3") + "time: {preroll: 2}\nlights: []\n"
     used, left = stages(make_plan(scene_of(text + "curves: {mode: 'off'}\n"), [1]))
     assert left["curves"] == "the preset draws straight segments"

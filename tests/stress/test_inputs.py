@@ -73,7 +73,7 @@ def test_a_rule_that_rods_do_not_apply_is_refused_where_it_stands(
 def test_rods_take_a_preset_of_the_source_and_say_what_they_leave_out() -> None:
     scene = scene_of("solver: rod\nrules: [gravity, stiffness, elasticity]\nemitter: {strands: 3}\n")
     (words,) = advice.warnings(scene, groom_of(scene))
-    assert words.startswith("rule stiffness: left out, rods bend by their material")
+    assert words.startswith("rule stiffness: ignored, rods bend by their material")
     idle = scene_of("solver: rod\nrules: [stiffness: {strength: 0}]\nemitter: {strands: 3}\n")
     assert advice.warnings(idle, groom_of(idle)) == []
 
@@ -83,7 +83,7 @@ def test_a_groom_is_refused_with_how_many_of_its_strands_are_bad(solver: type) -
     scene = scene_of("emitter: {strands: 5, particles: 3}\nrules: [gravity]\n")
     groom = emit(scene.emitter, 0)
     groom.lengths[[2, 4]] = 0
-    with pytest.raises(UsageError, match=r"^groom: strand 2: it has no length.*\(2 such strands\)"):
+    with pytest.raises(UsageError, match=r"^groom: strand 2: its length is not positive.*\(2 such strands\)"):
         solver(scene, groom)
 
 

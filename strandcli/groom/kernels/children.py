@@ -1,14 +1,14 @@
-"""Drawn strands from simulated ones: which guides each follows, and where it lies.
+"""Interpolation of children, the drawn strands, from guides, the simulated ones.
 
-Guides come as particles g (G, m + 1, 3), in finer steps than they were simulated where waves want them; row 0 stands
-one segment before the root, row j + 1 is particle j. A child at the share u of its guides' length lies at
+Guides are particles g (G, m + 1, 3), subdivided if waves need it; row 0 is one segment before the root, row j + 1 is
+particle j. A child at the share u of its guides' length lies at
 
     c(u) = root + Σ w_k (g_k(u) − g_k(0)),
 
-each clump moves it toward the child in its middle, c += w(u) (c_middle(u) − c), and each wave winds about what has
-come of it. Segments get their lengths again, root to tip, after each of the two: after clumps they turn toward where
-the particles were moved, so that the tips of a lock still meet; after waves they keep their directions, so that a wave
-is not smoothed. Last, particles leave the solids they are in.
+each clump moves it toward the child at its centre, c += w(u) (c_centre(u) − c), and each wave displaces the result
+perpendicular to the path. Segment lengths are restored, root to tip, after clumps and after waves: after clumps,
+segments turn toward the displaced particles, so that the tips of a clump still meet; after waves they keep their
+directions, so that a wave is not smoothed. Last, particles are moved out of solids.
 """
 
 from __future__ import annotations
@@ -21,22 +21,23 @@ from ...constants import W
 from ...jit import device, parallel, prange
 from ...solids.kernels.outside import count as count_solids
 from ...solids.kernels.outside import outside
+from .inputs import ONSET, ROUNDNESS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 CLEAR = np.float32(0.03)
-"""Shares of a segment by which particles are kept clear of solids: the segment between two bulges inward."""
+"""Distance of particles from solids as a share of a segment: chords lie below the surface between two particles."""
 TOWARD = np.float32(0.3)
-"""Part of its distance from its aim that a strand is turned toward it within a segment."""
+"""Share of its lateral distance from the target path that a strand corrects within a segment."""
 ROUNDS = 3
 
 
 @parallel
 def refine(positions, steps, out):
-    """Guides (blocks, n + 1, 3 W) in so many steps a segment, on the cubic that central differences give, into
-    out (G, (n − 1) steps + 2, 3)."""
+    """Write guides (blocks, n + 1, 3 W), subdivided into `steps` parts a segment on cubic Hermite curves with central
+    differences, to out (G, (n − 1) steps + 2, 3)."""
     n = positions.shape[1] - 1
     per = ONE / np.float32(steps)
     for s in prange(out.shape[0]):
@@ -63,17 +64,16 @@ def refine(positions, steps, out):
 
 @parallel
 def grow(guides, own, following, clumps, waves, solids, out, lengths):
-    """Place children about `Guides`.
+    """Write children of `Guides` to out (blocks, m + 1, 3 W), metres, and their segment lengths to lengths (blocks, W).
 
-    own (N,) int32: which of all A children are placed; `Following`, `Clumps` and `Waves` hold all of them; solids:
-    packed `Solids`; out (blocks, m + 1, 3 W) metres and lengths (blocks, W) of segments, metres, are written, the last
-    block padded with copies of the last child.
+    own (N,) int32: numbers of the children to write; `Following`, `Clumps` and `Waves` hold all A children; solids:
+    packed `Solids`. The last block is padded with copies of the last child.
     """
     m = guides.particles.shape[1] - 1
     edge = np.float32(m - 1)
     count = own.shape[0]
     for block in prange(out.shape[0]):
-        b = np.int64(block)  # the index is unsigned, and would have `lay` compiled twice
+        b = np.int64(block)  # the index is unsigned, and would have `write_strand` compiled twice
         path = np.empty((m + 1, 3), np.float32)
         for lane in range(W):
             i = own[min(b * W + lane, count - 1)]
@@ -83,33 +83,33 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
                 u = min(np.float32(j) * share, edge)
                 low = min(np.int64(u), m - 2)
                 t = u - np.float32(low)
-                x, y, z = base(guides, following, i, low, t)
+                x, y, z = interpolate_guides(guides, following, i, low, t)
                 for level in range(clumps.middles.shape[0] - 1, -1, -1):
                     ramp = clumps.ramps[level, low]
                     pull = clumps.pulls[level, i] * (ramp + t * (clumps.ramps[level, low + 1] - ramp))
                     if pull > ZERO:
-                        ax, ay, az = base(guides, following, clumps.middles[level, i], low, t)
+                        ax, ay, az = interpolate_guides(guides, following, clumps.middles[level, i], low, t)
                         x += pull * (ax - x)
                         y += pull * (ay - y)
                         z += pull * (az - z)
                 path[j + 1, 0] = x
                 path[j + 1, 1] = y
                 path[j + 1, 2] = z
-            straighten(path, rest)
-            # the row before the root: the direction there
+            restore_lengths(path, rest)
+            # row 0: the direction at the root
             for c in range(3):
                 back = ZERO
                 for p in range(following.parents.shape[1]):
                     g = following.parents[i, p]
                     back += following.weights[i, p] * (guides.particles[g, 0, c] - guides.particles[g, 1, c])
                 path[0, c] = back
-            lay(path, i, rest, waves, solids, out, b, lane)
+            write_strand(path, i, rest, waves, solids, out, b, lane)
             lengths[b, lane] = rest
 
 
 @device
 def segment_length(guides, following, i):
-    """Length of a segment, metres, that child i would have at the length of its guides."""
+    """Return the segment length of child i, metres, without its own share of the length."""
     rest = ZERO
     for p in range(following.parents.shape[1]):
         rest += following.weights[i, p] * guides.segments[following.parents[i, p]]
@@ -117,8 +117,9 @@ def segment_length(guides, following, i):
 
 
 @device
-def base(guides, following, i, low, t):
-    """Place, metres, of child i at the share t between rows low and low + 1 of its guides, without clumps and waves."""
+def interpolate_guides(guides, following, i, low, t):
+    """Return the point of child i at the share t between particles low and low + 1 of its guides, metres, before clumps
+    and waves."""
     particles = guides.particles
     x = following.roots[i, 0]
     y = following.roots[i, 1]
@@ -127,23 +128,23 @@ def base(guides, following, i, low, t):
         g = following.parents[i, p]
         w = following.weights[i, p]
         if w > ZERO:
-            x += w * (mix(particles, g, low, np.int64(0), t) - particles[g, 1, 0])
-            y += w * (mix(particles, g, low, np.int64(1), t) - particles[g, 1, 1])
-            z += w * (mix(particles, g, low, np.int64(2), t) - particles[g, 1, 2])
+            x += w * (interpolate(particles, g, low, np.int64(0), t) - particles[g, 1, 0])
+            y += w * (interpolate(particles, g, low, np.int64(1), t) - particles[g, 1, 1])
+            z += w * (interpolate(particles, g, low, np.int64(2), t) - particles[g, 1, 2])
     return x, y, z
 
 
 @device
-def mix(guides, g, low, c, t):
-    """Coordinate c of guide g, (G, m + 1, 3), at the share t between two particles."""
+def interpolate(guides, g, low, c, t):
+    """Return coordinate c of guide g of guides (G, m + 1, 3) at the share t between particles low and low + 1."""
     a = guides[g, low + 1, c]
     return a + t * (guides[g, low + 2, c] - a)
 
 
 @device
-def straighten(path, rest):
-    """Give the segments of a path (m + 1, 3), of which row 0 does not count, the length ``rest``, root to tip: each in
-    its own direction, turned toward where the path was before by its distance across."""
+def restore_lengths(path, rest):
+    """Set the segments of a path (m + 1, 3) from row 1 on to the length ``rest``, root to tip. Each keeps its
+    direction, turned toward the original path in proportion to the lateral distance from it."""
     qx = path[1, 0]
     qy = path[1, 1]
     qz = path[1, 2]
@@ -167,12 +168,12 @@ def straighten(path, rest):
 
 
 @device
-def lay(path, i, rest, waves, solids, out, b, lane):
-    """Write child i, whose path (m + 1, 3) has the direction before the root in row 0, into a lane of a block of out:
-    wound in waves, its segments of the length ``rest``, root to tip, and kept out of solids."""
+def write_strand(path, i, rest, waves, solids, out, b, lane):
+    """Write child i to a lane of block b of out: its path (m + 1, 3), whose row 0 is the direction before the root,
+    with waves, segments of the length ``rest``, and outside of solids."""
     m = path.shape[0] - 1
     solid = count_solids(solids) > 0
-    # where the wound path was, and where the strand is
+    # previous points of the path with waves (w), and of the strand (p)
     wx = px = path[1, 0]
     wy = py = path[1, 1]
     wz = pz = path[1, 2]
@@ -188,7 +189,7 @@ def lay(path, i, rest, waves, solids, out, b, lane):
         y = path[j, 1]
         z = path[j, 2]
         if waves.forms.shape[0] > 0:
-            ax, ay, az, x, y, z = wind(path, j, i, rest, waves, ax, ay, az)
+            ax, ay, az, x, y, z = add_waves(path, j, i, rest, waves, ax, ay, az)
         ex, ey, ez = unit(x - wx, y - wy, z - wz)
         wx = x
         wy = y
@@ -207,9 +208,9 @@ def lay(path, i, rest, waves, solids, out, b, lane):
 
 
 @device
-def wind(path, j, i, rest, waves, ax, ay, az):
-    """The vector across child i, which row j − 1 of its path had as (ax, ay, az), carried along to row j without a turn
-    about the path, and row j as the waves displace it, metres."""
+def add_waves(path, j, i, rest, waves, ax, ay, az):
+    """Return the normal vector of child i at row j of its path, by parallel transport of that at row j − 1,
+    (ax, ay, az), and row j displaced by the waves, metres."""
     m = path.shape[0] - 1
     after = min(j + 1, m)
     tx, ty, tz = unit(path[after, 0] - path[j - 1, 0], path[after, 1] - path[j - 1, 1],
@@ -226,9 +227,9 @@ def wind(path, j, i, rest, waves, ax, ay, az):
     z = path[j, 2]
     for w in range(waves.forms.shape[0]):
         angle = waves.phases[w, i] + waves.turns[w, i] * along * rest
-        size = waves.radii[w, i] * min(share / max(waves.forms[w, 1], TINY), ONE)
+        size = waves.radii[w, i] * min(share / max(waves.forms[w, ONSET], TINY), ONE)
         f = size * math.cos(angle)
-        g = size * waves.forms[w, 0] * math.sin(angle)
+        g = size * waves.forms[w, ROUNDNESS] * math.sin(angle)
         x += f * ax + g * bx
         y += f * ay + g * by
         z += f * az + g * bz
@@ -237,10 +238,10 @@ def wind(path, j, i, rest, waves, ax, ay, az):
 
 @device
 def keep_out(x, y, z, ox, oy, oz, rest, solids):
-    """A particle (x, y, z) outside the solids, at the distance ``rest`` from (ox, oy, oz), the particle before it, as
-    near as `ROUNDS` rounds bring it; all in metres."""
+    """Return a particle (x, y, z), moved out of solids and to the distance ``rest`` from the particle before it,
+    (ox, oy, oz), as nearly as `ROUNDS` iterations achieve; metres."""
     clear = CLEAR * rest
-    for _ in range(ROUNDS):  # out of one solid may be into another, and off the segment's length
+    for _ in range(ROUNDS):  # out of one solid may be into another, and changes the length
         qx, qy, qz = outside(x, y, z, clear, solids)
         if qx == x and qy == y and qz == z:
             break
@@ -251,6 +252,6 @@ def keep_out(x, y, z, ox, oy, oz, rest, solids):
 
 @device
 def unit(x, y, z):
-    """A vector's direction."""
+    """Return the unit vector of a vector."""
     size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
     return x * size, y * size, z * size

@@ -1,4 +1,4 @@
-"""Strands that are combed to a tie: kept out of what they lie over, and carried along with the emitter."""
+"""Combed parts of tied strands: kept outside of solids, and moved with the emitter."""
 
 from __future__ import annotations
 
@@ -8,27 +8,28 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
+from ...solids.shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, PER_SQUARE, RADIUS, X, Y, Z
 
 STEPS = 128
-"""At the most, to leave a solid: a way out at right angles takes one."""
+"""Steps of sphere tracing at most; one is enough where the normal is perpendicular to the surface."""
 ENOUGH = 1e-7
-"""Metres that a point may be inside."""
+"""Depth below a surface that counts as outside, metres."""
 
 
 @parallel
-def clear(points, normals, solids, k, out):
-    """How far up points (N, 3) have to be moved along unit normals (N, 3) to be outside, metres, into out (N,).
+def lift(points, normals, capsules, blended, k, out):
+    """Write to out (N,) how far points (N, 3) must move along unit normals (N, 3) to be outside of capsules, metres.
 
-    solids (m, 9): first end, vector to the other end, radius, 1 / its squared length, and 1 where it blends; k: the
-    way of blending, metres. What blends is one surface at the distance −k ln Σ e^(−dᵢ / k), which is never more than
-    the way along any line to where it is 0, so that steps of it cannot pass over that.
+    capsules (m, 9) float64: columns of `strandcli.solids.shapes.capsule`; blended (m,) bool: those of the smooth union;
+    k: its blending distance, metres. The smooth union has the distance −k ln Σ e^(−dᵢ / k), which is never greater than
+    the distance along any line to its surface, so sphere tracing does not pass through the surface.
     """
     for i in prange(points.shape[0]):
         up = 0.0
         for _ in range(STEPS):
             away = distance(
                 points[i, 0] + up * normals[i, 0], points[i, 1] + up * normals[i, 1], points[i, 2] + up * normals[i, 2],
-                solids, k,
+                capsules, blended, k,
             )  # fmt: skip
             if away >= -ENOUGH:
                 break
@@ -37,21 +38,22 @@ def clear(points, normals, solids, k, out):
 
 
 @device
-def distance(x, y, z, solids, k):
-    """From the surface of all solids together to a point, metres, negative inside."""
+def distance(x, y, z, capsules, blended, k):
+    """Return the signed distance of a point from the union of all capsules, metres, negative inside."""
     least = np.inf
     plain = np.inf
     total = 0.0
-    for m in range(solids.shape[0]):
-        ox = x - solids[m, 0]
-        oy = y - solids[m, 1]
-        oz = z - solids[m, 2]
-        t = min(max((ox * solids[m, 3] + oy * solids[m, 4] + oz * solids[m, 5]) * solids[m, 7], 0.0), 1.0)
-        ox -= t * solids[m, 3]
-        oy -= t * solids[m, 4]
-        oz -= t * solids[m, 5]
-        away = math.sqrt(ox * ox + oy * oy + oz * oz) - solids[m, 6]
-        if solids[m, 8] == 0.0:
+    for m in range(capsules.shape[0]):
+        ox = x - capsules[m, X]
+        oy = y - capsules[m, Y]
+        oz = z - capsules[m, Z]
+        t = ox * capsules[m, AXIS_X] + oy * capsules[m, AXIS_Y] + oz * capsules[m, AXIS_Z]
+        t = min(max(t * capsules[m, PER_SQUARE], 0.0), 1.0)
+        ox -= t * capsules[m, AXIS_X]
+        oy -= t * capsules[m, AXIS_Y]
+        oz -= t * capsules[m, AXIS_Z]
+        away = math.sqrt(ox * ox + oy * oy + oz * oz) - capsules[m, RADIUS]
+        if not blended[m]:
             plain = min(plain, away)
         elif away < least:
             total = total * math.exp((away - least) / k) + 1.0 if total > 0.0 else 1.0
@@ -65,10 +67,10 @@ def distance(x, y, z, solids, k):
 
 @parallel
 def join(combed, hanging, rotation, shift, out):
-    """Strands from root to tip: what is combed, moved with the emitter, then what hangs from the tie.
+    """Write strands from root to tip to out: the combed part, moved with the emitter, then the hanging part.
 
-    combed (blocks, 1 + P, 3 W) float32 in the emitter's frame: the row before the root, then the points up to the tie;
-    hanging (blocks, n + 1, 3 W) metres, whose row 1 is at the tie and whose row 0 is left out; rotation (9,) by rows
+    combed (blocks, 1 + P, 3 W) float32 in the emitter's frame: the row before the root, then the points to the tie;
+    hanging (blocks, n + 1, 3 W) metres: row 1 is at the tie, row 0 is not used; rotation (9,) by rows
     and shift (3,) float32: the emitter's pose; out (blocks, 1 + P + n, 3 W).
     """
     rows = combed.shape[1]

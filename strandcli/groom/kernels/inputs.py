@@ -1,7 +1,7 @@
-"""What the kernels that place children are given: flat tuples of arrays, as kernels can take them.
+"""Inputs of the kernels of children: flat tuples of arrays.
 
-A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides that each child follows; V: waves; m:
-particles of a guide without the row before its root.
+A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child; V: waves; m: particles of a
+guide.
 """
 
 from __future__ import annotations
@@ -11,50 +11,54 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+ROUNDNESS, ONSET = 0, 1
+"""Columns of `Waves.forms`."""
+
 
 class Guides(NamedTuple):
-    """Strands that children follow, refined."""
+    """Guides, subdivided."""
 
     particles: NDArray[np.float32]
-    """(G, m + 1, 3) metres; row 0 stands one segment before the root."""
+    """(G, m + 1, 3) metres; row 0 is one segment before the root."""
     segments: NDArray[np.float32]
     """(G,) length of a segment, metres."""
 
 
 class Following(NamedTuple):
-    """Where children are rooted, and which guides they follow."""
+    """Roots of children, and the guides that they follow."""
 
     parents: NDArray[np.int32]
-    """(A, P) guides of each child."""
+    """(A, P) numbers of the guides of each child."""
     weights: NDArray[np.float32]
-    """(A, P) how much it follows each; a child's weights add up to 1."""
+    """(A, P) weights of these guides, whose sum is 1."""
     roots: NDArray[np.float32]
     """(A, 3) metres."""
     shares: NDArray[np.float32]
-    """(A,) a child's length over that of its guides."""
+    """(A,) ratio of a child's length to that of its guides."""
 
 
 class Clumps(NamedTuple):
-    """Locks that children are pulled into."""
+    """Clumps of children."""
 
     middles: NDArray[np.int32]
-    """(C, A) the child in the middle of each one's lock."""
+    """(C, A) number of the child at the centre of each child's clump."""
     pulls: NDArray[np.float32]
-    """(C, A) part of the distance to that child that is taken away at the tip."""
+    """(C, A) share by which the distance to that child is reduced at the tip."""
     ramps: NDArray[np.float32]
-    """(C, m) share of the pull along a guide."""
+    """(C, m) factor of the pull at each particle."""
 
 
 class Waves(NamedTuple):
-    """Waves that children wind in."""
+    """Waves of children."""
 
     forms: NDArray[np.float32]
-    """(V, 2) roundness, from 0 for a flat wave to 1 for a helix, and share of the length over which it sets in."""
+    """(V, 2) `ROUNDNESS`, from 0 for a flat wave to 1 for a helix, and `ONSET`, the share of the length over which its
+    amplitude grows from 0."""
     radii: NDArray[np.float32]
-    """(V, A) metres, 0 for children that do not wave so."""
+    """(V, A) amplitude, metres; 0 for children without this wave."""
     turns: NDArray[np.float32]
     """(V, A) radians a metre."""
     phases: NDArray[np.float32]
     """(V, A) radians at the root."""
     across: NDArray[np.float32]
-    """(A, 3) unit vectors at which waves begin."""
+    """(A, 3) unit vectors perpendicular to the root's direction, at which waves begin."""

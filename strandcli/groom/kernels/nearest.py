@@ -1,4 +1,4 @@
-"""The nearest of many points to each of many others."""
+"""Search for nearest neighbours."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ import numpy as np
 from ...jit import parallel, prange
 
 ZERO = np.float32(0.0)
+X = 0
 
 
 @parallel
 def nearest(points, others, order, out, distances):
-    """The nearest of others to each point, nearest first.
+    """Write the nearest K of others to each point to out (N, K) int32, nearest first, and their squared distances to
+    distances (N, K) float32.
 
-    points (N, 4), others (G, 4) float32, the latter in the ascending order of their first coordinate, which bounds the
-    search; order (G,) int32: what to call each; out (N, K) int32, K <= G; distances (N, K) float32: squared.
+    points (N, 4), others (G, 4) float32, the latter in ascending order of coordinate `X`, which bounds the search;
+    order (G,) int32: the numbers to write for them; K <= G.
     """
     count = others.shape[0]
     most = out.shape[1]
@@ -22,20 +24,20 @@ def nearest(points, others, order, out, distances):
         found = distances[i]
         names = out[i]
         found[:] = np.float32(np.inf)
-        x = points[i, 0]
+        x = points[i, X]
         low = np.int64(0)
         high = np.int64(count)
         while low < high:
             middle = (low + high) // 2
-            if others[middle, 0] < x:
+            if others[middle, X] < x:
                 low = middle + 1
             else:
                 high = middle
         right = low
         left = low - 1
         while True:
-            before = x - others[left, 0] if left >= 0 else np.float32(np.inf)
-            after = others[right, 0] - x if right < count else np.float32(np.inf)
+            before = x - others[left, X] if left >= 0 else np.float32(np.inf)
+            after = others[right, X] - x if right < count else np.float32(np.inf)
             way = min(before, after)
             if not way * way < found[most - 1]:
                 break
