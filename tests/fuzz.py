@@ -7,6 +7,7 @@ is a fault too. What is found is printed with the number that makes it again.
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import json
 import resource
@@ -26,6 +27,7 @@ import numpy as np
 
 import abc_kit
 import exchange_kit as kit
+import usd_kit
 from strandcli.errors import StrandError
 from strandcli.exchange.facts import facts
 from strandcli.exchange.files import ReadOptions, format_of, read
@@ -58,7 +60,12 @@ def seeds() -> dict[str, list[bytes]]:
     even, uneven, none = grooms()
     colours = np.ones((30, 3), "<f4").tobytes()
     positions = np.stack(even)
+    usd = {}
+    if importlib.util.find_spec("pxr"):
+        texts = [usd_kit.text(even), usd_kit.text(uneven[2:], basis="bspline", wrap="pinned"), usd_kit.moving(even)]
+        usd[".usd"] = [*(usd_kit.binary(one) for one in texts), *(one.encode() for one in texts)]
     return {
+        **usd,
         ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
         ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
         ".bin": [kit.data(even, 4), kit.data(uneven, 4)],

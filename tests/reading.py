@@ -6,6 +6,7 @@ before. Exit code 1 where a figure that is asked for is missed.
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import subprocess
 import sys
@@ -23,6 +24,8 @@ SECONDS = {"a.hair": 0.5, "uneven.hair": 0.5}
 """At most; of other files 1 s."""
 MEMORY = 3.0
 """Times the file, at most."""
+USD = (".usd",) if importlib.util.find_spec("pxr") else ()
+"""The library that reads it may be missing."""
 TEXT = "text.ply"
 """No time is asked for text."""
 
@@ -37,7 +40,7 @@ def make(folder: Path) -> list[Path]:
     uneven = kit.of(np.split(points.reshape(-1, 3), np.cumsum(counts)[:-1]))
     paths = []
     for name, strands in (("a", even), ("uneven", uneven)):
-        for suffix in (".hair", ".data", ".bin", ".ply", ".npz", ".abc"):
+        for suffix in (".hair", ".data", ".bin", ".ply", ".npz", ".abc", *USD):
             paths.append(folder / f"{name}{suffix}")
             write(paths[-1], strands)
     paths.append(folder / "packed.npz")

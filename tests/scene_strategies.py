@@ -118,7 +118,7 @@ def with_file_alone(scene: Scene) -> Scene:
         camera = replace(camera, fit=None)
     if given is None:
         return replace(scene, camera=camera)
-    given = replace(given, file=__file__, scale=given.scale if given.size is None else 1.0)
+    given = replace(given, file=__file__, scale=given.scale if given.size is None else None)
     emitter = Emitter(groom=given, position=emitter.position, rotation=emitter.rotation, keys=emitter.keys)
     rules = tuple(use for use in scene.rules if use.name == "emitter_motion")
     return replace(scene, emitter=emitter, camera=camera, rules=rules, children=None)

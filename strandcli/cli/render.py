@@ -64,7 +64,7 @@ def command(
     **scene_settings: Any,
 ) -> None:
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
-    strands (.hair, .data, .bin, .tfx, .ply, .npz) as it is.
+    strands (.hair, .data, .bin, .tfx, .ply, .npz, .abc, .usd) as it is.
 
     Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
     wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its

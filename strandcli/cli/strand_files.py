@@ -40,6 +40,10 @@ def say_facts(found: Facts) -> None:
         box = data["box"]
         spans = [f"{'xyz'[i]} {box['min'][i]:.4g} to {box['max'][i]:.4g}" for i in range(3)]
         say(f"  box        {', '.join(spans)}")
+    if data["unit"] is not None:
+        say(f"  unit       {data['unit']:.6g} m")
+    if data["up"] is not None:
+        say(f"  up         {data['up']}")
     for one in data["attributes"]:
         bounds = "" if one["min"] is None else f", {one['min']:.4g} to {one['max']:.4g}"
         say(f"  attribute  {one['name']}: {one['type']} for each {one['domain']}{bounds}")

@@ -169,9 +169,16 @@ def _still(strands: Strands) -> npt.NDArray[np.int64]:
 
 
 def _faults_of_groom(strands: Strands, known: Ends | None) -> list[Fault]:
-    if known is None:
-        return []
     found = []
+    source = strands.source
+    if source.up not in (None, UP):
+        text = f"up is {source.up}, as the file says; here up is {UP}"
+        found.append(Fault("up", strands.count, text, f"--up {source.up}"))
+    if source.unit not in (None, 1.0):
+        text = f"a unit is {source.unit:.6g} m, as the file says; here they are metres"
+        found.append(Fault("unit", strands.count, text, f"--scale {source.unit:.9g}"))
+    if known is None:
+        return found
     if known.root == "last":
         misfits = f"last points fit a head within {known.last.misfit:.1%}, first within {known.first.misfit:.1%}"
         text = f"roots are last: {misfits}"
@@ -180,7 +187,7 @@ def _faults_of_groom(strands: Strands, known: Ends | None) -> list[Fault]:
     if others:
         found.append(Fault("other_way", others, f"{strands_of(others)} run the other way than the rest", "--fix"))
     up = up_axis(strands, known)
-    if up is not None and up[0] != UP:
+    if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"
         found.append(Fault("up", strands.count, text, f"--up {up[0]}"))
     head = unit(strands, known)

@@ -133,7 +133,7 @@ def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> Strands:
 def _placed(strands: Strands, given: GroomFile) -> tuple[Strands, float]:
     """Strands in metres, where the scene wants them, and the metres of a unit of the file. Raises `UsageError` where
     single precision ends before that."""
-    factor, middle = given.scale, np.zeros(3)
+    factor, middle = strands.source.unit or 1.0 if given.scale is None else given.scale, np.zeros(3)
     if given.size is not None or given.place != "file":
         low, high = box_of(strands.points)
         if given.size is not None:

@@ -34,7 +34,7 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         )
     if scene.children is not None:
         yield ("children", PLACE), "grow about strands of the emitter, not those of a file; take one of the two out"
-    if given.size is not None and given.scale != 1:
+    if given.size is not None and given.scale is not None:
         yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
     rules = [use.path for use in scene.rules if use.name != "emitter_motion"]
     if rules:

@@ -83,6 +83,56 @@ def test_blender_plays_the_same_points(tmp_path: Path) -> None:
         assert np.array_equal(points_of(curves_in_scene()), told[frame - 3].points)
 
 
+def usd_import(path: Path) -> Any:
+    """The one object of curves of a stage."""
+    empty()
+    bpy.ops.wm.usd_import(filepath=str(path), apply_unit_conversion_scale=False)
+    there = [one for one in bpy.data.objects if one.type == "CURVES"]
+    assert len(there) == 1
+    return there[0]
+
+
+def usd_points(held: Any) -> Any:
+    """Points (P, 3) of an object at the frame that is set, their y axis up; Blender turns by the object."""
+    data = held.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    turn = np.array(held.matrix_world)
+    assert np.array_equal(np.round(turn), [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    return values(data, "position", "vector", 3)
+
+
+def test_blender_opens_the_same_points_of_usd(tmp_path: Path) -> None:
+    held = strands()
+    write(tmp_path / "a.usd", held)
+    found = usd_import(tmp_path / "a.usd")
+    assert [len(one.points) for one in found.data.curves] == held.counts().tolist()
+    assert np.array_equal(usd_points(found), held.points)
+    assert np.array_equal(values(found.data, "radius", "value", 1)[:, 0], held.attributes["width"].values / 2)
+
+
+def test_blender_plays_the_same_points_of_usd(tmp_path: Path) -> None:
+    held = strands()
+    told = [TimeSample(frame / 24, held.points * np.float32(frame)) for frame in range(3, 9)]
+    write(tmp_path / "a.usd", held, told)
+    found = usd_import(tmp_path / "a.usd")
+    for frame in range(3, 9):
+        bpy.context.scene.frame_set(frame)
+        assert np.array_equal(usd_points(found), told[frame - 3].points)
+
+
+def test_what_blender_writes_as_usd_is_read(tmp_path: Path) -> None:
+    export(tmp_path / "a.abc")
+    bpy.ops.wm.usd_export(filepath=str(tmp_path / "a.usdc"), export_animation=True)
+    found = read(tmp_path / "a.usdc")  # Blender's curves are Catmull-Rom splines through their points
+    assert (found.source.up, found.source.facts["times"]) == ("z", 3)
+    each = max(found.source.facts["points_a_piece"])
+    counts = found.counts().tolist()
+    assert sorted(counts) == sorted((n - 1) * each + 1 if n > 2 else 2 for n in (3, 4, 5, 2, 2))
+    begin = found.first[counts.index(2 * each + 1)]
+    place = np.arange(3, dtype=np.float32)
+    want = np.stack([place, place**2 / 8, 1 / (place + 1)], axis=1)
+    assert np.array_equal(found.points[begin : begin + 2 * each + 1 : each], want)
+
+
 def export(path: Path) -> None:
     """Write two objects of curves, of which one is scaled and moves; `from_blender.abc` was made by it."""
     empty()

@@ -1,17 +1,19 @@
-"""Curves of an Alembic archive, each object as it is told; `joined` makes strands of all of them."""
+"""Curves of an Alembic archive, each object as it is told; `strandcli.exchange.parts` makes strands of all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..parts import Part
+from ..placing import moved, moved_attribute
 from ..strands import Attribute, Domain, Offsets, Points
 from . import layout
 from .archive import CLOSE, Archive, Object, Property
-from .xform import Matrix, Transform, chain, moved, turned, world
+from .xform import Transform, chain, world
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,18 +33,6 @@ class Curves:
     def counts(self) -> Property:
         """Points of each curve."""
         return self.geometry["nVertices"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """What an object of curves holds: points of each curve (S,), points (P, 3), attributes by our names, names of
-    those that are none here, and what the curves are."""
-
-    counts: Offsets
-    points: Points
-    attributes: dict[str, Attribute] = field(default_factory=dict)
-    unread: list[str] = field(default_factory=list)
-    basis: str = ""
 
 
 def all_curves(archive: Archive) -> list[Curves]:
@@ -108,7 +98,7 @@ def part_of(archive: Archive, one: Curves) -> Part:
         if found is None:
             unread.append(name)
         else:
-            attributes[name] = found if matrix is None else _moved(name, found, matrix)
+            attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
     return Part(counts, points, attributes, unread, _basis(archive, one))
 
 
@@ -165,17 +155,6 @@ def _domain(told: str, rows: int, strands: int, points: int) -> Domain | None:
     counts: dict[Domain, int] = {"point": points, "strand": strands, "groom": 1}
     fits: list[Domain] = [domain for domain, count in counts.items() if count == rows]
     return next((domain for domain in fits if domain == told), fits[0] if fits else None)
-
-
-def _moved(name: str, one: Attribute, matrix: Matrix) -> Attribute:
-    """An attribute as a transform leaves it: widths are scaled, normals turned."""
-    if name == "width" and one.values.dtype == np.float32:
-        with np.errstate(over="ignore", invalid="ignore"):
-            scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1 / 3)
-            return Attribute(one.domain, (one.values * scale).astype(np.float32))
-    if name == "normal" and one.values.shape[1:] == (3,) and one.values.dtype == np.float32:
-        return Attribute(one.domain, turned(one.values, matrix))
-    return one
 
 
 def _basis(archive: Archive, one: Curves) -> str:

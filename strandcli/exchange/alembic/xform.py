@@ -8,12 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..strands import CHUNK
+from ..placing import Matrix
 from . import layout
 from .archive import Archive, Object, Property
-
-Matrix = npt.NDArray[np.float64]
-"""(4, 4), of rows: a point (x, y, z, 1) is multiplied from the left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,23 +96,3 @@ def _turn(axis: npt.NDArray[np.float64], degrees: float) -> Matrix:
     across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     angle = math.radians(degrees)
     return np.asarray(np.eye(3) + math.sin(angle) * across + (1 - math.cos(angle)) * (across @ across)).T
-
-
-def moved(points: npt.NDArray[np.float32], matrix: Matrix | None) -> npt.NDArray[np.float32]:
-    """Points (P, 3) where a transform puts them."""
-    if matrix is None:
-        return points
-    found = np.empty_like(points)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for begin in range(0, points.shape[0], CHUNK):
-            found[begin : begin + CHUNK] = points[begin : begin + CHUNK] @ matrix[:3, :3] + matrix[3, :3]
-    return found
-
-
-def turned(normals: npt.NDArray[np.float32], matrix: Matrix) -> npt.NDArray[np.float32]:
-    """Normals (P, 3) as a transform turns them, as long as they were."""
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        cofactors = np.cross(matrix[[1, 2, 0], :3], matrix[[2, 0, 1], :3])
-        found = normals @ cofactors * np.sign(np.linalg.det(matrix[:3, :3]))  # the inverse transposed, but for length
-        long, now = np.linalg.norm(normals, axis=1, keepdims=True), np.linalg.norm(found, axis=1, keepdims=True)
-        return np.asarray(np.where(now > 0, found * (long / now), normals).astype(np.float32))

@@ -12,9 +12,9 @@ from ..alembic import layout
 from ..alembic.archive import Archive
 from ..alembic.curves import all_curves, at_times, counts_of, part_of, times_of
 from ..alembic.export import write_curves
-from ..alembic.joined import joined
 from ..bounded import opened
 from ..files import ReadOptions
+from ..parts import joined
 from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
 
 name = ".abc"

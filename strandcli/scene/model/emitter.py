@@ -74,7 +74,7 @@ class GroomFile:
     """Strands of another program, from a file: all their points are drawn. They are in the emitter's frame, so that its
     position, rotation and keys carry them. Their number, particles and lengths are those of the file."""
 
-    file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply or .npz")
+    file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
     up: str = choice(
         "auto",
         ("auto", "x", "y", "z", "-x", "-y", "-z"),
@@ -90,7 +90,9 @@ class GroomFile:
         doc="leave out strands that are not finite, have no length or repeat another. false: what cannot be drawn is "
         "refused",
     )
-    scale: float = number(1.0, above=0, unit="1", doc="metres a unit of the file")
+    scale: float | None = number(
+        None, above=0, unit="1", doc="metres a unit of the file; absent: as the file says, else 1"
+    )
     size: float | None = number(
         None, above=0, unit="m", doc="longest side of the box about all strands, in place of `scale`; absent: by scale"
     )

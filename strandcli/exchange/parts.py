@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ..strands import Attribute, Domain, Source, Strands, offsets
-from .curves import Part
+from .strands import Attribute, Domain, Offsets, Points, Source, Strands, offsets
 
 RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 """Domains, from few values to many."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """What an object of curves holds: points of each curve (S,), points (P, 3), attributes by our names, names of
+    those that are none here, and what the curves are."""
+
+    counts: Offsets
+    points: Points
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+    unread: list[str] = field(default_factory=list)
+    basis: str = ""
 
 
 def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:

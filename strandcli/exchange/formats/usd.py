@@ -1,0 +1,85 @@
+"""`.usd`, `.usda`, `.usdc`: the BasisCurves of a stage of USD, with their points at several times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from ..bounded import opened
+from ..files import ReadOptions
+from ..parts import joined
+from ..strands import Source, Strands, TimeSample, without_short
+from ..usd.curves import Reader, Stage
+from ..usd.export import write_stage
+
+name = ".usd"
+suffixes = (".usd", ".usda", ".usdc")
+moving = True
+
+MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
+"""How files begin."""
+WHAT = ".usd file"
+MOST_NAMES = 20
+"""Prims that are told by name."""
+
+
+def sniff(head: bytes, size: int) -> bool:
+    """Whether it begins as USD, binary or text."""
+    return head.startswith(tuple(MAGIC))
+
+
+def read(path: Path, options: ReadOptions) -> Strands:
+    """The strands of a file, of all prims of BasisCurves that are visible, where their transforms put them at the first
+    time. Cubic curves become points on them."""
+    encoding = _encoding(path)
+    stage = Reader(path, options.lenient, encoding == "text").stage()
+    told = stage.told
+    facts = _facts(stage, encoding)
+    strands, lost = joined(stage.parts, Source(name, "", facts, told["unit"] or None, told["up"]))
+    if lost:
+        facts["attributes_not_read"] = lost
+    return without_short(strands)
+
+
+def _encoding(path: Path) -> str:
+    """ "binary" or "text". Raises `UsageError` where it is no USD."""
+    with opened(path, WHAT) as file:
+        head = file.take("begin", min(16, file.size))
+        for magic, kind in MAGIC.items():
+            if head.startswith(magic):
+                return kind
+        raise file.damaged("does not begin as USD does", 0)
+
+
+def _facts(stage: Stage, encoding: str) -> dict[str, Any]:
+    told, times = stage.told, stage.told["times"]
+    facts: dict[str, Any] = {
+        "encoding": encoding, "prims": [one.prim for one in stage.curves[:MOST_NAMES]],
+        "basis": sorted({one.basis.text for one in stage.curves}), "times": max(len(times), 1),
+    }  # fmt: skip
+    if times:
+        facts |= {"begin": times[0], "end": times[-1]}
+    if len(stage.curves) > MOST_NAMES:
+        facts["prims_in_all"] = len(stage.curves)
+    cubic = [one for one in stage.curves if not one.basis.linear]
+    if cubic:
+        facts["points_a_piece"] = sorted({one.each for one in cubic})
+        facts["off_the_curves"] = float(f"{max(one.off for one in cubic):.3g}")
+    facts |= {key: told[key] for key in ("not_read", "purpose", "application") if told[key]}
+    if told["not_found"]:
+        facts["files_not_found"] = told["not_found"]
+    return facts
+
+
+def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
+    """The points of the strands that `read` finds, at each time of the file. Raises `UsageError` where strands come or
+    go with time."""
+    reader = Reader(path, options.lenient, _encoding(path) == "text")
+    yield from reader.moments(reader.stage().curves)
+
+
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+    """Write a file, text where its name ends in `.usda`: a stage of one prim of linear curves, its attributes, and the
+    points at several times."""
+    return write_stage(path, strands, samples)

@@ -1,0 +1,154 @@
+"""Strands as the worker is to write them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import UsageError
+from ...output.files import refusal, temporary_name
+from ..strands import CHUNK, Attribute, Domain, Points, Strands, TimeSample
+from .curves import NAMES
+from .messages import Message
+from .process import ask
+
+INTERPOLATION: dict[Domain, str] = {"groom": "constant", "strand": "uniform", "point": "vertex"}
+THEIRS = {ours: theirs for theirs, ours in reversed(NAMES.items())}
+"""USD's names of attributes."""
+EXTENTS = {"width": 1, "colour": 3, "transparency": 1, "normal": 3, "uv": 2, "root_uv": 2}
+"""Numbers that these have a row; they are floating-point."""
+KINDS = {"B": "B", "i": "i", "q": "q", "l": "q"}
+"""Integers that USD has, by those of numpy."""
+RATE = 24.0
+"""Time codes a second of a single time."""
+NEAR = 1e-6
+"""Time codes by which a moment may be off a whole one that is meant."""
+
+
+def write_stage(path: Path, strands: Strands, samples: Iterable[TimeSample] | None) -> list[str]:
+    """Write strands as linear curves; ``samples``: their points at several times, rising. Returns lines for what is
+    left out. Raises `RefusedError` where it cannot be written."""
+    temporary = temporary_name(path).with_suffix(".tmp.usd")
+    attributes, lost = _attributes(strands)
+    kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
+    request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
+    try:
+        temporary.write_bytes(b"")
+        temporary.unlink()
+        for _ in ask(path, request, _messages(path, strands, attributes, samples)):
+            pass
+        os.replace(temporary, path)
+    except OSError as error:
+        raise refusal(error, path) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+    return [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
+
+
+def _messages(
+    path: Path, strands: Strands, attributes: list[tuple[str, str, Any]], samples: Iterable[TimeSample] | None
+) -> Iterator[Message]:
+    """What the worker is to write: all but points, then these at each time."""
+    moments = _moments(path, strands, samples)
+    first = next(moments)
+    second = next(moments, None)
+    rate = None if samples is None else RATE if second is None else _rate(second.seconds - first.seconds)
+    source = strands.source
+    up = source.up or "y"
+    if up not in ("y", "z"):
+        raise UsageError(f"{path}: USD knows y and z as up axes, not {up}; turn it with --up {up}")
+    told = {
+        "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": ["linear", "", "nonperiodic"],
+        "attributes": [[name, interpolation] for name, interpolation, _ in attributes],
+    }  # fmt: skip
+    yield told, [strands.counts().astype("<i4"), *(values for _, _, values in attributes)]
+    widest = max((float(values.max(initial=0.0)) for name, _, values in attributes if name == "widths"), default=0.0)
+    yield _points(first, rate, widest)
+    if second is not None:
+        yield _points(second, rate, widest)
+    for one in moments:
+        yield _points(one, rate, widest)
+    yield {"all": True}, []
+
+
+def _moments(path: Path, strands: Strands, samples: Iterable[TimeSample] | None) -> Iterator[TimeSample]:
+    """The samples, checked; the strands' own points where there are none."""
+    last = None
+    for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
+        if one.points.shape != strands.points.shape:
+            raise UsageError(
+                f"{path}: {one.points.shape[0]:,} points at {one.seconds:g} s, the strands have "
+                f"{strands.points.shape[0]:,}; .usd is written of strands that stay the same in number"
+            )
+        if last is not None and not one.seconds > last:
+            raise UsageError(f"{path}: {one.seconds:g} s comes after {last:g} s; times must rise")
+        last = one.seconds
+        yield one
+    if last is None:
+        raise UsageError(f"{path}: there is no moment to be written")
+
+
+def _rate(seconds: float) -> float:
+    """Time codes a second of moments that are so far apart: a whole number where one is meant."""
+    found = 1 / seconds
+    whole = round(found)
+    return float(whole) if whole and abs(found - whole) < 1e-4 * whole else float(f"{found:.12g}")
+
+
+def _points(one: TimeSample, rate: float | None, widest: float) -> Message:
+    code = None
+    if rate is not None:
+        code = one.seconds * rate
+        code = float(round(code)) if abs(code - round(code)) < NEAR else code
+    return {"code": code, "extent": _extent(one.points, widest)}, [one.points.astype("<f4", copy=False)]
+
+
+def _extent(points: Points, widest: float) -> list[list[float]]:
+    """Corners of the box about strands of points (P, 3)."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for begin in range(0, points.shape[0], CHUNK):
+        part = points[begin : begin + CHUNK]
+        low, high = np.fmin(low, part.min(axis=0)), np.fmax(high, part.max(axis=0))
+    largest = float(np.finfo(np.float32).max)
+    corners = np.nan_to_num(np.stack([low - widest / 2, high + widest / 2]), nan=0.0, posinf=largest, neginf=-largest)
+    return np.asarray(np.clip(corners, -largest, largest)).tolist() if points.shape[0] else [[0.0] * 3] * 2
+
+
+def _attributes(strands: Strands) -> tuple[list[tuple[str, str, npt.NDArray[Any]]], list[str]]:
+    """Name, interpolation and values (rows, m) of what USD holds, and names of what it does not."""
+    found: list[tuple[str, str, npt.NDArray[Any]]] = []
+    lost = []
+    for name, one in strands.attributes.items():
+        values = _values(strands, name, one)
+        theirs = THEIRS.get(name, name)
+        fine = theirs.replace("_", "a").isalnum() and theirs.isascii() and not theirs[0].isdigit()
+        if values is None or not fine or any(theirs == other for other, _, _ in found):
+            lost.append(name)
+        else:
+            found.append((theirs, INTERPOLATION[one.domain], values))
+    return found, lost
+
+
+def _values(strands: Strands, name: str, one: Attribute) -> npt.NDArray[Any] | None:
+    """Values as (rows, m), in a type that USD has; None of others."""
+    values = one.values
+    if name in EXTENTS:
+        each = EXTENTS[name]
+        if values.size != each * values.shape[0] or values.dtype.kind not in "fiu":
+            return None
+        if values.dtype == np.uint8:
+            values = values.astype(np.float32) / np.float32(255)
+        values = values.astype(np.float32, copy=False).reshape(-1, each)
+        return 1 - values if name == "transparency" else values
+    rows = values.reshape(values.shape[0], -1) if values.size else values.reshape(0, 1)
+    if rows.dtype.kind == "f" and rows.dtype.itemsize <= 4:
+        return rows.astype(np.float32, copy=False) if rows.shape[1] <= 4 else None
+    kind = KINDS.get(rows.dtype.char)
+    return rows.astype(kind) if kind and rows.shape[1] == 1 else None

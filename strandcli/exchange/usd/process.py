@@ -1,0 +1,182 @@
+"""The process that reads and writes USD: begun when it is needed, asked, and ended where it does not answer."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import importlib.util
+import json
+import os
+import select
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from ...errors import RefusedError, StrandError, UsageError, one_line
+from ..bounded import LONGEST, amount
+from .messages import Message, receive, send
+
+PROGRAM = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from strandcli.exchange.usd.worker import main; main()"
+)
+EXTRA = "USD is read and written with Pixar's library: pip install 'strandcli[usd]'"
+SECONDS, BYTES_A_SECOND = 60.0, 1e6
+"""How long an answer may take: so long, and a second more for so many bytes of the file."""
+SPARE = 1 << 26
+"""Bytes of arrays that are taken from a file beyond three times its size."""
+ENVIRONMENT = {"PXR_WORK_THREAD_LIMIT": "1", "MALLOC_ARENA_MAX": "1"}
+"""Threads of Pixar's library would each take memory of their own."""
+
+
+class EndedError(Exception):
+    """The process has ended, or takes too long."""
+
+
+class Process:
+    """The process, and the pipes to it."""
+
+    def __init__(self) -> None:
+        """Start it. Raises `OSError`."""
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            bufsize=0,
+            env={**os.environ, **ENVIRONMENT},
+            start_new_session=True,  # Ctrl-C is for the process that was started by hand
+        )
+        self.deadline = float("inf")
+
+    def send(self, told: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
+        """Hand it a message. Raises `EndedError`."""
+        pipe: Any = self.process.stdin
+        try:
+            send(_All(pipe), told, arrays)  # type: ignore[arg-type]
+        except OSError:
+            raise EndedError from None
+
+    def answer(self, room: int) -> Message:
+        """What it says next, whose arrays take ``room`` bytes at most. Raises `EndedError`, `OverflowError`."""
+        return receive(self._fill, room)
+
+    def _fill(self, view: memoryview) -> None:
+        pipe: Any = self.process.stdout
+        done = 0
+        while done < len(view):
+            left = self.deadline - time.monotonic()
+            if left <= 0 or not select.select([pipe], [], [], min(left, 1e6))[0]:
+                raise EndedError
+            got = pipe.readinto(view[done:])
+            if not got:
+                raise EndedError
+            done += got
+
+    def stop(self) -> int:
+        """End it; returns what it ended with."""
+        self.process.kill()
+        code = self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):
+                    pipe.close()
+        return code
+
+
+class _All:
+    """A pipe into which all is written."""
+
+    def __init__(self, pipe: Any) -> None:
+        self.pipe = pipe
+
+    def write(self, data: Any) -> None:
+        view = memoryview(data)
+        while len(view):
+            view = view[self.pipe.write(view) :]
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+
+_kept: list[Process] = []
+"""The process that waits for the next file."""
+
+
+@atexit.register
+def _stop_kept() -> None:
+    while _kept:
+        _kept.pop().stop()
+
+
+def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None) -> Iterator[Message]:
+    """What the process answers about a file: messages, each as soon as it is there. ``more``: messages that are sent
+    after the first one, of which none is answered before the last.
+
+    Raises `UsageError` for what is no USD, or too much of it, and for want of Pixar's library; `RefusedError` for what
+    cannot be written.
+    """
+    if importlib.util.find_spec("pxr") is None:
+        raise UsageError(f"{path}: {EXTRA}")
+    size = 0
+    with contextlib.suppress(OSError):
+        size = path.stat().st_size
+    process = _begun(path, {**told, "bytes": size})
+    done = False
+    try:
+        for message in more or ():
+            process.send(*message)
+        process.deadline = time.monotonic() + SECONDS + size / BYTES_A_SECOND
+        while True:
+            found, arrays = process.answer(3 * size + SPARE)
+            if found.get("end"):
+                done = True
+                return
+            if "error" in found:
+                done = True
+                raise _error(path, told["do"], found["error"])
+            process.deadline = float("inf")  # what asks may take its time
+            yield found, arrays
+            process.deadline = time.monotonic() + SECONDS + size / BYTES_A_SECOND
+    except OverflowError:
+        raise UsageError(f"{path}: holds more than is believed of a file of {amount(size)}; it is damaged") from None
+    except EndedError:
+        raise _error(path, told["do"], "ends Pixar's library, or keeps it busy for too long; it is damaged") from None
+    finally:
+        if done and not _kept:
+            process.deadline = float("inf")
+            _kept.append(process)
+        else:
+            process.stop()
+
+
+def _begun(path: Path, told: dict[str, Any]) -> Process:
+    """A process that has the request: the one that waits if it still does, else a new one."""
+    while _kept:
+        process = _kept.pop()
+        try:
+            process.send(told)
+            process.deadline = time.monotonic() + SECONDS
+            if process.answer(0)[0].get("begun"):
+                return process
+        except (EndedError, OverflowError):
+            pass
+        process.stop()
+    try:
+        process = Process()
+        process.send(told)
+        process.deadline = time.monotonic() + SECONDS
+        process.answer(0)
+    except (OSError, EndedError, OverflowError):
+        raise RefusedError(f"{path}: the process that reads and writes USD cannot be started") from None
+    return process
+
+
+def _error(path: Path, do: str, words: str) -> StrandError:
+    words = one_line(words)
+    words = words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
+    return RefusedError(f"{path}: cannot be written: {words}") if do == "write" else UsageError(f"{path}: {words}")

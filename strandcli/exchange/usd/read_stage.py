@@ -1,0 +1,191 @@
+"""What a stage of USD says of its curves, as messages; runs in the worker."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom
+
+from .messages import Fill, Message, RefusedFileError
+
+PURPOSES = (("default", "render"), ("proxy",), ("guide",))
+"""What is for pictures goes before stand-ins, and these before guides."""
+OTHER_CURVES = ("HermiteCurves", "NurbsCurves", "PointInstancer")
+"""Types of which curves are told but not read."""
+OWN = ("widths", "normals")
+"""Attributes that curves have themselves."""
+UNREAD = ("velocities", "accelerations")
+MOST_FINDINGS = 5
+"""Places that are told by name."""
+
+
+def opened(path: str) -> Usd.Stage:
+    """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
+    layer = Sdf.Layer.FindOrOpen(path)
+    if layer is None:
+        raise RefusedFileError("is no USD that Pixar's library opens")
+    layer.Reload(force=True)
+    return Usd.Stage.Open(layer, Usd.Stage.LoadAll)
+
+
+def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
+    """What a stage says of all curves, then of each prim of curves its points and attributes at the first time."""
+    stage = opened(request["path"])
+    prims, told = curves_of(stage)
+    times = times_of(prims)
+    rate = _rate(stage)
+    yield {
+        **told,
+        "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
+        "unit": UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
+        "times": [time / rate for time in times],
+        "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
+        "not_found": len(stage.GetCompositionErrors()),
+    }, []  # fmt: skip
+    moment = Usd.TimeCode(times[0]) if times else Usd.TimeCode.Default()
+    places = UsdGeom.XformCache(moment)
+    for prim in prims:
+        yield _curves(UsdGeom.BasisCurves(prim), moment, places)
+
+
+def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
+    """At each time the points of each prim of curves, and where they are put."""
+    stage = opened(request["path"])
+    prims, _ = curves_of(stage)
+    times, rate = times_of(prims), _rate(stage)
+    codes = [Usd.TimeCode(time) for time in times] or [Usd.TimeCode.Default()]
+    first = [_counts(prim, codes[0]) for prim in prims]
+    for moment in codes:
+        places = UsdGeom.XformCache(moment)
+        points = []
+        for prim, counts in zip(prims, first, strict=True):
+            told = UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr()
+            now = _counts(prim, moment) if told.GetNumTimeSamples() > 1 else counts
+            if not np.array_equal(now, counts):
+                raise RefusedFileError(f"{prim.GetPath()}: at time code {moment} it has other curves than at first")
+            points.append(_points(prim, moment))
+        seconds = moment.GetValue() / rate if times else 0.0
+        yield {"seconds": seconds, "matrices": [_matrix(prim, places) for prim in prims]}, points
+
+
+def _rate(stage: Usd.Stage) -> float:
+    found = float(stage.GetTimeCodesPerSecond())
+    return found if found > 0 else 24.0
+
+
+def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
+    """The prims of curves that are read, and what is told of others."""
+    found: dict[str, list[Usd.Prim]] = {}
+    others: Counter[str] = Counter()
+    prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+    for prim in prims:
+        name = str(prim.GetTypeName())
+        if name in OTHER_CURVES:
+            others[name] += 1
+            prims.PruneChildren()
+        elif prim.IsA(UsdGeom.BasisCurves):
+            curves = UsdGeom.BasisCurves(prim)
+            if curves.ComputeVisibility() == UsdGeom.Tokens.invisible:
+                others["invisible"] += 1
+            else:
+                found.setdefault(str(curves.ComputePurpose()), []).append(prim)
+        elif not prim.IsA(UsdGeom.Imageable) or not prim.IsLoaded():
+            others["not loaded"] += not prim.IsLoaded()
+    for purposes in PURPOSES:
+        chosen = [prim for purpose in purposes for prim in found.get(purpose, ())]
+        if chosen:
+            left = {purpose: len(there) for purpose, there in found.items() if purpose not in purposes}
+            told = {f"of purpose {purpose}": count for purpose, count in left.items()}
+            purpose = "" if purposes == PURPOSES[0] else purposes[0]
+            return chosen, {"not_read": {**{k: v for k, v in others.items() if v}, **told}, "purpose": purpose}
+    there = ", ".join(f"{count} {name}" for name, count in others.items() if count)
+    missing = len(stage.GetCompositionErrors())
+    there += f"{'; ' if there else ''}{missing} of the files that it names cannot be read" if missing else ""
+    raise RefusedFileError("holds no BasisCurves" + (f" that can be read; there are {there}" if there else ""))
+
+
+def times_of(prims: list[Usd.Prim]) -> list[float]:
+    """Time codes at which points change, or where they are put, rising."""
+    found: set[float] = set()
+    for prim in prims:
+        found.update(UsdGeom.BasisCurves(prim).GetPointsAttr().GetTimeSamples())
+        holder = prim
+        while holder and not holder.IsPseudoRoot():
+            if holder.IsA(UsdGeom.Xformable):
+                place = UsdGeom.Xformable(holder)
+                if place.TransformMightBeTimeVarying():
+                    found.update(place.GetTimeSamples())
+                if place.GetResetXformStack():
+                    break
+            holder = holder.GetParent()
+    return sorted(found)
+
+
+def _matrix(prim: Usd.Prim, places: UsdGeom.XformCache) -> list[float]:
+    return [float(number) for row in places.GetLocalToWorldTransform(prim) for number in row]
+
+
+def _counts(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
+    values = UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().Get(moment)
+    return _array(prim, "curveVertexCounts", values, "iu", 1)
+
+
+def _points(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
+    return _array(prim, "points", UsdGeom.BasisCurves(prim).GetPointsAttr().Get(moment), "f", 2)
+
+
+def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) -> Any:
+    found = np.asarray([] if values is None else values)
+    if values is None or not found.size:
+        return np.zeros((0, 3) if dimensions == 2 else 0, "f4" if "f" in kinds else "i4")
+    if found.dtype.kind not in kinds or found.ndim != dimensions or (dimensions == 2 and found.shape[1] != 3):
+        raise RefusedFileError(f"{prim.GetPath()}: {name} are of a type that curves do not have")
+    return found.astype(np.float32, copy=False) if "f" in kinds else found
+
+
+def _curves(curves: UsdGeom.BasisCurves, moment: Usd.TimeCode, places: UsdGeom.XformCache) -> Message:
+    """Of a prim what its control points mean, those, and its attributes."""
+    prim = curves.GetPrim()
+    arrays = [_counts(prim, moment), _points(prim, moment)]
+    listed, unread = [], []
+    for name, interpolation, values in _attributes(curves, moment):
+        if values is None:
+            unread.append(name)
+        else:
+            listed.append([name, interpolation])
+            arrays.append(values)
+    unread += [name for name in UNREAD if prim.GetAttribute(name).HasAuthoredValue()]
+    told = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
+    return {
+        "prim": str(prim.GetPath()), "basis": [str(one.Get(moment)) for one in told],
+        "matrix": _matrix(prim, places), "attributes": listed, "unread": unread,
+    }, arrays  # fmt: skip
+
+
+def _attributes(curves: UsdGeom.BasisCurves, moment: Usd.TimeCode) -> Iterator[tuple[str, str, Any]]:
+    """Name, interpolation and values of each attribute; None for values that are no numbers."""
+    primvars = UsdGeom.PrimvarsAPI(curves.GetPrim()).FindPrimvarsWithInheritance()
+    there = {str(one.GetPrimvarName()) for one in primvars}
+    told = (curves.GetWidthsInterpolation(), curves.GetNormalsInterpolation())
+    for name, interpolation in zip(OWN, told, strict=True):
+        attribute = curves.GetPrim().GetAttribute(name)
+        if attribute.HasAuthoredValue() and name not in there:
+            values = attribute.Get(moment)
+            yield name, str(interpolation), None if values is None else _numbers(values)
+    for one in primvars:
+        if not one.HasAuthoredValue():
+            continue
+        values = one.ComputeFlattened(moment) if one.GetElementSize() == 1 else None
+        yield str(one.GetPrimvarName()), str(one.GetInterpolation()), None if values is None else _numbers(values)
+
+
+def _numbers(values: Any) -> Any:
+    """Values as an array with a row each, None for what is no numbers."""
+    found = np.asarray(values)
+    if found.dtype.kind not in "fiub" or found.ndim > 3 or (found.ndim == 0 and found.size != 1):
+        return None
+    rows = found.reshape(1, -1) if found.ndim == 0 else found.reshape(found.shape[0], -1) if found.size else None
+    return None if rows is None else (rows.astype(np.int8) if rows.dtype.kind == "b" else rows)

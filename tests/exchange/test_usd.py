@@ -1,0 +1,356 @@
+"""Curves of USD: stages written by hand are read as Pixar's library reads them, and what is written is read again."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import exchange_kit as kit
+import usd_kit
+from strandcli.errors import RefusedError, UsageError
+from strandcli.exchange.files import ReadOptions, read, write
+from strandcli.exchange.formats import usd
+from strandcli.exchange.strands import Attribute, Strands, TimeSample
+from strandcli.exchange.usd import cubic, process
+
+NEEDED = pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) ** 2 + 100 * i for i in range(3)]
+POINTS = np.concatenate(STRANDS)
+
+
+def read_text(content: str, lenient: bool = False) -> Strands:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "a.usda")
+        path.write_text(content)
+        return read(path, ReadOptions(lenient=lenient))
+
+
+def moments(path: Path) -> list[TimeSample]:
+    return list(usd.moments(path, ReadOptions()))
+
+
+def opened(path: Path) -> Any:
+    """A stage, and its one prim of curves, as Pixar's library reads them."""
+    from pxr import Usd, UsdGeom
+
+    stage = Usd.Stage.Open(str(path))
+    return stage, UsdGeom.BasisCurves(stage.GetDefaultPrim())
+
+
+def attributes(strands: int, points: int) -> dict[str, Attribute]:
+    """One of each kind."""
+    generator = np.random.default_rng(strands + points)
+    return {
+        "width": Attribute("point", generator.random(points, np.float32)),
+        "uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "normal": Attribute("point", generator.random((points, 3), np.float32)),
+        "root_uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "colour": Attribute("strand", generator.random((strands, 3), np.float32)),
+        "clump": Attribute("strand", np.arange(strands, dtype=np.int32)),
+        "number": Attribute("point", np.arange(points) - 2**40),
+        "kind": Attribute("strand", np.arange(strands, dtype=np.uint8)),
+        "stiff": Attribute("groom", np.array([0.5], np.float32)),
+    }
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    strands=kit.lists_of_strands, frames=st.integers(1, 4), fps=st.sampled_from([1.0, 23.976, 24.0, 60.0]),
+    suffix=st.sampled_from(usd.suffixes),
+)  # fmt: skip
+def test_points_at_several_times_are_read_again(
+    strands: list[kit.Strand], frames: int, fps: float, suffix: str
+) -> None:
+    held = kit.of(strands)
+    held = Strands(held.first, held.points, attributes(held.count, held.points.shape[0]))
+    told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"a{suffix}")
+        assert write(path, held, iter(told)) == []
+        assert [one.name for one in Path(folder).iterdir()] == [path.name]
+        assert path.read_bytes().startswith(b"#usda" if suffix == ".usda" else b"PXR-USDC")
+        found = read(path)
+        assert found.points.tobytes() == told[0].points.tobytes()
+        assert found.first.tolist() == held.first.tolist()
+        assert found.source.unit == 1.0
+        assert found.source.up == "y"
+        assert found.attributes.keys() == held.attributes.keys()
+        for name, one in found.attributes.items():
+            other = held.attributes[name]
+            assert (name, one.domain, one.values.dtype) == (name, other.domain, other.values.dtype)
+            assert one.values.tobytes() == other.values.tobytes()
+        seen = moments(path)
+        assert [one.points.tobytes() for one in seen] == [one.points.tobytes() for one in told]
+        np.testing.assert_allclose([one.seconds for one in seen], [one.seconds for one in told], rtol=1e-9)
+
+
+def test_what_is_written_is_what_the_schema_asks_for(tmp_path: Path) -> None:
+    held = kit.of(STRANDS)
+    held = Strands(held.first, held.points, {"width": Attribute("strand", np.array([1, 2, 4], np.float32))})
+    write(tmp_path / "a.usd", held, [TimeSample(i / 25, held.points + np.float32(i)) for i in range(3)])
+    stage, curves = opened(tmp_path / "a.usd")
+    from pxr import Usd, UsdGeom
+
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()) == (0, 2, 25)
+    assert UsdGeom.GetStageUpAxis(stage) == "Y"
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1
+    assert curves.GetTypeAttr().Get() == "linear"
+    assert curves.GetCurveVertexCountsAttr().Get() == [4, 4, 4]
+    assert curves.GetWidthsInterpolation() == "uniform"
+    assert curves.GetWidthsAttr().Get() == [1, 2, 4]
+    for i in range(3):
+        points = np.array(curves.GetPointsAttr().Get(Usd.TimeCode(i)))
+        assert points.tobytes() == (POINTS + np.float32(i)).tobytes()
+        extent = np.array(curves.GetExtentAttr().Get(i))
+        assert np.array_equal(extent, [points.min(axis=0) - 2, points.max(axis=0) + 2])
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_stage_is_read_as_pixar_reads_it(tmp_path: Path, packed: bool) -> None:
+    content = usd_kit.text(STRANDS)
+    path = tmp_path / "a.usd"
+    path.write_bytes(usd_kit.binary(content) if packed else content.encode())
+    found = read(path)
+    _, curves = opened(path)
+    assert found.points.tobytes() == np.array(curves.GetPointsAttr().Get()).tobytes() == POINTS.tobytes()
+    assert (found.source.unit, found.source.up) == (0.01, "z")
+    assert found.attributes["width"].values.tolist() == [i / 64 for i in range(12)]
+    assert found.attributes["colour"].domain == "strand"
+    assert found.attributes["colour"].values.tolist() == (np.arange(9).reshape(3, 3) / 64).tolist()
+
+
+def test_what_moves_is_read_at_all_its_times(tmp_path: Path) -> None:
+    path = tmp_path / "a.usda"
+    path.write_text(usd_kit.moving(STRANDS))
+    found = moments(path)
+    assert [one.seconds for one in found] == [1 / 30, 2 / 30, 3 / 30]
+    for one, times, shift in zip(found, (1, 1.5, 2), (1, 2, 2), strict=True):
+        np.testing.assert_allclose(one.points, times * POINTS + [shift, 2, 3], rtol=1e-6)
+    assert read(path).points.tobytes() == found[0].points.tobytes()
+    facts = read(path).source.facts
+    assert (facts["times"], facts["begin"], facts["end"]) == (3, 1 / 30, 0.1)
+
+
+def bernstein(points: Any, t: Any) -> Any:
+    """The point of a Bezier curve of any degree, by de Casteljau's construction."""
+    points = points.astype(np.float64)
+    while len(points) > 1:
+        points = points[:-1] * (1 - t) + points[1:] * t
+    return points[0]
+
+
+def test_bezier_pieces_are_the_polynomials_that_they_mean() -> None:
+    generator = np.random.default_rng(3)
+    curve = generator.normal(size=(7, 3)).astype(np.float32)
+    found = read_text(usd_kit.text([curve], basis="bezier"))
+    each = found.source.facts["points_a_piece"][0]
+    assert found.count == 1
+    assert found.points.shape[0] == 2 * each + 1
+    for place, point in enumerate(found.points):
+        piece = min(place // each, 1)
+        want = bernstein(curve[3 * piece : 3 * piece + 4], (place - piece * each) / each)
+        np.testing.assert_allclose(point, want, rtol=1e-6, atol=1e-6)
+    assert found.points[0].tobytes() == curve[0].tobytes()
+    assert found.points[each].tobytes() == curve[3].tobytes()
+    assert found.points[-1].tobytes() == curve[6].tobytes()
+
+
+def cardinal(t: float) -> float:
+    """The cubic B-spline of knots -2 … 2, by de Boor's recursion from the unit step."""
+
+    def step(i: float, degree: int) -> float:
+        if degree == 0:
+            return float(i <= t < i + 1)
+        return ((t - i) * step(i, degree - 1) + (i + degree + 1 - t) * step(i + 1, degree - 1)) / degree
+
+    return step(-2, 3)
+
+
+@pytest.mark.parametrize("wrap", cubic.WRAPS)
+def test_b_splines_are_sums_of_cardinal_ones(wrap: str) -> None:
+    curve = np.random.default_rng(4).normal(size=(6, 3))
+    basis = cubic.Basis("cubic", "bspline", wrap)
+    made = cubic.evaluated(np.array([6]), curve, basis, 5)
+    knots = {"nonperiodic": (1, 4), "periodic": (1, 7), "pinned": (0, 5)}[wrap]
+    held = {i: curve[i % 6] for i in range(-2, 12)}
+    if wrap == "pinned":
+        held[-1], held[6] = 2 * curve[0] - curve[1], 2 * curve[5] - curve[4]
+    places = np.linspace(*knots, 5 * (knots[1] - knots[0]) + 1)
+    want = [sum(cardinal(t - i) * point for i, point in held.items() if abs(t - i) < 2) for t in places]
+    np.testing.assert_allclose(made, np.array(want), rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("wrap", cubic.WRAPS)
+def test_catmull_rom_splines_go_through_their_points_with_the_slopes_of_chords(wrap: str) -> None:
+    curve = np.random.default_rng(5).normal(size=(6, 3))
+    basis = cubic.Basis("cubic", "catmullRom", wrap)
+    made = cubic.evaluated(np.array([6]), curve, basis, 1000).astype(np.float64)
+    through = {"nonperiodic": [1, 2, 3, 4], "periodic": [1, 2, 3, 4, 5, 0, 1], "pinned": [0, 1, 2, 3, 4, 5]}[wrap]
+    np.testing.assert_allclose(made[::1000], curve[through], atol=1e-6)
+    for place, i in enumerate(through[1:-1], 1):
+        slope = (made[1000 * place + 1] - made[1000 * place - 1]) * 500
+        np.testing.assert_allclose(slope, (curve[(i + 1) % 6] - curve[(i - 1) % 6]) / 2, atol=1e-2)
+
+
+@pytest.mark.parametrize("basis", list(cubic.MATRICES))
+@pytest.mark.parametrize("wrap", cubic.WRAPS)
+def test_what_is_linear_stays_so(basis: str, wrap: str) -> None:
+    """Control points on a line at even distances make points on it, at even distances."""
+    count = 9 if basis == "bezier" and wrap == "periodic" else 7
+    curve = np.arange(count)[:, None] * np.array([1.0, 2.0, -1.0])
+    told = cubic.Basis("cubic", basis, wrap)
+    made = cubic.evaluated(np.array([count]), curve, told, 4)[:9]
+    np.testing.assert_allclose(np.diff(made, axis=0), np.broadcast_to(np.diff(made, axis=0)[0], (8, 3)), atol=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    basis=st.sampled_from(list(cubic.MATRICES)), wrap=st.sampled_from(cubic.WRAPS), kind=st.sampled_from([0, 1]),
+    counts=st.lists(st.integers(0, 14), min_size=1, max_size=8), seed=st.integers(0, 99),
+)  # fmt: skip
+def test_counts_agree_with_pixar(basis: str, wrap: str, kind: int, counts: list[int], seed: int) -> None:
+    """Sizes of varying values are those of the schema; each point on a curve is within the bound of its segments."""
+    from pxr import Usd, UsdGeom
+
+    told = cubic.Basis("cubic" if kind else "linear", basis, wrap)
+    pieces = told.pieces(np.array(counts))
+    held = np.array([count for count, piece in zip(counts, pieces, strict=True) if piece > 0], np.int64)
+    stage = Usd.Stage.CreateInMemory()
+    curves = UsdGeom.BasisCurves.Define(stage, "/a")
+    curves.CreateTypeAttr(told.type)
+    curves.CreateBasisAttr(basis)
+    curves.CreateWrapAttr(wrap)
+    curves.CreateCurveVertexCountsAttr(held.tolist())
+    if wrap != "pinned" and (kind or wrap == "nonperiodic"):  # the library does not count what pinning adds
+        assert curves.ComputeVaryingDataSize(Usd.TimeCode.Default()) == told.varying(held).sum()
+    points = np.random.default_rng(seed).normal(size=(int(held.sum()), 3)).astype(np.float32)
+    each, off = cubic.points_a_piece(held, points, told)
+    coarse, fine = (cubic.evaluated(held, points, told, one) for one in (each, 4 * each))
+    assert coarse.shape[0] == cubic.new_counts(held, told, each).sum()
+    begin = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, each))])
+    begin_fine = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, 4 * each))])
+    for i in range(held.size):
+        few, many = coarse[begin[i] : begin[i + 1]], fine[begin_fine[i] : begin_fine[i + 1]]
+        assert np.abs(many[::4] - few).max() < 1e-5
+        chord = np.repeat(few[:-1], 4, axis=0) + np.tile([[0], [0.25], [0.5], [0.75]], (len(few) - 1, 1)) * np.repeat(
+            np.diff(few, axis=0), 4, axis=0
+        )
+        assert np.linalg.norm(many[:-1] - chord, axis=1).max() <= off + 1e-5
+
+
+def test_values_of_cubic_curves_follow_them() -> None:
+    curve = np.random.default_rng(6).normal(size=(7, 3)).astype(np.float32)
+    more = '    float[] primvars:a = [0, 1, 4] (\n        interpolation = "varying"\n    )\n'
+    more += f'    float3[] primvars:b = {usd_kit.tuples(curve)} (\n        interpolation = "vertex"\n    )\n'
+    more += '    int[] primvars:c = [0, 1, 4] (\n        interpolation = "varying"\n    )\n'
+    found = read_text(usd_kit.HEAD + usd_kit.prim([curve], basis="bezier", more=more))
+    each = found.source.facts["points_a_piece"][0]
+    want = np.interp(np.arange(2 * each + 1) / each, [0, 1, 2], [0, 1, 4])
+    np.testing.assert_allclose(found.attributes["a"].values, want, rtol=1e-6)
+    assert found.attributes["b"].values.tobytes() == found.points.tobytes()
+    assert found.source.facts["attributes_not_read"] == ["c"]
+
+
+def test_what_is_not_for_pictures_is_left_out_and_told() -> None:
+    body = usd_kit.prim(STRANDS[:1], "a") + usd_kit.prim(STRANDS[1:2], "b", more='    token visibility = "invisible"\n')
+    body += usd_kit.prim(STRANDS[2:], "c", more='    uniform token purpose = "guide"\n')
+    body += 'def NurbsCurves "d"\n{\n}\ndef PointInstancer "e"\n{\n' + usd_kit.prim(STRANDS[:1], "f") + "}\n"
+    body += 'def Xform "g" (\n    payload = @./missing.usd@\n)\n{\n}\n'
+    found = read_text(usd_kit.HEAD + body)
+    assert found.points.tobytes() == STRANDS[0].tobytes()
+    facts = found.source.facts
+    assert facts["prims"] == ["/a"]
+    assert facts["not_read"] == {"invisible": 1, "NurbsCurves": 1, "PointInstancer": 1, "of purpose guide": 1}
+    assert facts["files_not_found"] == 1
+    guides = read_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more='    uniform token purpose = "guide"\n'))
+    assert guides.source.facts["purpose"] == "guide"
+    with pytest.raises(UsageError, match="holds no BasisCurves that can be read; there are 1 NurbsCurves"):
+        read_text(usd_kit.HEAD + 'def NurbsCurves "d"\n{\n}\n')
+
+
+def test_instances_are_read_where_they_stand() -> None:
+    held = 'class Xform "kept"\n{\n' + usd_kit.prim(STRANDS, "a") + "}\n"
+    for name, shift in (("one", 1), ("two", 50)):
+        held += f'def Xform "{name}" (\n    instanceable = true\n    references = </kept>\n)\n{{\n'
+        held += f"    double3 xformOp:translate = ({shift}, 0, 0)\n"
+        held += '    uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
+    found = read_text(usd_kit.HEAD + held)
+    assert found.source.facts["prims"] == ["/one/a", "/two/a"]
+    assert np.array_equal(found.points, np.concatenate([POINTS + np.array(x) for x in ([1, 0, 0], [50, 0, 0])]))
+
+
+def test_widths_and_normals_go_with_transforms() -> None:
+    more = f"    normal3f[] normals = {usd_kit.tuples(POINTS)}\n    float[] widths = [2] (\n"
+    more += '        interpolation = "constant"\n    )\n    double3 xformOp:scale = (3, 3, 3)\n'
+    more += '    uniform token[] xformOpOrder = ["xformOp:scale"]\n'
+    found = read_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more=more))
+    assert np.array_equal(found.points, 3 * POINTS)
+    assert found.attributes["width"].values.tolist() == pytest.approx([6])
+    np.testing.assert_allclose(found.attributes["normal"].values, POINTS, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (usd_kit.prim(STRANDS).replace("[4, 4, 4]", "[4, 4, 5]"), "12 points, the curves have 13"),
+        (usd_kit.prim(STRANDS).replace("[4, 4, 4]", "[4, -4, 12]"), "curve 1 has -4 points"),
+        (usd_kit.prim([POINTS[:5]], basis="bezier"), "5 points, which make no whole pieces of cubic bezier"),
+        (usd_kit.prim(STRANDS, basis="hermite"), "basis hermite"),
+        (usd_kit.prim(STRANDS).replace("(0, 1, 4)", "(0, nan, 4)"), "points: number 0 is not finite"),
+        ('def Xform "a"\n{\n}\n', "holds no BasisCurves"),
+        ("def garbage", "damaged or no .usd file"),
+    ],
+)  # fmt: skip
+def test_damage_is_told_in_a_line(content: str, words: str) -> None:
+    with pytest.raises(UsageError) as error:
+        read_text(usd_kit.HEAD + content)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_short_curves_are_skipped_and_counted() -> None:
+    found = read_text(usd_kit.HEAD + usd_kit.prim([POINTS[:7], POINTS[:2]], basis="bspline"))
+    assert found.count == 1
+    assert sum(found.source.skipped.values()) == 1
+
+
+def test_what_usd_cannot_hold_is_told(tmp_path: Path) -> None:
+    held = kit.of(STRANDS)
+    held = Strands(held.first, held.points, {"frame": Attribute("strand", np.ones((3, 9), np.float32))})
+    assert write(tmp_path / "a.usd", held) == [".usd does not hold frame: left out"]
+    with pytest.raises(RefusedError, match="cannot be written"):
+        write(tmp_path / "none" / "a.usd", held)
+    samples = [TimeSample(0, held.points), TimeSample(1, held.points[:4])]
+    with pytest.raises(UsageError, match="stay the same in number"):
+        write(tmp_path / "b.usd", held, samples)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.usd"]
+
+
+def test_a_worker_that_dies_is_begun_anew(tmp_path: Path) -> None:
+    write(tmp_path / "a.usd", kit.of(STRANDS))
+    assert len(process._kept) == 1
+    process._kept[0].process.kill()
+    process._kept[0].process.wait()
+    assert read(tmp_path / "a.usd").count == 3
+
+
+def test_without_the_library_it_is_said_how_to_get_it(tmp_path: Path) -> None:
+    program = (
+        "import sys, importlib.util; sys.path[:] = sys.argv[2].split(':'); find = importlib.util.find_spec\n"
+        "importlib.util.find_spec = lambda name, *more: None if name == 'pxr' else find(name, *more)\n"
+        "from pathlib import Path; from strandcli.errors import UsageError; from strandcli.exchange.files import read\n"
+        "try: read(Path(sys.argv[1]))\n"
+        "except UsageError as error: print(error)"
+    )
+    (tmp_path / "a.usda").write_text(usd_kit.text(STRANDS))
+    command = [sys.executable, "-c", program, str(tmp_path / "a.usda"), ":".join(sys.path)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "pip install 'strandcli[usd]'" in run.stdout
