@@ -147,12 +147,12 @@ def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> Non
         if 0 < within < 20:
             continue
         kinds[within > 0] += 1
-        assert rays.lit(solids, *o, *way, FAR, SKIN) == (0 if within else 1)
-        assert rays.lit(solids, *o, *-way, FAR, SKIN) == 1
+        assert rays.visibility(solids, *o, *way, FAR, SKIN) == (0 if within else 1)
+        assert rays.visibility(solids, *o, *-way, FAR, SKIN) == 1
         if within:  # and a light just in front of it, or just behind its surface
             surface = np.float32(share[inside(solid, o + share * way.astype(float)).argmax(), 0])
-            assert rays.lit(solids, *o, *way, surface - np.float32(0.01), SKIN) == 1
-            assert rays.lit(solids, *o, *way, surface + np.float32(0.01), SKIN) == 0
+            assert rays.visibility(solids, *o, *way, surface - np.float32(0.01), SKIN) == 1
+            assert rays.visibility(solids, *o, *way, surface + np.float32(0.01), SKIN) == 0
     assert min(kinds.values()) > 20
     for point in np.random.default_rng(6).normal(size=(100, 3)):  # of its own surface: what faces the light is lit
         n = point / np.linalg.norm(point)
@@ -161,8 +161,8 @@ def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> Non
         t = float(rays.meet(solids, 0, *o, *d))
         surface = (o + t * d).astype(np.float32)
         facing = float(np.array(rays.normal(solids, 0, *surface)) @ n)
-        assert facing < 0.2 or rays.lit(solids, *surface, *n.astype(np.float32), FAR, SKIN) == 1
-        assert rays.lit(solids, *surface, *-n.astype(np.float32), FAR, SKIN) == 0
+        assert facing < 0.2 or rays.visibility(solids, *surface, *n.astype(np.float32), FAR, SKIN) == 1
+        assert rays.visibility(solids, *surface, *-n.astype(np.float32), FAR, SKIN) == 0
 
 
 @pytest.fixture
@@ -285,10 +285,10 @@ def test_its_kernels_can_be_kept_in_the_cache() -> None:
     one = np.float32(1)
     rays.meet(solids, 0, *[one] * 6)
     rays.normal(solids, 0, *[one] * 3)
-    rays.lit(solids, *[one] * 6, FAR, SKIN)
+    rays.visibility(solids, *[one] * 6, FAR, SKIN)
     measured = np.zeros((1, 2), np.float32)
     measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
     step = module_among([of(SHAPES_OF_IT["cone"])], []).single
     work_queue.address(step)
-    for kernel in (rays.meet, rays.normal, rays.lit, measure.depths, step):
+    for kernel in (rays.meet, rays.normal, rays.visibility, measure.depths, step):
         assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__

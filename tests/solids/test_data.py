@@ -93,7 +93,7 @@ def test_rays_and_shadows_are_those_of_the_capsules() -> None:
             assert found == pytest.approx(expected, abs=1e-3)
         point = random.uniform(-0.7, 0.7, 3).astype(np.float32) + np.array([0, -1.2, 0], np.float32)
         way = d / np.linalg.norm(d)
-        lit = [rays.lit(solids, *point, *way.astype(np.float32), FAR, SKIN) for solids in (one, many)]
+        lit = [rays.visibility(solids, *point, *way.astype(np.float32), FAR, SKIN) for solids in (one, many)]
         soft = [
             float(penumbra.soft_visibility(
                 solids, penumbra.LightRay(*point, *way.astype(np.float32), FAR), SKIN, np.float32(0.02), np.float32(0)

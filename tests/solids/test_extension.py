@@ -126,7 +126,7 @@ def test_its_shadow_on_the_ground_is_a_ring_and_soft_in_a_wide_light() -> None:
             continue
         point = np.array([0.6 * off, -1.0, 0.8 * off], np.float32)
         hidden = abs(off - R) < THICK
-        assert rays.lit(solids, *point, *up, FAR, SKIN) == (0 if hidden else 1)
+        assert rays.visibility(solids, *point, *up, FAR, SKIN) == (0 if hidden else 1)
         ray = penumbra.LightRay(*point, *up, FAR)
         share = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
         far = abs(abs(off - R) - THICK) > 0.03  # the light is .02 m wide there at the distance of a metre
@@ -142,9 +142,9 @@ def test_points_of_its_own_surface_are_lit_where_they_face_the_light() -> None:
     solids = packed()
     for angle in np.radians(np.arange(10, 171, 10)):  # about the tube, from outside to inside, the light above
         point = np.array([R + THICK * math.cos(angle), THICK * math.sin(angle), 0.0], np.float32)
-        assert rays.lit(solids, *point, *np.array([0, 1, 0], np.float32), FAR, SKIN) == 1
+        assert rays.visibility(solids, *point, *np.array([0, 1, 0], np.float32), FAR, SKIN) == 1
     inner = np.array([R - THICK, 0.0, 0.0], np.float32)  # and hidden by the other side of the ring
-    assert rays.lit(solids, *inner, *np.array([-1, 0, 0], np.float32), FAR, SKIN) == 0
+    assert rays.visibility(solids, *inner, *np.array([-1, 0, 0], np.float32), FAR, SKIN) == 0
 
 
 @pytest.mark.parametrize(("solver", "collision"), [

@@ -250,8 +250,8 @@ def put_outside_all(distance, normal, p, x, y, z, clear):
 
 
 @inlined
-def lit_past_all(distance, meet, p, x, y, z, way, reach, skin):
-    """`lit` of all of these solids."""
+def visibility_past_all(distance, meet, p, x, y, z, way, reach, skin):
+    """Return 1 if `hides` is false for all of these solids, else 0."""
     for m in range(p.rows.shape[0]):
         if hides(distance, meet, p, m, x, y, z, way, reach, skin):
             return ZERO

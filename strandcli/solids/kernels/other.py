@@ -64,17 +64,18 @@ def _normal(solids, m, x, y, z):
     return found
 
 
-def lit(solids, x, y, z, lx, ly, lz, reach, skin):
-    """1 where none of these stands between a point, moved by `skin` along the unit vector l, and a light; else 0."""
+def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return 1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the
+    distance `reach`, metres; else 0."""
 
 
-@overload(lit)
-def _lit(solids, x, y, z, lx, ly, lz, reach, skin):
+@overload(visibility)
+def _visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE
     distance, first, among = form.distance, form.meet, form.among
-    return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.lit_past_all(
+    return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.visibility_past_all(
         distance, first, among(solids), x, y, z, (lx, ly, lz), reach, skin
     )
 

@@ -121,7 +121,7 @@ def seen_of_sky(
         left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-way)), points, own, jitter)
         if packed is not None:
             for p, point in enumerate(points.astype(np.float32)):
-                left[p] *= rays.lit(packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
+                left[p] *= rays.visibility(packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
         found += left / ways
     return found
 

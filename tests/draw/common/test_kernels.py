@@ -127,7 +127,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra": (penumbra.soft_visibility, (SOLIDS, RAY, ONE, ONE, ONE)),
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, RAY, ONE, ONE)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
-    "lit solids": (rays.lit, (SOLIDS, *[ONE] * 8)),
+    "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
     "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
     "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (rays.ray, (ROW, ONE, ONE)),

@@ -56,7 +56,7 @@ def by_rays(packed: Any, where: Any, middle: Any, radius: float, rays: int = 600
     free = 0.0
     for u, v in disc(rays) * radius:
         way = (math.sqrt(1 - u * u - v * v) * middle + u * side + v * up).astype(np.float32)
-        free += float(cast.lit(packed, *where.astype(np.float32), *way, FAR, SKIN))
+        free += float(cast.visibility(packed, *where.astype(np.float32), *way, FAR, SKIN))
     return free / rays
 
 
@@ -94,7 +94,7 @@ def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
         middle /= np.linalg.norm(middle)
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
         tiny = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
-        differ += abs(tiny - cast.lit(packed, *numbers)) > 0.01
+        differ += abs(tiny - cast.visibility(packed, *numbers)) > 0.01
     assert differ <= 2
 
 

@@ -244,7 +244,7 @@ def test_a_point_is_in_shadow_where_a_solid_is_between_it_and_the_light(solid: S
     share = np.linspace(0, 1, 3001)[:, None]
     deepest = depth(point + share * (lamp - point), solid, STILL, 0.0).max()
     numbers = [x.astype(np.float32) for x in (*point, *way)]
-    lit = kernel.lit(packed([solid]), *numbers, np.float32(reach), np.float32(skin))
+    lit = kernel.visibility(packed([solid]), *numbers, np.float32(reach), np.float32(skin))
     if deepest > 2 * skin:
         assert lit == 0
     elif deepest < -1e-4:
@@ -262,7 +262,7 @@ def test_a_lamp_close_to_a_ball_is_hidden_only_by_what_is_before_it() -> None:
         reach = np.linalg.norm(lamp - point)
         nearest = inside(ball, point + np.linspace(0, 1, 2001)[:, None] * (lamp - point)).max()
         numbers = [x.astype(np.float32) for x in (*point, *(lamp - point) / reach)]
-        found = kernel.lit(packed([ball]), *numbers, np.float32(reach), np.float32(0.001))
+        found = kernel.visibility(packed([ball]), *numbers, np.float32(reach), np.float32(0.001))
         if abs(nearest) > 3e-3:
             assert found == (nearest < 0)
             lit += nearest < 0
@@ -280,6 +280,6 @@ def test_a_root_on_a_solid_is_not_shaded_by_the_skin_that_it_grows_from() -> Non
             numbers = (*root, *light.astype(np.float32), np.float32(1e30), np.float32(0.01))
             cosine = float(normal @ light)
             if cosine > 0.02:
-                assert kernel.lit(packed([ball]), *numbers) == 1
+                assert kernel.visibility(packed([ball]), *numbers) == 1
             elif cosine < -0.3:
-                assert kernel.lit(packed([ball]), *numbers) == 0
+                assert kernel.visibility(packed([ball]), *numbers) == 0

@@ -202,7 +202,8 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
 
 @device
 def occlude(work, n, x, y, z, solids, skin):
-    """Set the rows `LIGHT` of the first n directions to 0 where a solid occludes the light: `rays.lit`, vectorised."""
+    """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
+    `rays.visibility`."""
     for s in range(solids.spheres.shape[0]):
         for d in range(n):
             work[LIGHT + d] *= sphere.visibility(
@@ -223,7 +224,9 @@ def occlude(work, n, x, y, z, solids, skin):
     for d in range(n):
         if others > 0 and work[LIGHT + d] > ZERO:
             ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            work[LIGHT + d] *= rays.past_flat(solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin)
+            work[LIGHT + d] *= rays.visibility_past_flat(
+                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
 
 
 @device

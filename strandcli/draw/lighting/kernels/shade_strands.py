@@ -266,7 +266,7 @@ def occlude(work, n, solids, skin):
     if count_solids(solids) > solids.spheres.shape[0]:
         for k in range(n):
             if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= rays.past_others(
+                work[ARRIVES + k] *= rays.visibility_past_others(
                     solids, work[X + k], work[Y + k], work[Z + k],
                     work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
                 )  # fmt: skip

@@ -72,10 +72,10 @@ class Axis(NamedTuple):
 
 @device
 def visibility(solids, ray, skin, lights, i, sized):
-    """Return the visibility of light number i past solids along a `LightRay`: `rays.lit`, or `soft_visibility` if any
-    light has a size."""
+    """Return the visibility of light number i past solids along a `LightRay`: `rays.visibility`, or `soft_visibility`
+    if any light has a size."""
     if sized is None:
-        return rays.lit(solids, ray.x, ray.y, ray.z, ray.lx, ray.ly, ray.lz, ray.reach, skin)
+        return rays.visibility(solids, ray.x, ray.y, ray.z, ray.lx, ray.ly, ray.lz, ray.reach, skin)
     return soft_visibility(solids, ray, skin, lights[i, LIGHT_SIZE], lights[i, KIND])
 
 
@@ -83,8 +83,8 @@ def visibility(solids, ray, skin, lights, i, sized):
 def soft_visibility(solids, ray, skin, size, point):
     """Return the visible share of a disc light, 0 to 1, past all `strandcli.solids.Solids`.
 
-    ray: `LightRay`; skin: metres, as in `rays.lit`; size: sine of the light's angular radius, or its radius in metres
-    if ``point`` is 1.
+    ray: `LightRay`; skin: metres, as in `rays.visibility`; size: sine of the light's angular radius, or its radius in
+    metres if ``point`` is 1.
     """
     x, y, z, lx, ly, lz, reach = ray
     radius = seen_from(size, point, reach)

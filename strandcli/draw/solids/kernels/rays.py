@@ -78,33 +78,34 @@ def normal(solids, which, x, y, z):
 
 
 @function
-def lit(solids, x, y, z, lx, ly, lz, reach, skin):
-    """1 where nothing solid stands between a point and a light at `reach` along the unit direction l, else 0.
+def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return 1 if no solid is between a point and a light in the unit direction l, `reach` metres away; else 0.
 
-    Points within `skin` under a surface count as on it, so that a root is not shaded by the solid that it grows from:
-    only what a ray meets or is inside of after `skin` hides the light.
+    The ray begins `skin` metres from the point, so that a root, which may lie slightly below a surface, is not shaded
+    by the solid that it grows from.
     """
     for s in range(solids.spheres.shape[0]):
         if sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
-    return past_others(solids, x, y, z, lx, ly, lz, reach, skin)
+    return visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin)
 
 
 @device
-def past_others(solids, x, y, z, lx, ly, lz, reach, skin):
-    """`lit` for all that are not spheres."""
+def visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past all solids but spheres."""
     px = x + skin * lx
     py = y + skin * ly
     pz = z + skin * lz
     for s in range(solids.capsules.shape[0]):
         if capsule.visibility(solids.capsules, s, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
-    return past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
+    return visibility_past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
 
 
 @device
-def past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
-    """`lit` for all that are neither spheres nor capsules, from a point that has been moved by `skin` along l."""
+def visibility_past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past all solids but spheres and capsules, from a point that has been moved by `skin` along
+    l."""
     for s in range(solids.planes.shape[0]):
         t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
@@ -113,7 +114,7 @@ def past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
         t = box.meet(solids.boxes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
             return ZERO
-    return other.lit(solids, x, y, z, lx, ly, lz, reach, skin)
+    return other.visibility(solids, x, y, z, lx, ly, lz, reach, skin)
 
 
 @device

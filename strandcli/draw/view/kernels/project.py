@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....constants import VECTOR
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 from ...common.kernels.view_columns import (
     AXIS_X,
@@ -57,7 +57,7 @@ def to_view(x, y, z, view):
     )
 
 
-@device
+@inlined
 def to_view_number(x, y, z, views, number):
     """Return the coordinates of a point as `to_view` does, in one of several views (M, SIZE)."""
     return (
