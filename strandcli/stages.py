@@ -17,6 +17,7 @@ from .groom.arrange import arranged
 from .groom.children import Children
 from .groom.combed import Combed
 from .groom.emit import emit
+from .groom.followers import Followers
 from .groom.record import Groom
 from .plan import needed_strands
 from .scene.model import Scene
@@ -65,11 +66,19 @@ class SimulationStage:
         self.scene = scene
         self.options = options
         self.groom = self._at_rest(frames)
-        self.children = Children(scene, self.groom) if draw and scene.children is not None else None
+        self.children: Children | Followers | None = None
+        """What is drawn in place of the strands that are simulated."""
+        if draw and scene.children is not None:
+            self.children = Children(scene, self.groom)
         self.combed = None
         if draw and scene.emitter.tie is not None:
-            self.combed = Combed(scene, self.groom if self.children is None else self.children.every)
+            drawn = self.children.every if isinstance(self.children, Children) else self.groom
+            self.combed = Combed(scene, drawn)
         self.solver = solver_of(scene)(scene, self.groom)
+        if draw and scene.emitter.followers is not None:
+            from .groom_file import guided
+
+            self.children = Followers(scene, guided(scene).following, self.solver.positions)
         self.snapshots = False
         """Whether strands move on while a frame is drawn."""
         self._given = given
@@ -86,12 +95,12 @@ class SimulationStage:
             return arranged(
                 emit(scene.emitter, scene.seed, needed_strands(scene, frames) if self.options.draw else None)
             )
-        from .groom_file import from_file
+        from .groom_file import from_file, guided
 
         found = from_file(scene.emitter.groom, scene.seed)
         for words in found.notes:
             self._warn(words)
-        return found.groom
+        return found.groom if scene.emitter.followers is None else guided(scene).guides
 
     def begin(self, number: int) -> MovedStrands:
         """Move on to a frame. Raises `SimulationError` where it has gone wrong."""
@@ -146,11 +155,11 @@ class SimulationStage:
 
     def _drop_nonfinite(self, frame: Frame, before: NDArray[np.float32] | None) -> MovedStrands:
         """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
-        from .draw.geometry.detail import strands_needed
+        from .scene.detail import strands_needed
         from .simulate.health import drawable
 
         solver, groom, strands = self.solver, self.groom, self.groom.strands
-        guiding = self.scene.children is not None
+        guiding = self.children is not None
         seconds = (frame.number - 1) / self.scene.time.fps
         first = strands if guiding else min(strands_needed(self.scene, seconds), strands)
         fine = drawable(solver)
@@ -196,4 +205,6 @@ class FrameRenderer:
         frame.report["seconds"] |= drawing.seconds
         frame.report["counts"] |= drawing.counts
         frame.report["error"]["curve_px_max"] = drawing.curve_px_max
+        if drawing.follow_stretch_max is not None:
+            frame.report["error"]["follow_stretch_max"] = drawing.follow_stretch_max
         return frame

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..groom.children import Children
 from ..groom.combed import Combed
+from ..groom.followers import Followers
 from ..groom.record import Groom
 from ..scene.model import Scene
 from ..solids import Solids
@@ -16,11 +17,12 @@ from .canvas import Canvas
 from .common.drawing import Drawing
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage
+from .drawn_strands import DrawnStrands
 from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.detail import Level, all_drawn, level_of, strands_needed
+from .geometry.detail import Level
 from .geometry.extent import Thickness, bounds_of, thickness_of
 from .geometry.spacing import MEASURED_STRANDS, spacing_of
 from .lighting import occlusion
@@ -46,10 +48,12 @@ class Renderer:
     """Whether exact shadows are traced along whole segments, instead of only where a sample shows them."""
 
     def __init__(
-        self, scene: Scene, groom: Groom, children: Children | None = None, combed: Combed | None = None
+        self, scene: Scene, groom: Groom, children: Children | Followers | None = None, combed: Combed | None = None
     ) -> None:  # fmt: skip
         """``children``, ``combed``: of this scene and groom, if they exist already."""
         self.scene = scene
+        if isinstance(children, Followers):
+            groom = children.groom
         self.tones = groom.tones
         self.scratch = Scratch()
         deep = any(counts_strands(light) for light in scene.lights)
@@ -57,10 +61,7 @@ class Renderer:
             children = Children(scene, groom)
         self.children = children
         if combed is None and scene.emitter.tie is not None:
-            combed = Combed(scene, groom if children is None else children.every)
-        self.combed = combed
-        self._uneven = combed is not None or groom.points is not None  # segments of a strand differ in length
-        self._whole = None if groom.widths is None else all_drawn(groom.widths)
+            combed = Combed(scene, children.every if isinstance(children, Children) else groom)
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep)
@@ -74,6 +75,7 @@ class Renderer:
         self._thins = self.coverage is not None and all(
             model_of(light).thins for light in scene.lights if casts_map(light)
         )
+        self.drawn = DrawnStrands(groom, children, combed, self._thins, self.scratch)
         self.backdrop = backdrop_of(scene.image)
         self._drawing: Drawing
 
@@ -137,7 +139,7 @@ class Renderer:
         """Return one exposure, linear, (height, width, 3), and its lighting; made: lighting of an earlier exposure, of
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
-        strands = self._strands(positions, lengths, at)
+        strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         level = strands.level
         bounds = bounds_of(strands.positions, strands.count, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
@@ -172,23 +174,6 @@ class Renderer:
         self._note_counts(strands, canvas)
         drawing.lap("film")
         return canvas.image, lighting
-
-    def _strands(self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float) -> Strands:
-        """Return the strands that are drawn at a time, seconds, from the simulated ones: children, combed parts and
-        level of detail."""
-        scene, scratch, drawing = self.scene, self.scratch, self._drawing
-        count = len(self.tones)
-        if self.ids is None:  # in the order of emission, of which level of detail draws a prefix
-            count = min(strands_needed(scene, at), count)
-        if self.children is not None:
-            positions, lengths = self.children.grow(positions, lengths, at, count, scratch, self.ids)
-            drawing.lap("children")
-        if self.combed is not None:
-            ids = None if self.children is None else self.ids  # without children both are in the groom's order
-            positions = self.combed.join(positions, at, count, scratch, ids)
-            drawing.lap("combed")
-        level = self._whole or level_of(scene, at, positions, count, self.ids, self._thins)
-        return Strands(positions, None if self._uneven else lengths, count, level)
 
     def _plan_shadows(
         self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None

@@ -33,12 +33,12 @@ def arranged(groom: Groom) -> Groom:
 
 
 def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:
-    """Return an order of points (N, 3) in which each `LEAF` consecutive ones, and each twice, four times … as many, are
+    """Return an order of points (N, D) in which each `LEAF` consecutive ones, and each twice, four times … as many, are
     near each other: the leaves, left to right, of a k-d tree split across the longest side (Friedman, Bentley & Finkel
     1977). Ties keep their order."""
     count = len(points)
     order = np.arange(count, dtype=np.int32)
-    columns = [np.array(points[:, axis]) for axis in range(3)]
+    columns = [np.array(points[:, axis]) for axis in range(points.shape[1])]
     size = LEAF
     while size < count:
         size *= 2

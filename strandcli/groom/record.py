@@ -33,10 +33,15 @@ class Groom:
     None."""
     widths: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
+    ways: NDArray[np.float64] | None = None
+    """(strands, n − 1, 3) unit vectors: the edges of strands that are simulated with n particles in a shape of their
+    own; else None."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are
         helices, each turned around its axis by its tone."""
+        if self.ways is not None:
+            return self.ways[:, min(j, edges - 1)]
         angle, turns = self.curl
         axes = self.directions.astype(np.float64)
         if angle == 0:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .following import DENSE, with_followers
 from .measure import fitted, width_for
 from .read import from_file
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
-
-DENSE = 64
-"""Points of a strand from which on it is as smooth as it is meant: adaptive curves would find one piece a segment."""
 
 
 def completed(scene: Scene) -> Scene:
@@ -22,23 +20,23 @@ def completed(scene: Scene) -> Scene:
     if panels != scene.panels:
         scene = replace(scene, panels=panels)
     given = scene.emitter.groom
-    if given is None or scene.panels:
+    if given is None or scene.panels or scene.emitter.followers is not None:
         return scene
     found = from_file(given, scene.seed)
     mean = found.seen.length / found.groom.strands
-    scene = replace(
-        scene,
-        emitter=replace(scene.emitter, strands=found.groom.strands, particles=found.points, length=mean),
-        detail=None,
-    )
+    scene = replace(scene, emitter=replace(scene.emitter, strands=found.groom.strands, length=mean))
+    if not scene.guided:
+        scene = replace(scene, emitter=replace(scene.emitter, particles=found.points), detail=None)
     if scene.material.width == 0:
         width = found.width
         if width is None and given.cover is not None:
             width = width_for(found.seen, given.cover)
         if width is not None:
             scene = replace(scene, material=replace(scene.material, width=width))
-    if scene.curves.mode == "adaptive" and found.points > DENSE:
-        scene = replace(scene, curves=replace(scene.curves, mode="off"))
     if scene.camera.fit is not None:
         scene = replace(scene, camera=fitted(scene, found.seen))
+    if scene.guided:
+        scene = with_followers(scene)
+    if scene.curves.mode == "adaptive" and found.points > DENSE:
+        scene = replace(scene, curves=replace(scene.curves, mode="off"))
     return scene

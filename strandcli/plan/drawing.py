@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from ..constants import FRAGMENTS
 from ..decision import Decision, left_out
-from ..draw.geometry.detail import share_bounds
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
 from ..registry import FIBRES, SHADOWS
+from ..scene.detail import share_bounds
 from ..scene.model.emitter import TIED
 from .memory import fragment_bytes
 
 if TYPE_CHECKING:
-    from ..scene.model import Scene
+    from ..scene.model import Followers, Scene
 
 Decide = Callable[["Scene"], Iterator[Decision]]
 """Decides on the stages of a room in a scene."""
@@ -32,7 +32,9 @@ def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iter
 
 
 def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
-    if scene.children is None:
+    if scene.emitter.followers is not None:
+        yield from _followers(scene.emitter.followers, strands, scene.emitter.particles)
+    elif scene.children is None:
         yield left_out("children", "the strands that are simulated are drawn")
     else:
         yield Decision("children", f"{scene.drawn_strands} strands are drawn about {strands}")
@@ -40,6 +42,18 @@ def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
         yield left_out("combed parts", "strands are not tied")
     else:
         yield Decision("combed parts", f"{TIED} points a strand from its root to the tie, which are not simulated")
+
+
+def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Decision]:
+    off = f"within {followers.deviation:.3g} m or {100 * followers.deviation_share:.2g} % of the length of the file's"
+    yield Decision("guides", f"{guides:,} of {followers.strands:,} strands, {particles} particles each, {off}")
+    fewer = "all" if followers.kept == followers.strands else f"{followers.kept:,} that level of detail draws"
+    yield Decision("followers", f"{fewer} of {followers.strands:,} strands follow up to 4 guides each")
+    if followers.points == followers.file_points:
+        yield left_out("fewer points", "all points of the file are drawn")
+    else:
+        why = f"{followers.points} of {followers.file_points} a strand are within {followers.tolerance_px:g} px of it"
+        yield Decision("fewer points", f"{why}, {followers.tolerance:.3g} m")
 
 
 def _curves(scene: Scene) -> Iterator[Decision]:

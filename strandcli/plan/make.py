@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..draw.geometry.detail import strands_needed
+from ..scene.detail import strands_needed
 from .drawing import drawing_decisions
 from .free import available_memory
 from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
@@ -97,7 +97,7 @@ def _measure(plan: Plan, scene: Scene) -> None:
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
     """Return the number of strands that any of the frames draws. Strands that level of detail leaves out of all frames
     are not emitted, unless they are guides."""
-    if scene.children is not None:
+    if scene.children is not None or scene.emitter.followers is not None:
         return scene.emitter.strands
     if scene.detail is None:  # every frame needs the same
         frames = frames[:1]

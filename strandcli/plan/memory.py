@@ -20,7 +20,9 @@ RESIDENT = 190_000_000
 
 def drawn_particles(scene: Scene) -> int:
     """Return the number of particles of a drawn strand."""
-    n = scene.emitter.particles
+    n, followers = scene.emitter.particles, scene.emitter.followers
+    if followers is not None:
+        return followers.points
     if scene.children is not None:
         n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
     return n if scene.emitter.tie is None else n + TIED
@@ -28,6 +30,8 @@ def drawn_particles(scene: Scene) -> int:
 
 def drawn_strands(plan: Plan, scene: Scene) -> int:
     """Return the greatest number of drawn strands."""
+    if scene.emitter.followers is not None:
+        return scene.emitter.followers.kept
     return plan.strands if scene.children is None else scene.drawn_strands
 
 
@@ -64,6 +68,10 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
         total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
+    followers = scene.emitter.followers
+    if followers is not None:  # the file, as it is read and packed; at rest, with shares; as they are placed; a table
+        total += followers.strands * (24 * (followers.file_points + 1) + 100)
+        total += strands * (16 * n + 12 * n * 9 // 8 + 100) + plan.strands * 200 * scene.emitter.particles
     if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
         total += strands * 12 * (2 * (TIED + 1) + n)
     return total

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from .fields import settings_of
 from .model import Emitter, Scene
-from .model.emitter import FILE_LEAVES
+from .model.emitter import FILE_LEAVES, GUIDED_LEAVES
 
 PLACE = "emitter.groom"
 Clash = tuple[tuple[str, ...], str]
@@ -22,9 +22,11 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         return
     if not given.file:
         yield (f"{PLACE}.file",), "must be the path of a file of strands"
-    keys = [key for key in grown() if getattr(scene.emitter, key) != settings_of(Emitter)[key].spec.default]
+    keys = [key for key in grown(scene) if getattr(scene.emitter, key) != settings_of(Emitter)[key].spec.default]
     if keys:
         fewer = f"; {PLACE}.strands draws fewer" if "strands" in keys else ""
+        if "particles" in keys:
+            fewer += "; particles are those of guides, which there are where rules move strands"
         yield (
             tuple(f"emitter.{key}" for key in keys),
             (
@@ -36,19 +38,11 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         yield ("children", PLACE), "grow about strands of the emitter, not those of a file; take one of the two out"
     if given.size is not None and given.scale is not None:
         yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
-    rules = [use.path for use in scene.rules if use.name != "emitter_motion"]
-    if rules:
-        yield (
-            tuple(rules),
-            (
-                "strands of a file are drawn as they are, and only emitter_motion carries them; take out "
-                f"{', '.join(rules)}, or set rules to null"
-            ),
-        )
     if fit is not None and scene.camera.keys:
         yield ("camera.fit", "camera.keys"), "a camera with keys stands where they say; take one of the two out"
 
 
-def grown() -> list[str]:
-    """Settings of an emitter that grows its strands, which those of a file bring along."""
-    return [key for key in settings_of(Emitter) if key not in FILE_LEAVES]
+def grown(scene: Scene) -> list[str]:
+    """Settings of an emitter that grows its strands, which those of a file bring along in this scene."""
+    held = (*FILE_LEAVES, *GUIDED_LEAVES) if scene.guided else FILE_LEAVES
+    return [key for key in settings_of(Emitter) if key not in held]

@@ -42,7 +42,7 @@ def _alone(scene: Scene) -> dict[str, Any]:
     found: dict[str, Any] = plain(dataclasses.replace(scene, panels=()))
     del found["panels"]
     if scene.emitter.groom is not None:
-        for key in grown():
+        for key in grown(scene):
             found["emitter"][key] = None
     return found
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 def solver_of(scene: Scene) -> type[Solver]:
     """Return the class of a scene's solver; import no other."""
-    if scene.emitter.groom is not None:
+    if scene.emitter.groom is not None and scene.emitter.followers is None:
         from .still import StillSolver
 
         return StillSolver

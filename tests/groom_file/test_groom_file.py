@@ -227,7 +227,6 @@ def test_the_emitter_carries_the_strands(tmp_path: Path) -> None:
         ({"emitter__strands": 7}, "take out strands, or set it to null; emitter.groom.strands draws fewer"),
         ({"emitter__length": 7, "emitter__comb": (1, 0, 0)}, "take out length, comb, or set each to null"),
         ({"children": {"count": 3}}, "grow about strands of the emitter"),
-        ({"rules": ["emitter_motion", "gravity", "wind"]}, "only emitter_motion carries them; take out gravity, wind"),
         ({"emitter__groom__scale": 2.0, "emitter__groom__size": 1.0}, "clashes with emitter.groom.size"),
         ({"emitter__groom": None}, "camera.fit: fits strands of a file"),
         ({"camera__keys": [{"time": 0.0}]}, "a camera with keys stands where they say"),

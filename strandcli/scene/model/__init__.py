@@ -12,7 +12,7 @@ string "#rrggbb" which is read as sRGB.
 from __future__ import annotations
 
 from .camera import AOVS, Camera, CameraKey, Image
-from .emitter import DiscShape, Emitter, GroomFile, PlaneShape, SphereShape, Tie
+from .emitter import DiscShape, Emitter, Followers, GroomFile, PlaneShape, SphereShape, Tie
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .pose import PoseKey
 from .rod import Rod
@@ -39,6 +39,7 @@ __all__ = [
     "DiscShape",
     "Emitter",
     "Environment",
+    "Followers",
     "Fringe",
     "GroomFile",
     "Image",

@@ -72,7 +72,8 @@ class Tie:
 @dataclass(frozen=True, slots=True, repr=False)
 class GroomFile:
     """Strands of another program, from a file: all their points are drawn. They are in the emitter's frame, so that its
-    position, rotation and keys carry them. Their number, particles and lengths are those of the file."""
+    position, rotation and keys carry them. Their number, points and lengths are those of the file. Where rules move
+    strands, some of the file's are simulated as guides, and all follow these."""
 
     file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
     up: str = choice(
@@ -103,6 +104,10 @@ class GroomFile:
         "lowest point at y = 0",
     )
     strands: int | None = integer(None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all")
+    guides: int = integer(
+        2000, low=1, high=10_000_000,
+        doc="strands that are simulated where rules move them, with emitter.particles each; the others follow",
+    )  # fmt: skip
     cover: float | None = number(
         None, above=0, high=1000,
         doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
@@ -114,6 +119,34 @@ class GroomFile:
 
 FILE_LEAVES = ("groom", "position", "rotation", "keys")
 """Settings of an emitter that hold where its strands are those of a file."""
+GUIDED_LEAVES = ("particles",)
+"""Further ones that hold where some of these are simulated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followers:
+    """The strands of a file that follow simulated ones, as they are found when the file is read."""
+
+    strands: int
+    """That the file has."""
+    kept: int
+    """Of them, those that some frame draws: level of detail leaves the others out."""
+    points: int
+    """Of each, as it is drawn."""
+    file_points: int
+    """Of the longest in the file."""
+    tolerance: float
+    """Metres that the drawn strands may be off those of the file; 0: all points are drawn."""
+    tolerance_px: float
+    """The same on the screen where the camera is nearest."""
+    deviation: float
+    """Greatest distance of a point from its guide as it is simulated, metres."""
+    deviation_share: float
+    """The greatest, over the strand's length."""
+    centre: Vector
+    """Middle of the box about all roots, in the emitter's frame."""
+    radius: float
+    """Metres from there to the farthest root."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -159,6 +192,8 @@ class Emitter:
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
+    followers: Followers | None = None
+    """What follows the simulated strands of a file; None where there is no file, or nothing of it is simulated."""
 
     @property
     def segment(self) -> float:

@@ -110,6 +110,16 @@ class Scene:
         return self.ambient_occlusion is not None and (around or any(self.ambient))
 
     @property
+    def guided(self) -> bool:
+        """Whether some strands of a file are simulated and the others follow them. By the source's solver the emitter's
+        motion alone carries a file's strands rigidly, and nothing is simulated."""
+        if self.emitter.groom is None:
+            return False
+        return any(self.solver == "rod" or use.name != "emitter_motion" for use in self.rules)
+
+    @property
     def drawn_strands(self) -> int:
         """Strands that are drawn when level of detail leaves none out."""
+        if self.emitter.followers is not None:
+            return self.emitter.followers.strands
         return self.emitter.strands * (1 if self.children is None else self.children.count)

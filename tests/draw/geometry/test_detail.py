@@ -11,8 +11,9 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.blocks import lanes, pack
-from strandcli.draw.geometry.detail import BAND, level_of, near_of, share_at, share_bounds, strands_needed
+from strandcli.draw.geometry.detail import level_of
 from strandcli.plan import make_plan, needed_strands
+from strandcli.scene.detail import BAND, near_of, share_at, share_bounds, strands_needed
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import LinearRenderer
@@ -183,7 +184,7 @@ def test_a_strand_in_the_z_buffer_grows_from_its_root() -> None:
     for part in (0.2, 0.6, 1.0):
         stage.scene = scene
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("strandcli.draw.renderer.level_of", _faded(np.full(1, part, np.float32)))
+            patch.setattr("strandcli.draw.drawn_strands.level_of", _faded(np.full(1, part, np.float32)))
             seen.append((stage(near=1.0).sum(2) > 0.1).sum())
     assert seen[2] > 12
     assert seen[0] == pytest.approx(0.2 * seen[2], abs=1.5)

@@ -1,0 +1,61 @@
+"""The strands that are drawn at a moment, from those that are simulated."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..groom.followers import Followers
+from ..scene.detail import strands_needed
+from .geometry.detail import level_of, with_widths
+from .strand_batches import Strands
+
+if TYPE_CHECKING:
+    from ..groom.children import Children
+    from ..groom.combed import Combed
+    from ..groom.record import Groom
+    from ..scene.model import Scene
+    from .common.drawing import Drawing
+    from .common.scratch import Scratch
+
+
+class DrawnStrands:
+    """Children, followers, combed parts and level of detail of one scene."""
+
+    def __init__(
+        self, groom: Groom, children: Children | Followers | None, combed: Combed | None, thins: bool, scratch: Scratch
+    ) -> None:  # fmt: skip
+        """``groom``: of the strands that are drawn, but for children; ``thins``: strands that fade become thinner, and
+        not shorter."""
+        self.children, self.combed, self.thins, self.scratch = children, combed, thins, scratch
+        self._followers = children if isinstance(children, Followers) else None
+        # segments of a strand differ in length
+        self._uneven = combed is not None or groom.points is not None or self._followers is not None
+        self._widths = groom.widths
+
+    def at(
+        self, scene: Scene, at: float, positions: NDArray[np.float32], lengths: NDArray[np.float32],
+        tones: NDArray[np.float32], ids: NDArray[np.int32] | None, drawing: Drawing,
+    ) -> Strands:  # fmt: skip
+        """The strands of a scene that are drawn at a time in seconds, from simulated ones (blocks, n + 1, 3 W) with
+        segment rest lengths (blocks, W). ``tones`` and ``ids`` (strands,): of those that can be drawn, their tones and
+        places in the order of emission, None: 0, 1, …"""
+        count = len(tones)
+        if ids is None:  # and so those that level of detail draws are the first
+            count = min(strands_needed(scene, at), count)
+        places, widths = ids, self._widths
+        if self.children is not None:
+            positions, lengths = self.children.grow(positions, lengths, at, count, self.scratch, ids)
+            if self._followers is not None:
+                places, widths = self._followers.standing_of(ids)
+                drawing.follow_stretch_max = max(float(lengths.max()), drawing.follow_stretch_max or 0.0)
+                drawing.curve_px_max = self._followers.tolerance_px
+            drawing.lap("children")
+        if self.combed is not None:
+            own = None if self.children is None else ids  # without children both stand as the groom does
+            positions = self.combed.join(positions, at, count, self.scratch, own)
+            drawing.lap("combed")
+        level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
+        return Strands(positions, None if self._uneven else lengths, count, level)

@@ -1,0 +1,194 @@
+"""Strands of a file that follow those of them that are simulated.
+
+Children grow about guides and have no shape of their own; these have one, and are carried from where they lie at rest.
+A few guides show how hair moves as a whole, and are all that is simulated. `kernels.follow` has the equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..blocks import lanes, pack, unpack
+from ..constants import W
+from ..errors import SimulationError
+from ..scene.motion import Pose, emitter_pose
+from ..scene.touched import touched
+from .record import Groom
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+NOWHERE = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
+FINER = 4
+"""Rows of a guide's table for each of its segments."""
+
+
+@dataclass(frozen=True, eq=False)
+class Following:
+    """Strands as a file has them, and what they follow. k: those that some frame draws; G: guides; P: guides of each
+    strand."""
+
+    groom: Groom
+    """Of the k strands; their `places` are those in the file."""
+    points: NDArray[np.float32]
+    """(blocks, m + 1, 3 W) metres in the emitter's frame: what is drawn of them."""
+    shares: NDArray[np.float32]
+    """(k, m) how far along its strand each point is, as a share of the length."""
+    ranks: NDArray[np.int32]
+    """(k,) of each strand its place in an order of all of which every prefix covers the groom evenly."""
+    parents: NDArray[np.int32]
+    """(k, P)"""
+    weights: NDArray[np.float32]
+    """(k, P), 1 together."""
+    reaches: NDArray[np.float32]
+    """(k, P) share of each guide's length that the strand follows."""
+    along: NDArray[np.float64]
+    """(G, n) how far along its strand each particle of a guide is, as a share of the length."""
+
+
+class Followers:
+    """The strands of one scene that follow its guides."""
+
+    def __init__(self, scene: Scene, following: Following, rest: NDArray[np.float32]) -> None:
+        """``rest``: the guides (blocks, n + 1, 3 W) as the solver has them at first."""
+        assert scene.emitter.followers is not None
+        self.scene = scene
+        self.following = following
+        self.groom = following.groom
+        self.count = scene.emitter.followers.strands
+        """Strands that there are, those too that no frame draws."""
+        self.tolerance_px = scene.emitter.followers.tolerance_px
+        """Greatest distance of a strand as it is drawn from the file's, on the screen, at rest."""
+        self.rest = rest.copy()
+        self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self._pose = emitter_pose(scene.emitter, 0.0)
+
+    def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """The tones of all strands whose guides (blocks, n + 1, 3 W) are finite, and their places in the file. Raises
+        `SimulationError` where there are none."""
+        places = self.groom.places
+        assert places is not None
+        if np.isfinite(positions).all():
+            return self.groom.tones, places
+        rows = positions.reshape(*positions.shape[:2], 3, W)
+        good = np.isfinite(rows).all((1, 2)).reshape(-1)
+        sound = np.flatnonzero(good[self.following.parents].all(1))
+        if not len(sound):
+            raise SimulationError("every strand that could be drawn follows one that is lost; mend the preset")
+        return self.groom.tones[sound], places[sound]
+
+    def grow(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any,
+        ids: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
+        """The strands, or those with places ``ids`` in the file, at a time in seconds, from guides (blocks, n + 1,
+        3 W): positions (blocks, m + 1, 3 W), and the greatest share by which the length of a strand in a block would
+        have changed (blocks,). ``lengths`` and ``strands`` are what `Children.grow` needs besides."""
+        from .kernels import follow as kernel
+
+        part = self._whole if ids is None or len(ids) == self.groom.strands else self._part(ids)
+        table = scratch.borrow("guide_table", (*self._joints.shape, kernel.COLUMNS), np.float32)
+        kernel.motions(positions, self.rest, self._joints, self._turn(at), table)
+        out = scratch.borrow("followers", part.points.shape, np.float32)
+        stretch = scratch.borrow("followers_stretch", len(out), np.float32)
+        kernel.follow(part, table, solids.pack_all(touched(self.scene), self.scene.emitter, at), out, stretch)
+        return out, stretch
+
+    def standing_of(
+        self, ids: NDArray[np.int32] | None
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32] | None]:  # fmt: skip
+        """Of the strands with places ``ids`` in the file, or of all, their places in the order of level of detail, and
+        the factors of their widths; None: 1."""
+        ranks, widths = self.following.ranks, self.groom.widths
+        if ids is None or len(ids) == self.groom.strands:
+            return ranks, widths
+        rows = self.standing(ids)
+        return ranks[rows], None if widths is None else widths[rows]
+
+    def standing(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Where the strands with these places in the file stand here."""
+        found: NDArray[np.int64] = self._standing[ids]
+        return found
+
+    @cached_property
+    def _standing(self) -> NDArray[np.int64]:
+        places = self.groom.places
+        assert places is not None
+        found = np.zeros(int(places.max()) + 1, np.int64)
+        found[places] = np.arange(len(places))
+        return found
+
+    def _turn(self, at: float) -> NDArray[np.float64]:
+        """(4,) the rotation of the emitter since the start, a unit quaternion."""
+        time = self.scene.time.pose_time(at) if self._carried else 0.0
+        now = emitter_pose(self.scene.emitter, time)
+        if now.rotation == self._pose.rotation:
+            return np.array([1.0, 0.0, 0.0, 0.0])
+        return quaternion(np.array(now.rotation) @ np.array(self._pose.rotation).T)
+
+    @cached_property
+    def _joints(self) -> NDArray[np.float32]:
+        """(G, T) of a guide's table, the particle at each row, a fraction too."""
+        guides, n = self.following.along.shape
+        shares = np.linspace(0.0, 1.0, (n - 1) * FINER + 1)
+        found = np.empty((guides, len(shares)), np.float32)
+        for g, along in enumerate(self.following.along):
+            found[g] = np.interp(shares, along, np.arange(n))
+        return found
+
+    @cached_property
+    def _whole(self) -> Any:
+        """All strands at rest in the world, as the kernel takes them."""
+        from .kernels.follow import Strands
+
+        own = self.following
+        return Strands(
+            self._placed(own.points), _rows(own.shares), own.parents, own.weights, own.reaches
+        )  # fmt: skip
+
+    def _part(self, ids: NDArray[np.int32]) -> Any:
+        """The strands with these places in the file."""
+        from .kernels.follow import Strands
+
+        own, rows = self.following, self.standing(ids)
+        points = pack(unpack(self._whole.points, self.groom.strands)[rows])
+        return Strands(points, _rows(own.shares[rows]), own.parents[rows], own.weights[rows], own.reaches[rows])
+
+    def _placed(self, points: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Points (blocks, rows, 3 W) in the world, at the start."""
+        if self._pose == NOWHERE:
+            return points
+        turn, shift = np.array(self._pose.rotation), np.array(self._pose.translation)
+        out = np.empty_like(points)
+        for block, here in zip(points, out, strict=True):
+            moved = np.einsum("ij,rjk->rik", turn, block.reshape(-1, 3, W)) + shift[:, None]
+            here.reshape(-1, 3, W)[...] = moved
+        return out
+
+
+def _rows(shares: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Values (k, m) of strands as (blocks, m, W)."""
+    found: NDArray[np.float32] = lanes(shares).reshape(-1, shares.shape[1], W)
+    return found
+
+
+def quaternion(turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(4,) the unit quaternion, its real part first, of a rotation matrix (Bar-Itzhack 2000): the eigenvector of the
+    greatest eigenvalue of a symmetric matrix, without a singular case."""
+    a, b, c = turn
+    k = np.array(
+        [
+            [a[0] + b[1] + c[2], c[1] - b[2], a[2] - c[0], b[0] - a[1]],
+            [c[1] - b[2], a[0] - b[1] - c[2], a[1] + b[0], a[2] + c[0]],
+            [a[2] - c[0], a[1] + b[0], b[1] - a[0] - c[2], b[2] + c[1]],
+            [b[0] - a[1], a[2] + c[0], b[2] + c[1], c[2] - a[0] - b[1]],
+        ]
+    )
+    found = np.linalg.eigh(k)[1][:, -1]
+    return np.asarray(found if found[0] >= 0 else -found)

@@ -1,0 +1,166 @@
+"""What a scene simulates of its file of strands, and what follows: worked out once, and kept."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import aligned
+from ..constants import W
+from ..exchange.kernels.simplify import simplify
+from ..exchange.strands import even_offsets
+from ..groom.arrange import near
+from ..groom.followers import Following
+from ..groom.record import Groom
+from ..scene.detail import strands_needed
+from ..scene.model import Followers
+from ..scene.motion import camera_at, emitter_pose
+from .guides import AT_ONCE, chained, chosen, features_of, parents_of, picked_points, ranks_of
+from .kernels import rows as kernel
+from .read import FromFile, from_file
+
+if TYPE_CHECKING:
+    from ..scene.model import GroomFile, Scene
+
+DENSE = 64
+"""Points of a strand from which on it is as smooth as it is meant: adaptive curves would find one piece a segment."""
+LOOKED_AT = 2000
+"""Points, evenly chosen, of which the one nearest to the camera tells how fine strands have to be."""
+TIMES = 240
+"""Frames at most, evenly chosen, at which it is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Guided:
+    """Strands of a file that are simulated, and those that follow."""
+
+    guides: Groom
+    following: Following
+    deviation: float
+    """Greatest distance of a point from its guide as it is simulated, metres."""
+    deviation_share: float
+    """The greatest, over the strand's length."""
+
+
+def guided(scene: Scene) -> Guided:
+    """What a scene simulates of its file, and what follows; the scene has been completed. The last one is kept."""
+    given, followers = scene.emitter.groom, scene.emitter.followers
+    assert given is not None
+    assert followers is not None
+    found = os.stat(given.file)
+    key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept)
+    return _guided(replace(given, cover=None), *key, found.st_mtime_ns, found.st_size)
+
+
+def with_followers(scene: Scene) -> Scene:
+    """The scene with its `followers`, which its camera, its material and its level of detail decide on too."""
+    emitter, given = scene.emitter, scene.emitter.groom
+    assert given is not None
+    found = from_file(given, scene.seed)
+    roots = found.groom.roots.astype(np.float64)
+    low, high = roots.min(axis=0), roots.max(axis=0)
+    middle = 0.5 * (low + high)
+    thinned = scene.curves.mode == "adaptive" and found.points > DENSE
+    pixels = scene.curves.tolerance if thinned else 0.0
+    metres = pixels * metres_a_pixel(scene, found)
+    strands = found.groom.strands
+    first = Followers(
+        strands, strands, found.points, found.points, metres, pixels, 0.0, 0.0, (middle[0], middle[1], middle[2]),
+        float(np.sqrt(((roots - middle) ** 2).sum(1).max())),
+    )  # fmt: skip
+    scene = replace(scene, emitter=replace(emitter, strands=min(given.guides, strands), followers=first))
+    frames = range(1) if scene.detail is None else range(scene.time.frames)
+    kept = max(strands_needed(scene, frame / scene.time.fps) for frame in frames)
+    scene = replace(scene, emitter=replace(scene.emitter, followers=replace(first, kept=kept)))
+    made = guided(scene)
+    known = replace(
+        first, kept=kept, points=made.following.shares.shape[1], deviation=made.deviation,
+        deviation_share=made.deviation_share,
+    )  # fmt: skip
+    return replace(scene, emitter=replace(scene.emitter, followers=known))
+
+
+def metres_a_pixel(scene: Scene, found: FromFile) -> float:
+    """How long what is a pixel on the screen is where the camera is nearest to strands, over all frames."""
+    camera, carried = scene.camera, any(use.name == "emitter_motion" for use in scene.rules)
+    samples = scene.image.size[1] * scene.image.supersample
+    points = found.seen.points[:: max(len(found.seen.points) // LOOKED_AT, 1)].astype(np.float64)
+    still = not camera.keys and not (carried and scene.emitter.keys)
+    frames = [0] if still else np.unique(np.linspace(0, scene.time.frames - 1, TIMES).astype(int)).tolist()
+    least = math.inf
+    for frame in frames:
+        time = frame / scene.time.fps
+        view, pose = camera_at(camera, time), emitter_pose(scene.emitter, time if carried else 0.0)
+        if camera.kind == "orthographic":
+            least = min(least, view.height / samples)
+            continue
+        eye = (np.array(view.position) - pose.translation) @ np.array(pose.rotation)
+        away = max(float(np.linalg.norm(points - eye, axis=1).min()), camera.near)
+        least = min(least, 2 * math.tan(math.radians(view.fov) / 2) * away / samples)
+    return least
+
+
+@lru_cache(maxsize=1)
+def _guided(
+    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, changed: int, size: int
+) -> Guided:  # fmt: skip
+    groom = from_file(given, seed).groom
+    features = features_of(groom)
+    order = near(features)
+    own = chosen(features, order, given.guides)
+    own = own[near(groom.roots[own])]
+    guides, along, deviation = chained(groom, own, particles)
+    ranks = ranks_of(order, seed)
+    some = np.flatnonzero(ranks < kept)
+    assert groom.places is not None
+    parents, weights = parents_of(features[some], features[own])
+    whole = groom.lengths[some].astype(np.float64)[:, None]
+    reaches = np.minimum(whole / groom.lengths[own].astype(np.float64)[parents], 1.0).astype(np.float32)
+    points, shares = _drawn(groom, some, tolerance)
+    drawn = Groom(
+        groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
+        widths=None if groom.widths is None else groom.widths[some],
+    )  # fmt: skip
+    following = Following(drawn, points, shares, ranks[some], parents, weights, reaches, along)
+    share = deviation / groom.lengths[own]
+    return Guided(guides, following, float(deviation.max()), float(share.max()))
+
+
+def _drawn(
+    groom: Groom, some: NDArray[np.int64], tolerance: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
+    """The strands ``some`` (k,) in blocks (blocks, m + 1, 3 W), as `strandcli.blocks` has them, of as many of their
+    points as have all others within a tolerance in metres; and (k, m) how far along its strand each is."""
+    assert groom.points is not None
+    n = groom.points.shape[1] - 1
+    keep = np.zeros((len(some), n), np.bool_)
+    if tolerance > 0:
+        for begin in range(0, len(some), AT_ONCE):
+            points = picked_points(groom, some[begin : begin + AT_ONCE])
+            marked = keep[begin : begin + len(points)].reshape(-1)
+            simplify(even_offsets(len(points), n), points.reshape(-1, 3), tolerance, marked, np.empty(len(points)))
+        most = int(keep.sum(1).max())
+    else:
+        keep[:], most = True, n
+    shares = np.empty((len(some), most), np.float32)
+    out = aligned((-(-len(some) // W), most + 1, 3 * W))
+    wide = out.reshape(len(out), most + 1, 3, W)
+    for begin in range(0, len(some), AT_ONCE):
+        points = picked_points(groom, some[begin : begin + AT_ONCE])
+        part = slice(begin, begin + len(points))
+        rows = np.empty((len(points), most), np.int32)
+        kernel.choose(keep[part], keep[part].sum(1), rows)
+        kernel.shares(points, rows, shares[part])
+        few = np.take_along_axis(points, rows[:, :, None].astype(np.int64), 1)
+        for block in range(begin // W, -(-(begin + len(points)) // W)):
+            here = few[block * W - begin : (block + 1) * W - begin]
+            wide[block, 1:, :, : len(here)] = here.transpose(1, 2, 0)
+            wide[block, 1:, :, len(here) :] = here[-1, :, :, None]
+    wide[:, 0] = 2 * wide[:, 1] - wide[:, 2]
+    return out, shares

@@ -1,0 +1,140 @@
+"""Which strands of a file are simulated, and which of them every strand follows.
+
+Strands are compared by where they grow and how they lie: by their roots and by the way from there to three places along
+them, which counts less (`LIKENESS`). In these twelve dimensions a guide on the other side of a parting is far away,
+however near its root.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import unpack
+from ..constants import W
+from ..exchange.kernels.along import resample
+from ..exchange.strands import even_offsets
+from ..groom.emit import stream
+from ..groom.kernels.alike import most_alike
+from ..groom.record import Groom
+from .kernels.chain import chains
+
+Floats = NDArray[np.float64]
+Features = NDArray[np.float32]
+
+LIKENESS = 1 / 3
+"""What a metre of difference between the ways of two strands counts, in metres between their roots."""
+PLACES = 3
+"""Places along strands, the tip among them, at which their ways are compared."""
+PARENTS = 4
+"""Guides that a strand follows."""
+AT_ONCE = 128 * W
+"""Strands that are looked at at once, which bounds what that takes."""
+SPREAD = 30
+"""Number of the random stream by which strands are spread over level of detail."""
+
+
+def features_of(groom: Groom) -> Features:
+    """(strands, 3 + 3 `PLACES`) metres: what strands that are given point by point are compared by."""
+    assert groom.points is not None
+    found = np.empty((groom.strands, 3 + 3 * PLACES), np.float32)
+    for begin in range(0, groom.strands, AT_ONCE):
+        points = some_points(groom, begin)
+        count, n, _ = points.shape
+        ways = np.empty((count, PLACES + 1, 3), np.float32)
+        low, share = np.empty(ways.shape[:2], np.int64), np.empty(ways.shape[:2], np.float32)
+        resample(even_offsets(count, n), points.reshape(-1, 3), low, share, ways, np.empty(count))
+        ways[:, 1:] -= ways[:, :1]
+        ways[:, 1:] *= np.float32(LIKENESS)
+        found[begin : begin + count] = ways.reshape(count, -1)
+    return found
+
+
+def some_points(groom: Groom, begin: int) -> NDArray[np.float32]:
+    """(k, n, 3) metres: the points of `AT_ONCE` strands from one on, or of those that there are."""
+    assert groom.points is not None
+    count = min(AT_ONCE, groom.strands - begin)
+    return unpack(groom.points[begin // W : -(-(begin + count) // W), 1:], count)
+
+
+def picked_points(groom: Groom, own: NDArray[np.int64]) -> NDArray[np.float32]:
+    """(k, n, 3) metres: the points of the strands ``own`` (k,)."""
+    assert groom.points is not None
+    wide = groom.points.reshape(*groom.points.shape[:2], 3, W)
+    return np.ascontiguousarray(wide[own // W, 1:, :, own % W])
+
+
+def chosen(features: Features, order: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """The strands that are simulated, ascending: of each of ``count`` runs of an ``order`` in which those that are
+    alike are neighbours, the one that is nearest to the mean of its run."""
+    strands = len(features)
+    if count >= strands:
+        return np.arange(strands)
+    first = np.linspace(0, strands, count + 1).astype(np.int64)[:-1]
+    run = np.repeat(np.arange(count), np.diff(np.append(first, strands)))
+    own = features[order].astype(np.float64)
+    mean = np.add.reduceat(own, first) / np.bincount(run)[:, None]
+    away = ((own - mean[run]) ** 2).sum(1)
+    best = np.lexsort((order, away, run))[first]
+    return np.sort(order[best].astype(np.int64))
+
+
+def ranks_of(order: NDArray[np.int32], seed: int) -> NDArray[np.int32]:
+    """(strands,) the place of each in an order of which every prefix covers all strands evenly: the bits of its place
+    in an ``order`` of neighbours, reversed (van der Corput 1935)."""
+    strands = len(order)
+    bits = max(int(strands - 1).bit_length(), 1)
+    place = (np.arange(strands) + int(stream(seed, SPREAD, 1)[0] * strands)) % strands
+    key = np.zeros(strands, np.int64)
+    for bit in range(bits):
+        key |= ((place >> bit) & 1) << (bits - 1 - bit)
+    found = np.empty(strands, np.int32)
+    found[order[np.argsort(key)]] = np.arange(strands, dtype=np.int32)
+    return found
+
+
+def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom, Floats, Floats]:
+    """The strands ``own`` as solvers take them, with so many particles; how far along its strand each particle is
+    (k, particles), as a share of the length; and (k,) the greatest distance of a point from its chain, metres."""
+    points = picked_points(groom, own)
+    joints = np.zeros((len(own), particles, 3))
+    along, deviation = np.zeros(joints.shape[:2]), np.zeros(len(own))
+    chains(points, joints, along, deviation)
+    steps = np.diff(joints, axis=1)
+    sizes = np.linalg.norm(steps, axis=2)
+    ways = steps / np.maximum(sizes, 1e-300)[:, :, None]
+    whole = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2).sum(1)
+    placed = groom.placed(np.arange(groom.strands))[own]
+    guides = Groom(
+        groom.roots[own],
+        ways[:, 0].astype(np.float32),
+        sizes.sum(1).astype(np.float32),
+        groom.tones[own],
+        places=np.argsort(np.argsort(placed)).astype(np.int32),
+        ways=ways,
+    )
+    return guides, along / whole[:, None], deviation
+
+
+def parents_of(features: Features, guides: Features) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """(strands, P) the guides that strands follow, and how much: by Shepard's weights within the distance of the next
+    one (Franke and Nielson 1980), so that a guide follows itself alone."""
+    many = min(PARENTS + 1, len(guides))
+    found = np.empty((len(features), many), np.int32)
+    squares = np.empty((len(features), many), np.float32)
+    longest = int(np.argmax(np.ptp(guides, axis=0)))
+    turn = [longest, *(c for c in range(guides.shape[1]) if c != longest)]
+    order = np.argsort(guides[:, longest], kind="stable").astype(np.int32)
+    most_alike(
+        np.ascontiguousarray(features[:, turn]), np.ascontiguousarray(guides[order][:, turn]), order, found, squares
+    )
+    d = np.sqrt(squares.astype(np.float64))
+    used = min(PARENTS, len(guides))
+    reach = d[:, -1:] if many > used else np.full((len(d), 1), np.inf)
+    weights = np.maximum(1.0 / np.maximum(d[:, :used], 1e-30) - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
+    weights[weights.sum(1) == 0, 0] = 1.0
+    weights /= weights.sum(1, keepdims=True)
+    narrow = weights.astype(np.float32)
+    parents = np.ascontiguousarray(found[:, :used])
+    # a guide without weight has no say at all, not even where it is no number
+    return np.where(narrow > 0, parents, parents[:, :1]), narrow

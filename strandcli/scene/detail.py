@@ -1,0 +1,67 @@
+"""Level of detail as a scene alone tells it: which share of the strands is kept at a distance, and how many strands a
+frame can show. `strandcli.draw.geometry.detail` says what the share means."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .model import PlaneShape
+from .motion import apply, camera_at, emitter_pose
+
+if TYPE_CHECKING:
+    from .model import Scene
+
+BAND = 0.1
+"""Width of the band in which strands fade, as a fraction of k."""
+
+
+def near_of(scene: Scene, time: float) -> tuple[float, bool]:
+    """Return the distance from the camera up to which every strand is drawn, metres, and True; or k and False for an
+    orthographic camera, under which width on the screen does not depend on distance.
+
+    The distance is infinite for lines without a width, which are one pixel wide at any distance."""
+    detail, camera = scene.detail, scene.camera
+    assert detail is not None
+    if detail.near is not None:
+        return detail.near, True
+    if scene.material.width == 0:
+        return math.inf, False
+    _, _, fov, tall = camera_at(camera, time)
+    samples = scene.image.size[1] * scene.image.supersample
+    by_distance = camera.kind == "perspective"
+    focal = samples / 2 / math.tan(math.radians(fov) / 2) if by_distance else samples / tall
+    return scene.material.width * focal / detail.pixels, by_distance
+
+
+def share_at(scene: Scene, time: float, distance: float) -> float:
+    """Return the fraction k of strands that are drawn at a distance from the camera, metres."""
+    if scene.detail is None:
+        return 1.0
+    near, by_distance = near_of(scene, time)
+    return min(max(near / max(distance, 1e-30) if by_distance else near, scene.detail.fraction), 1.0)
+
+
+def share_bounds(scene: Scene, time: float) -> tuple[float, float]:
+    """Return a lower and an upper bound of k over all roots at a time, seconds."""
+    eye, shape = camera_at(scene.camera, time)[0], scene.emitter.shape
+    radius = math.hypot(shape.width, shape.depth) / 2 if isinstance(shape, PlaneShape) else shape.radius
+    carried = any(use.name == "emitter_motion" for use in scene.rules)
+    pose, followers = emitter_pose(scene.emitter, max(time, 0.0) if carried else 0.0), scene.emitter.followers
+    centre = pose.translation
+    if followers is not None:
+        radius, centre = followers.radius, apply(pose, followers.centre)
+    away = math.dist(eye, centre)
+    return share_at(scene, time, away + radius), share_at(scene, time, away - radius)
+
+
+def strands_needed(scene: Scene, time: float) -> int:
+    """Return the number of strands, from the first, that a picture at a time, seconds, can show."""
+    total = scene.drawn_strands
+    k = share_bounds(scene, time)[1]
+    return min(max(math.ceil(total * (k + fade_band(k, total)) - 0.5), 1), total)
+
+
+def fade_band(k: float, total: int) -> float:
+    """Return the width of the band of ranks, of all 1, in which strands fade."""
+    return max(BAND * k, 1.0 / total)

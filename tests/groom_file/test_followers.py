@@ -1,0 +1,337 @@
+"""Strands of a file that follow those of them that are simulated."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from cli_runs import Runner
+from groom_file_kit import SMALL, Strand, hanging, scene, write
+from strandcli import pipeline
+from strandcli.blocks import unpack
+from strandcli.draw.common.scratch import Scratch
+from strandcli.errors import UsageError
+from strandcli.groom.followers import Followers, quaternion
+from strandcli.groom_file.following import guided
+from strandcli.scene import SceneError
+from strandcli.scene.model import Scene
+from strandcli.scene.motion import emitter_pose, rotation_matrix
+from strandcli.stages import RunOptions, SimulationStage
+from thread_runs import Drawer
+
+Floats = npt.NDArray[np.float64]
+
+ROD: dict[str, Any] = {"solver": "rod", "rod.rest": "sag_free", "emitter.groom.scale": 0.1, "emitter.particles": 12}
+WIND = {"wind": {"strength": 5.0, "direction": [1.0, 0.0, 0.4], "gust": 0.5}}
+FALL: dict[str, Any] = {"gravity": {}}
+
+
+def moving(path: Path, **settings: Any) -> Scene:
+    """A scene of simulated strands of a file; ``__`` for dots."""
+    given = {key.replace("__", "."): value for key, value in settings.items()}
+    return scene(path, **{"rules": [FALL, WIND], **ROD, **given})
+
+
+def stage_of(given: Scene) -> tuple[SimulationStage, Followers]:
+    stage = SimulationStage(given, [1], None, RunOptions())
+    assert isinstance(stage.children, Followers)
+    return stage, stage.children
+
+
+def follow(children: Followers, positions: npt.NDArray[np.float32], at: float = 0.0) -> npt.NDArray[np.float32]:
+    """The strands in the order of the file, (k, points, 3)."""
+    out, _ = children.grow(positions, positions, at, 0, Scratch())
+    rows = unpack(out, children.groom.strands)[:, 1:]
+    assert children.groom.places is not None
+    return rows[np.argsort(children.groom.places)]
+
+
+def drawn(given: Scene, frame: int) -> npt.NDArray[np.float32]:
+    stage, children = stage_of(given)
+    moved = stage.begin(frame)
+    return follow(children, moved.positions, (frame - 1) / given.time.fps)
+
+
+def lengths(rows: npt.NDArray[np.floating]) -> Floats:
+    """(strands,) metres."""
+    return np.asarray(np.linalg.norm(np.diff(rows.astype(float), axis=1), axis=2).sum(1))
+
+
+def curls(count: int, points: int = 40, seed: int = 3) -> list[Strand]:
+    """Curled strands of unequal lengths that hang from a plate."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0, 1, points)
+    found = []
+    for _ in range(count):
+        x, z = rng.uniform(-1, 1, 2)
+        size, phase = rng.uniform(1.5, 2.5), rng.uniform(0, 6)
+        wave = 0.12 * t[:, None] * np.stack([np.cos(25 * t + phase), 0 * t, np.sin(25 * t + phase)], 1)
+        found.append((np.stack([x + 0 * t, -size * t, z + 0.3 * t**2], 1) + wave).astype(np.float32))
+    return found
+
+
+@pytest.mark.parametrize("solver", ["rod", "thesis"])
+def test_the_first_frame_has_the_points_of_the_file(solver: str, tmp_path: Path) -> None:
+    strands = hanging([17] * 200)
+    given = moving(write(tmp_path / "a.data", strands), solver=solver, emitter__groom__guides=20)
+    wanted = np.float32(0.1) * np.stack(strands)
+    found = drawn(given, 1)
+    assert (found == (np.stack(strands).astype(float) * 0.1).astype(np.float32)).all()
+    assert np.abs(drawn(given, 4) - wanted).max() > 1e-3  # and then they move
+    assert given.emitter.strands == 20
+    assert given.drawn_strands == 200
+
+
+def test_without_forces_strands_stay(tmp_path: Path) -> None:
+    given = moving(write(tmp_path / "a.data", curls(150)), rules=[FALL], emitter__groom__guides=30)
+    first = drawn(given, 1)
+    assert np.abs(drawn(given, 12) - first).max() < 1e-5 * lengths(first).max()
+
+
+def test_where_guides_move_rigidly_so_do_all_strands(tmp_path: Path) -> None:
+    given = moving(
+        write(tmp_path / "a.data", curls(300)), emitter__groom__guides=40, rules=[FALL, {"emitter_motion": {}}]
+    )
+    key = {"time": 0.0, "position": (0.1, 0.0, 0.2), "rotation": (20.0, -10.0, 30.0)}
+    there = {"time": 0.5, "position": (0.4, 0.3, -0.1), "rotation": (150.0, 70.0, -80.0)}
+    given = moving(
+        write(tmp_path / "a.data", curls(300)), emitter__groom__guides=40, rules=[FALL, {"emitter_motion": {}}],
+        emitter__keys=[key, there],
+    )  # fmt: skip
+    _, children = stage_of(given)
+    for time in (0.0, 0.31, 0.5):
+        now, start = emitter_pose(given.emitter, time), emitter_pose(given.emitter, 0.0)
+        turn = np.array(now.rotation) @ np.array(start.rotation).T
+        rows = children.rest.reshape(*children.rest.shape[:2], 3, -1).astype(float)
+        moved = np.einsum("ij,brjl->bril", turn, rows - np.array(start.translation)[:, None])
+        moved += np.array(now.translation)[:, None]
+        found = follow(children, moved.reshape(children.rest.shape).astype(np.float32), time)
+        wanted = np.stack(curls(300)).astype(float) * 0.1 @ np.array(now.rotation).T + now.translation
+        assert np.abs(found - wanted).max() < 2e-6
+
+
+def test_one_strand_is_its_own_guide(tmp_path: Path) -> None:
+    t = np.linspace(0, 1, 12)
+    bow = np.stack([np.sin(1.2 * t), -np.cos(1.2 * t), 0 * t], 1).astype(np.float32)  # of equal segments already
+    given = moving(write(tmp_path / "a.data", [bow]), emitter__groom__guides=1, emitter__particles=12)
+    stage, children = stage_of(given)
+    for frame in (1, 5, 10):
+        moved = stage.begin(frame)
+        guide = unpack(moved.positions, 1)[0, 1:]
+        found = follow(children, moved.positions, (frame - 1) / given.time.fps)[0]
+        assert np.abs(found - guide).max() < 1e-3 * lengths(found[None])[0] * (frame > 1) + 1e-7
+    assert given.emitter.followers is not None
+    assert given.emitter.followers.deviation < 1e-6
+
+
+def test_lengths_are_kept_and_roots_go_with_the_emitter(tmp_path: Path) -> None:
+    key = {"time": 0.0, "position": (0.0, 0.0, 0.0)}
+    there = {"time": 0.4, "position": (0.1, 0.05, 0.0), "rotation": (0.0, 60.0, 25.0)}
+    given = moving(
+        write(tmp_path / "a.data", curls(300)), rules=[{"emitter_motion": {}}, FALL, WIND],
+        emitter__keys=[key, there], emitter__groom__guides=30,
+    )  # fmt: skip
+    first = drawn(given, 1)
+    for frame in (5, 11):
+        found = drawn(given, frame)
+        segments = [np.linalg.norm(np.diff(rows.astype(float), axis=1), axis=2) for rows in (first, found)]
+        assert np.abs(segments[1] - segments[0]).max() < 2e-6 * 0.2
+        pose = emitter_pose(given.emitter, (frame - 1) / given.time.fps)
+        roots = first[:, 0].astype(float) @ np.array(pose.rotation).T + pose.translation
+        assert np.abs(found[:, 0] - roots).max() < 1e-6
+
+
+def test_short_strands_among_long_ones_move_as_the_part_near_the_root_does(tmp_path: Path) -> None:
+    long = curls(400)
+    short = [one[:9] for one in curls(30, seed=8)]  # a fifth as long
+    given = moving(write(tmp_path / "a.data", [*long, *short]), emitter__groom__guides=12, rod__rest="shape")
+    found, first = drawn(given, 12), drawn(given, 1)
+    moved = np.linalg.norm(found - first, axis=2)
+    assert moved[:400, -1].mean() > 4 * moved[400:, -1].mean() > 0
+    stage, children = stage_of(given)
+    positions = stage.begin(12).positions
+    by_share = dataclasses.replace(children.following, reaches=np.ones_like(children.following.reaches))
+    worst = []
+    for following in (children.following, by_share):
+        twin = Followers(given, following, children.rest)
+        worst.append(float(twin.grow(positions, positions, 11 / 24, 0, Scratch())[1].max()))
+    assert worst[0] < 0.5 * worst[1]
+
+
+def test_a_parting_is_not_blended(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    t = np.linspace(0, 1, 20)[:, None]
+    strands = []
+    for _ in range(400):
+        x, z = rng.uniform(-0.5, 0.5, 2)
+        way = np.concatenate([np.sign(x) * 1.5 * t, 0.5 * t * (1 - 2 * t), 0 * t], 1)
+        strands.append((np.array([x, 0, z]) + way).astype(np.float32))
+    given = moving(write(tmp_path / "a.data", strands), emitter__groom__guides=40)
+    own = guided(given)
+    side = np.sign(own.guides.directions[:, 0])
+    following = own.following
+    mine = np.sign(following.groom.directions[:, 0])
+    other = (side[following.parents] != mine[:, None]) & (following.weights > 0)
+    assert not other.any()
+    assert following.weights.sum(1) == pytest.approx(1)
+
+
+def test_more_guides_come_nearer_to_simulating_all(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", curls(400))
+    every = drawn(moving(path, emitter__groom__guides=400), 10)
+    off = [
+        np.linalg.norm(drawn(moving(path, emitter__groom__guides=guides), 10) - every, axis=2).mean()
+        for guides in (4, 40, 200)
+    ]
+    assert off[0] > off[1] > off[2]
+    assert off[2] < 0.02 * lengths(every).mean()
+
+
+def test_guides_are_told_with_how_far_they_are_off(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", curls(200))
+    few, many = (moving(path, emitter__particles=n).emitter.followers for n in (6, 60))
+    assert few is not None
+    assert many is not None
+    assert 0.2 > few.deviation_share > 10 * many.deviation_share > 0
+    assert few.deviation == pytest.approx(few.deviation_share * 0.25, rel=0.5)
+
+
+def test_points_are_thinned_to_pixels_where_curves_are(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", curls(150, points=200))
+    fine, coarse = (moving(path, curves__tolerance=pixels, image__size=(400, 300)) for pixels in (0.1, 1.0))
+    everything = moving(path, curves__mode="off")
+    for given in (fine, coarse):
+        assert given.emitter.followers is not None
+        assert everything.emitter.followers is not None
+        assert given.curves.mode == "off"
+        assert given.emitter.followers.points < everything.emitter.followers.points == 200
+        rows = drawn(given, 1).astype(float)
+        for own, kept in zip(drawn(everything, 1)[:20].astype(float), rows, strict=False):
+            way, begin = np.diff(kept, axis=0), kept[:-1]
+            t = np.einsum("psk,sk->ps", own[:, None] - begin, way) / (way * way).sum(1)
+            off = np.linalg.norm(own[:, None] - begin - np.clip(t, 0, 1)[..., None] * way, axis=2).min(1).max()
+            assert off <= given.emitter.followers.tolerance
+    assert fine.emitter.followers is not None
+    assert coarse.emitter.followers is not None
+    assert fine.emitter.followers.points > coarse.emitter.followers.points
+    assert coarse.emitter.followers.tolerance == pytest.approx(10 * fine.emitter.followers.tolerance)
+
+
+def test_level_of_detail_draws_fewer_and_covers_as_much(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([12] * 3000))
+    settings = {"emitter__groom__guides": 50, "image__size": (120, 90), "emitter__groom__cover": 3.0}
+    whole = moving(path, **settings)
+    pixels = 2 * whole.material.width / pixel(whole)
+    fewer = moving(path, detail={"pixels": pixels}, **settings)
+    assert fewer.emitter.followers is not None
+    assert 600 < fewer.emitter.followers.kept < 2400
+    pictures = [next(pipeline.render(one, [3])) for one in (whole, fewer)]
+    assert pictures[0].report["counts"]["strands"] == 3000
+    assert pictures[1].report["counts"]["strands"] <= fewer.emitter.followers.kept
+    a, b = (one.image.astype(float) for one in pictures if one.image is not None)
+    background = a[0, 0]
+    covered = [float((np.abs(one - background).sum(2) > 30).mean()) for one in (a, b)]
+    assert covered[1] == pytest.approx(covered[0], rel=0.1)
+
+
+def pixel(given: Scene) -> float:
+    """Metres a pixel at the strands."""
+    away = np.linalg.norm(np.subtract(given.camera.position, given.camera.target))
+    return float(2 * away * np.tan(np.radians(given.camera.fov / 2)) / given.image.size[1])
+
+
+def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([14] * 500))
+    own = {"emitter.groom.file": str(path), "rules": [FALL, WIND], "emitter.groom.guides": 60, "time.preroll": 0.2}
+    settings = {**SMALL, **ROD, "emitter.groom.size": None, **own}
+    with Drawer() as drawer:
+        hashes = drawer.hashes(preset="groom", overrides=[], settings=settings, shadow_size=64)
+    assert hashes == hashes[:1] * 3
+
+
+def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path / "a.data", hanging([14] * 200))
+    given = moving(path, emitter__groom__guides=25)
+    frames = list(pipeline.render(given, [1, 3], keep_positions=True))
+    kept = {frame.number: frame.positions for frame in frames}
+    assert kept[3] is not None
+    assert kept[3].shape == (25, 12, 3)
+    again = list(pipeline.render(given, [1, 3], positions=kept.__getitem__))  # type: ignore[arg-type]
+    for one, other in zip(frames, again, strict=True):
+        assert one.image is not None
+        assert other.image is not None
+        assert (one.image == other.image).all()
+    plain = ["--set", "solver=rod", "--set", f"rules={[FALL]!r}".replace("'", '"'), "--set", "emitter.groom.guides=25"]
+    run = Runner(tmp_path, capsys)
+    assert run("simulate", path, "-o", tmp_path / "c", "-f", "1-1", "--particles", 9, *plain).code == 0
+    assert np.load(tmp_path / "c" / "positions_0001.npz")["positions"].shape == (25, 9, 3)
+    told = run("plan", path, *plain)
+    assert told.code == 0
+    assert "25 of 200 strands, 10 particles each, within" in told.out
+
+
+def test_strands_that_follow_a_lost_guide_are_left_out(tmp_path: Path) -> None:
+    given = moving(write(tmp_path / "a.data", hanging([14] * 200)), emitter__groom__guides=25)
+    stage, children = stage_of(given)
+    positions = stage.begin(2).positions.copy()
+    all_of = follow(children, positions, 1 / 24)
+    positions.reshape(1, -1, 3, 128)[0, 5, 0, 3] = np.nan
+    tones, ids = children.select(positions)
+    assert 0 < len(tones) < 200
+    lost = ((children.following.parents == 3) & (children.following.weights > 0)).any(1)
+    assert len(ids) == 200 - lost.sum()
+    out, _ = children.grow(positions, positions, 1 / 24, len(tones), Scratch(), ids)
+    rows = unpack(out, len(ids))[:, 1:]
+    assert (rows == all_of[ids]).all()
+
+
+def test_followers_leave_solids(tmp_path: Path) -> None:
+    ball: dict[str, Any] = {"kind": "sphere", "radius": 0.06, "position": [0.05, -0.12, 0.0], "name": "ball"}
+    rules = [FALL, {"wind": {"strength": 8.0, "direction": [1.0, 0.0, 0.0]}}, {"collision": {}}]
+    path = write(tmp_path / "a.data", [one - np.float32([1.5, 0, 0]) for one in curls(300)])
+    given = moving(path, rules=rules, solids=[ball], emitter__groom__guides=30)
+    found = drawn(given, 10).astype(float)
+    away = np.linalg.norm(found - np.array(ball["position"]), axis=2)[:, 1:]
+    assert away.min() > 0.06 - 2e-5
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"emitter.particles": 12}, "particles are those of guides"),
+        ({"rules": [FALL], "children": {"count": 3}}, "children"),
+        ({"rules": [FALL], "emitter.groom.guides": 0}, "guides"),
+        ({"rules": [FALL], "emitter.length": 2.0}, "emitter has position, rotation and keys alone"),
+    ],
+)
+def test_what_does_not_go_together_is_told(settings: dict[str, Any], words: str, tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([6] * 20))
+    with pytest.raises((SceneError, UsageError), match=words):
+        scene(path, **{key.replace(".", "__"): value for key, value in settings.items()})
+
+
+def test_quaternions_are_those_of_the_matrices() -> None:
+    for angles in [(0, 0, 0), (180, 0, 0), (0, 180, 0), (0, 0, 180), (10, 20, 30), (-170, 80, 95)]:
+        turn = np.array(rotation_matrix(angles))
+        w, x, y, z = quaternion(turn)
+        own = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        assert own == pytest.approx(turn, abs=1e-12)
+
+
+def test_a_scene_that_is_completed_stays_as_it_is(tmp_path: Path) -> None:
+    from strandcli.groom_file import completed
+
+    given = moving(write(tmp_path / "a.data", hanging([80] * 40)))
+    assert completed(given) is given
+    assert dataclasses.replace(given, title="x").emitter.followers == given.emitter.followers
