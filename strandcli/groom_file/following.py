@@ -15,7 +15,7 @@ from ..blocks import aligned
 from ..constants import W
 from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
-from ..groom.arrange import near
+from ..groom.arrange import spatial_order
 from ..groom.followers import Following
 from ..groom.record import Groom
 from ..scene.detail import strands_needed
@@ -112,9 +112,9 @@ def _guided(
 ) -> Guided:  # fmt: skip
     groom = from_file(given, seed).groom
     features = features_of(groom)
-    order = near(features)
+    order = spatial_order(features)
     own = chosen(features, order, given.guides)
-    own = own[near(groom.roots[own])]
+    own = own[spatial_order(groom.roots[own])]
     guides, along, deviation = chained(groom, own, particles)
     ranks = ranks_of(order, seed)
     some = np.flatnonzero(ranks < kept)
