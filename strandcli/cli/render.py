@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
 @click.option(
     "--aov", "aovs", type=LayersType(), metavar="LAYERS",
-    help="Also write layers as .npz and PNG: depth, mask, tangent, orientation, strand_id, shadow, linear.",
+    help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
 )  # fmt: skip
 @click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
 @options.from_cache

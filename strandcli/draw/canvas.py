@@ -71,6 +71,8 @@ class Canvas:
         width, height = self.size
         self.keys = self.scratch.borrow("keys", width * height, np.uint64)
         clear(self.keys, self.size, self.lighting)
+        if self.recorder is not None:
+            self.recorder.solids(self.keys)
         self.drawing.lap("raster")
         self.image = self.scratch.borrow("image", (height, width, 3), np.float32)
         np.copyto(self.image, self.backdrop)

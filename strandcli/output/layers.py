@@ -7,7 +7,8 @@ PNG             what it shows
 =============== =====================================================================================
 depth           16 bit grey, linear from the nearest (white) to the farthest of that picture (almost
                 black), which its text chunk "range" tells in metres; black where nothing is
-mask, shadow    16 bit grey, 65535 is 1
+mask, solid,    16 bit grey, 65535 is 1
+shadow
 tangent         16 bit colour, (t + 1) / 2 in x, y, z
 orientation     8 bit colour, hue 2 θ: 0 red, π / 4 yellow-green, π / 2 cyan; black where there is none
 strand_id       8 bit colour, one a strand; solids grey, nothing black

@@ -55,17 +55,17 @@ def pixels_sha256(image: Pixels) -> str:
 def encode(image: npt.NDArray[Any], text: Mapping[str, str] | None = None) -> list[bytes]:
     """A PNG file, as pieces to be written one after the other, of ``image``: uint8, shape (height, width, 3), sRGB.
 
-    Data that are no picture may have 16 bits, (height, width) or (height, width, 3) uint16. ``text`` becomes tEXt
+    Data that are no picture may be grey, (height, width), and may have 16 bits, uint16. ``text`` becomes tEXt
     chunks: Latin-1 keywords and values. Releases the GIL while it compresses.
     """
     deep = image.dtype == np.uint16
-    grey = deep and image.ndim == 2
+    grey = image.ndim == 2
     fits = grey or (image.ndim == 3 and image.shape[2] == 3)
     if not (deep or image.dtype == np.uint8) or not fits or 0 in image.shape:
         raise ValueError(f"a frame must be uint8 of shape (height, width, 3), not {image.dtype} {image.shape}")
     height, width = image.shape[:2]
     header = struct.pack(">IIBBBBB", width, height, 16 if deep else 8, 0 if grey else 2, 0, 0, 0)
-    pieces = [SIGNATURE, *_chunk(b"IHDR", header), *([] if deep else _chunk(b"sRGB", b"\0"))]
+    pieces = [SIGNATURE, *_chunk(b"IHDR", header), *([] if deep or grey else _chunk(b"sRGB", b"\0"))]
     for keyword, value in (text or {}).items():
         pieces += _chunk(b"tEXt", keyword.encode("latin-1") + b"\0" + value.encode("latin-1", "replace"))
     step = (1 if grey else 3) * image.itemsize

@@ -9,6 +9,7 @@ layer is an array of the picture's height and width:
 `depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
 `mask`        float32   share of the pixel that strands cover before anything else, 0 to 1: of its samples, or where
                         strands are sorted of its light, exactly, however little that is
+`solid`       float32   share of the pixel's samples whose rays meet a solid, whether strands are in front or not
 `tangent`     float32   (…, 3) unit vector in the world along the strand, root to tip; 0 where there is no strand
 `orientation` float32   angle of the tangent as it is seen, radians in [0, π): 0 to the right, π / 2 upright,
                         counted against the clock; a line's, so root and tip are alike; −1 where there is no strand
@@ -25,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.kernels.keys import EMPTY
 from ..coverage.coverage import Layer
 from ..geometry.curves import Polylines
 from ..lighting.lighting import Lighting
@@ -55,6 +57,14 @@ class Recorder:
             "orientation": np.full((height, width), -1, np.float32),
         }
         self._shares: NDArray[np.float32] | None = None
+
+    def solids(self, keys: NDArray[np.uint64]) -> None:
+        """Record a z-buffer (samples · samples · height · width,) that holds nothing but solids."""
+        if "solid" in self._names:
+            height, width = self._found["strand_id"].shape
+            k = self._samples
+            there = (keys != EMPTY).reshape(height, k, width, k)
+            self._found["solid"] = there.mean((1, 3), dtype=np.float32)
 
     def layer(self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]) -> None:
         """Write the strand that contributes most to each sample of a layer to ``keys`` (samples · samples · height ·

@@ -111,13 +111,16 @@ def camera_view(camera: Camera, time: float, width: int, height: int, bounds: ND
     position, target, fov, tall = camera_at(camera, time)
     eye = np.array(position, np.float64)
     right, up, forward = axes(np.array(target) - eye, camera.up)
+    centre = None
+    if (camera.axis_x, camera.axis_y) != (0.5, 0.5):
+        centre = (camera.axis_x * width, camera.axis_y * height)
     if camera.kind == "perspective":
         focal = height / 2 / np.tan(np.radians(fov) / 2)
-        return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height)
+        return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height, centre)
     corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
     # leave room for solids behind the strands, but keep enough depth resolution for the strands
     far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0 * ball(bounds)[1]
-    return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height)
+    return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height, centre)
 
 
 def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) -> View:

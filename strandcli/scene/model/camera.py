@@ -31,6 +31,8 @@ class Camera:
     up: Vector = vector((0.0, 1.0, 0.0), unit="1", nonzero=True, doc="direction that is up in the picture")
     fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
     height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
+    axis_x: float = number(0.5, doc="where the camera's axis meets the picture: share of its width, from the left")
+    axis_y: float = number(0.5, doc="share of its height, from the top")
     near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
     fit: float | None = number(
         None, above=0, high=10,
@@ -50,7 +52,7 @@ class Camera:
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
 
 
-AOVS = ("depth", "mask", "tangent", "orientation", "strand_id", "shadow", "linear")
+AOVS = ("depth", "mask", "solid", "tangent", "orientation", "strand_id", "shadow", "linear")
 """Layers beside the picture; what each holds is told in `strandcli.draw.film.aovs`."""
 
 

@@ -1,0 +1,147 @@
+"""A view as other programs have it: where a camera stands, how it is turned, and its projection in pixels.
+
+Points of a picture are measured in pixels from its upper left corner, x to the right and y down, so that the middle of
+the first pixel is (0.5, 0.5), as in COLMAP, in nerfstudio and in `strandcli.draw.view.camera`. OpenCV and NeuS count
+from the middle of the first pixel: there every principal point is less by a half.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from ..scene.model import Camera
+
+Floats = NDArray[np.float64]
+HALF = 0.5
+"""Pixels from the middle of the first pixel to the corner of the picture."""
+SKEWED = 1e-3
+"""Departure from a rotation, in any entry, from which on a matrix is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pinhole:
+    """A view without lens distortion, of square pixels."""
+
+    name: str
+    width: int
+    height: int
+    focal: float
+    """Pixels; of an orthographic view pixels a metre."""
+    centre: tuple[float, float]
+    """Principal point, pixels from the upper left corner."""
+    rotation: Floats
+    """(3, 3) world to camera; rows are the camera's right, down and forward axes, as in OpenCV."""
+    eye: Floats
+    """(3,) metres."""
+    perspective: bool = True
+
+    def camera_points(self, points: ArrayLike) -> Floats:
+        """(k, 3) points of the world along the camera's right, down and forward axes, metres."""
+        return np.asarray((np.asarray(points, np.float64) - self.eye) @ self.rotation.T)
+
+    def project(self, points: ArrayLike) -> Floats:
+        """(k, 2) pixels that points (k, 3) of the world are seen at."""
+        here = self.camera_points(points)
+        flat = here[:, :2] / here[:, 2:] if self.perspective else here[:, :2]
+        return np.asarray(self.focal * flat + np.array(self.centre))
+
+    def moved(self, turn: Floats, shift: Floats, factor: float = 1.0) -> Pinhole:
+        """The same view of a world whose points p are at factor · turn · p + shift."""
+        focal = self.focal if self.perspective else self.focal / factor
+        return replace(self, rotation=self.rotation @ turn.T, eye=factor * turn @ self.eye + shift, focal=focal)
+
+    @property
+    def matrix(self) -> Floats:
+        """(4, 4) camera to world, with the camera's axes right, down and forward (OpenCV)."""
+        out = np.eye(4)
+        out[:3, :3], out[:3, 3] = self.rotation.T, self.eye
+        return out
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same for JSON, which keeps every bit."""
+        return {
+            "name": self.name,
+            "kind": "perspective" if self.perspective else "orthographic",
+            "width": self.width,
+            "height": self.height,
+            "focal": self.focal,
+            "centre": list(self.centre),
+            "rotation": self.rotation.tolist(),
+            "eye": self.eye.tolist(),
+        }
+
+
+def from_dict(data: Mapping[str, Any]) -> Pinhole:
+    """A view from what `Pinhole.as_dict` made of it. Raises `KeyError`, `TypeError` or `ValueError` for anything
+    else."""
+    x, y = (float(number) for number in data["centre"])
+    rotation = np.array(data["rotation"], np.float64).reshape(3, 3)
+    return Pinhole(
+        str(data["name"]), int(data["width"]), int(data["height"]), float(data["focal"]), (x, y),
+        checked_rotation(rotation), np.array(data["eye"], np.float64).reshape(3), data["kind"] == "perspective",
+    )  # fmt: skip
+
+
+def in_order(views: Iterable[Pinhole]) -> list[Pinhole]:
+    """Views by their names, in which numbers count as such: 9 comes before 10."""
+
+    def key(view: Pinhole) -> list[tuple[int, str]]:
+        parts = re.split(r"(\d+)", view.name)
+        return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
+
+    return sorted(views, key=key)
+
+
+def checked_rotation(matrix: Floats) -> Floats:
+    """A matrix (3, 3) that is a rotation but for rounding. Raises `ValueError` for any other."""
+    if not np.isfinite(matrix).all() or np.abs(matrix @ matrix.T - np.eye(3)).max() > SKEWED:
+        raise ValueError("is no rotation")
+    if np.linalg.det(matrix) < 0:
+        raise ValueError("mirrors")
+    return matrix
+
+
+def of_camera(camera: Camera, name: str, width: int, height: int) -> Pinhole:
+    """A scene's camera that has no keys, for a picture of so many pixels."""
+    eye = np.array(camera.position, np.float64)
+    forward = np.array(camera.target, np.float64) - eye
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, np.array(camera.up, np.float64))
+    right /= np.linalg.norm(right)
+    perspective = camera.kind == "perspective"
+    focal = height / 2 / math.tan(math.radians(camera.fov) / 2) if perspective else height / camera.height
+    centre = (camera.axis_x * width, camera.axis_y * height)
+    rotation = np.stack([right, np.cross(forward, right), forward])
+    return Pinhole(name, width, height, focal, centre, rotation, eye, perspective)
+
+
+def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
+    """A scene's camera of this view, with its near plane, that looks at a point so many metres ahead."""
+    from ..scene.model import Camera
+
+    axis_x, axis_y = view.centre[0] / view.width, view.centre[1] / view.height
+    fov = math.degrees(2 * math.atan2(view.height / 2, view.focal)) if view.perspective else Camera().fov
+    return Camera(
+        kind="perspective" if view.perspective else "orthographic",
+        position=_plain(view.eye),
+        target=_plain(view.eye + distance * view.rotation[2]),
+        up=_plain(-view.rotation[1]),
+        fov=fov,
+        height=Camera().height if view.perspective else view.height / view.focal,
+        axis_x=axis_x,
+        axis_y=axis_y,
+        near=near,
+    )
+
+
+def _plain(vector: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in vector)
+    return x, y, z

@@ -1,0 +1,112 @@
+"""nerfstudio's transforms.json (nerfstudio-project/nerfstudio, docs/quickstart/data_conventions.md).
+
+`transform_matrix` takes a camera, whose axes are right, up and backward (OpenGL), to the world, whose z is up. The
+corner of the picture is (0, 0). Lenses stand at the top of the file or with each picture.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError
+from ..exchange.edit.transform import turning
+from ..output.files import read_json
+from .lens import picture_size, refuse_distortion, square_focal
+from .pinhole import Floats, Pinhole, checked_rotation, in_order
+
+MARK = "strandcli"
+"""Key of files that strandcli wrote."""
+FLIP = np.diag([1.0, -1.0, -1.0])
+"""From right, down, forward to right, up, backward, and back."""
+MODELS = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE")
+"""Values of camera_model that are pinholes where their distortion is 0."""
+BENDING = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2")
+UP = "z"
+"""Of nerfstudio's world; scenes have y."""
+
+
+def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[list[Pinhole], bool]:
+    """The views by the names of their pictures, and whether strandcli wrote them. Raises `UsageError` for a file that
+    is damaged and for lenses that are no pinholes. The world of files that strandcli wrote is turned back to y up."""
+    try:
+        data = read_json(path)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise UsageError(f"{path}: is no JSON: {error}") from None
+    frames = data.get("frames") if isinstance(data, dict) else None
+    if not isinstance(frames, list) or not frames:
+        raise UsageError(f"{path}: frames: holds no view")
+    own = MARK in data
+    views = []
+    for number, frame in enumerate(frames):
+        if not isinstance(frame, dict):
+            raise UsageError(f"{path}: frames[{number}]: is no view")
+        view = _view({**data, **frame}, number, path, size, notes)
+        views.append(view.moved(turning(UP, "y"), np.zeros(3)) if own else view)
+    return in_order(views), own
+
+
+def _view(data: Mapping[str, Any], number: int, path: Path, size: tuple[int, int] | None, notes: list[str]) -> Pinhole:
+    """The view of an entry, with what stands at the top of the file."""
+    where = f"frames[{number}]"
+    model = data.get("camera_model", "OPENCV")
+    if model not in MODELS:
+        raise UsageError(f"{path}: {where}: camera_model {model!r} is no pinhole; undistort the pictures first")
+    try:
+        refuse_distortion(path, where, {name: float(data.get(name, 0)) for name in BENDING})
+        shape = picture_size(_or_none(data, "w"), _or_none(data, "h"), size, path)
+        focal = _focal(data, shape, f"{path}: {where}", notes)
+        centre = (float(data.get("cx", shape[0] / 2)), float(data.get("cy", shape[1] / 2)))
+        matrix = np.array(data["transform_matrix"], np.float64)
+        if matrix.shape not in ((3, 4), (4, 4)) or not np.isfinite(matrix).all():
+            raise ValueError("transform_matrix: is no matrix (4, 4)")
+        rotation = FLIP @ checked_rotation(matrix[:3, :3]).T
+        name = Path(str(data.get("file_path", f"{number:04d}"))).stem
+        return Pinhole(name, *shape, focal, centre, rotation, matrix[:3, 3])
+    except KeyError as error:
+        raise UsageError(f"{path}: {where}: has no {error.args[0]}") from None
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{path}: {where}: {error}") from None
+
+
+def _or_none(data: Mapping[str, Any], key: str) -> float | None:
+    return None if data.get(key) is None else float(data[key])
+
+
+def _focal(data: Mapping[str, Any], size: tuple[int, int], where: str, notes: list[str]) -> float:
+    """The focal length, pixels: as it stands there, or from the angle of view that NeRF's own sets have."""
+    if "fl_x" in data or "fl_y" in data:
+        fx, fy = (float(data.get(name, data.get(other, 0))) for name, other in (("fl_x", "fl_y"), ("fl_y", "fl_x")))
+        return square_focal(fx, fy, size, where, notes)
+    if "camera_angle_x" not in data:
+        raise KeyError("fl_x")
+    focal = size[0] / 2 / math.tan(float(data["camera_angle_x"]) / 2)
+    return square_focal(focal, focal, size, where, notes)
+
+
+def matrix_of(view: Pinhole) -> Floats:
+    """(4, 4) camera to world as this format has it, of a view in a world whose y is up."""
+    turned = view.moved(turning("y", UP), np.zeros(3))
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = turned.rotation.T @ FLIP, turned.eye
+    return out
+
+
+def written(views: Sequence[Pinhole], beside: Mapping[str, str], version: str) -> dict[str, Any]:
+    """The file's data, of perspective views; ``beside``: keys of files of each view, with ``{}`` for its name."""
+    frames = [
+        {
+            **{key: pattern.format(view.name) for key, pattern in beside.items()},
+            "fl_x": view.focal, "fl_y": view.focal, "cx": view.centre[0], "cy": view.centre[1],
+            "w": view.width, "h": view.height,
+            "transform_matrix": matrix_of(view).tolist(),
+        }
+        for view in views
+    ]  # fmt: skip
+    return {"camera_model": "OPENCV", MARK: version, "frames": frames}
