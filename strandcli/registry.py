@@ -109,6 +109,10 @@ def _entry_points() -> tuple[str, ...]:
 
 FIBRES = Registry("fibre model", "strandcli.fibres", "draw.fibre.models", "marschner", ("name", "tables"))
 """Models of a strand's light: `material.model`."""
+LAYOUTS = Registry(
+    "layout", "strandcli.layouts", "dataset.layouts", "hairstep", ("name", "paths", "encode", "index")
+)  # fmt: skip
+"""Layouts of data sets: `strandcli dataset --layout`."""
 SHADOWS = Registry(
     "shadow model", "strandcli.shadow_models", "draw.shadows.models", "minmax",
     ("name", "casts_map", "layers", "shades_vertices"),

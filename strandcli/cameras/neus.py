@@ -76,7 +76,7 @@ def _view(matrix: Floats, name: str, size: tuple[int, int], where: str, notes: l
         raise ValueError("its pixels are sheared, which strandcli does not draw")
     focal = square_focal(float(k[0, 0]), float(k[1, 1]), size, where, notes)
     centre = (float(k[0, 2]) + HALF, float(k[1, 2]) + HALF)
-    return Pinhole(name, *size, focal, centre, checked_rotation(rotation), eye)
+    return Pinhole(name, *size, focal, centre, checked_rotation(rotation), np.asarray(eye))
 
 
 def world_matrix(view: Pinhole) -> Floats:

@@ -32,6 +32,7 @@ COMMANDS = {
     "compare": ("compare", "Compare two images."),
     "info": ("info", "Tell what is in a file of strands: counts, sizes, faults, guesses."),
     "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
+    "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }

@@ -79,12 +79,19 @@ def fitted(scene: Scene, seen: Seen) -> Camera:
     assert camera.fit is not None
     pose = emitter_pose(scene.emitter, 0.0)
     points = seen.points.astype(np.float64) @ np.array(pose.rotation).T + np.array(pose.translation)
+    return framed(camera, points, scene.image.size)
+
+
+def framed(camera: Camera, points: Floats, size: tuple[int, int]) -> Camera:
+    """A camera, moved along and across its direction so that points (k, 3) fill the share `fit` of a picture of a size,
+    pixels."""
+    assert camera.fit is not None
     ahead = _unit(np.subtract(camera.target, camera.position))
     right = _unit(np.cross(ahead, camera.up))
     above = np.cross(right, ahead)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     x, y, z = ((points - middle) @ axis for axis in (right, above, ahead))
-    width, height = scene.image.size
+    width, height = size
     if camera.kind == "orthographic":
         across, tall = np.ptp(x), np.ptp(y)
         view = max(float(tall), float(across) * height / width, 1e-6) / camera.fit

@@ -23,7 +23,7 @@ emitter: {strands: %d, particles: 2, length: 2, direction: %s, position: %s,
 rules: []
 camera: {kind: %s, position: [0.3, 0.2, 4], target: [0.1, 0, 0], fov: 30, height: 2}
 image: {size: [64, 48], background: [0.2, 0.3, 0.4], supersample: %d,
-  aovs: [depth, mask, tangent, orientation, strand_id, shadow, linear]}
+  aovs: [depth, mask, solid, tangent, orientation, strand_id, shadow, linear]}
 curves: {mode: "off"}
 material: {specular: 0, diffuse: 0.5, colour: [0.6, 0.4, 0.2]}
 lights: %s
@@ -202,11 +202,27 @@ def test_under_a_thin_sheet_solids_have_the_light_that_it_lets_through() -> None
     assert np.mean(frame.aovs["shadow"][under]) == pytest.approx(np.exp(-0.3), abs=0.005)
 
 
+@pytest.mark.parametrize("resolver", ["zbuffer", "sorted"])
+@pytest.mark.parametrize("samples", [1, 3])
+def test_solids_are_where_rays_meet_them_behind_strands_too(resolver: str, samples: int) -> None:
+    text = SHEET % (400, [0, 1, 0], [0, -1, 0.5], 1, "perspective", samples, "[]", "[{kind: sphere, radius: 0.4}]")
+    scene = scene_of(text.replace("image: {", f"image: {{resolver: {resolver}, "))
+    found = frames_of(scene, 1)[0].aovs
+    origin, way = rays(scene)
+    along = (way * -origin).sum(-1) / (way * way).sum(-1)
+    apart = np.linalg.norm(origin + along[..., None] * way, axis=-1)
+    assert (found["solid"][apart < 0.38] == 1).all()
+    assert (found["solid"][apart > 0.42] == 0).all()
+    assert ((found["solid"] > 0) & (found["strand_id"] >= 0)).sum() > 50
+    if samples == 3:
+        assert ((found["solid"] > 0) & (found["solid"] < 1)).sum() > 10
+
+
 @settings(max_examples=8, deadline=None)
 @given(st.lists(st.sampled_from(AOVS), unique=True, max_size=4))
 def test_layers_that_are_asked_for_are_there_and_the_picture_stays(names: list[str]) -> None:
     text = SHEET % (60, [0, 1, 0], [0, -1, 0], 1, "perspective", 1, "[]", "[]")
-    listed = "[depth, mask, tangent, orientation, strand_id, shadow, linear]"
+    listed = "[depth, mask, solid, tangent, orientation, strand_id, shadow, linear]"
     frame = frames_of(scene_of(text.replace(listed, str(names))), 1)[0]
     assert list(frame.aovs) == names
     np.testing.assert_array_equal(frame.image, drawn(60)[1].image)

@@ -1,0 +1,145 @@
+"""`strandcli dataset`: labelled views of grooms, in the layouts that other programs read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..registry import LAYOUTS
+from . import options, signals
+from .progress import Progress
+from .say import say
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+OWN_WORLD = ("emitter.groom.size=null", "emitter.groom.scale=1", "emitter.groom.place=file", "emitter.groom.up=y")
+"""Strands where the file has them, which is where cameras from elsewhere look for them."""
+
+
+class SpanType(click.ParamType):
+    """Two angles in degrees, the lesser first: ``-30,45``."""
+
+    name = "A,B"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
+        if isinstance(value, tuple):
+            return value
+        try:
+            low, high = (float(one) for one in str(value).split(","))
+        except ValueError:
+            low, high = 1.0, 0.0
+        if not -360 <= low <= high <= 360:
+            self.fail(f"'{value}' is not two angles in degrees, the lesser first, such as -30,45", param, ctx)
+        return low, high
+
+
+@click.command()
+@click.argument("grooms", nargs=-1, required=True, metavar="GROOM...")
+@click.option("--layout", required=True, metavar="NAME", help=f"One of {', '.join(LAYOUTS.names())}.")
+@click.option("--views", type=options.Whole(1, 1_000_000), metavar="N", help="Views of each groom.  [default: 8]")
+@click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")
+@options.folder()
+@click.option(
+    "--cameras", type=options.PathType(), metavar="FILE",
+    help="Views of this file or folder: transforms.json, COLMAP text, cameras.npz, dataset.json.",
+)  # fmt: skip
+@click.option("--azimuth", type=SpanType(), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
+@click.option("--elevation", type=SpanType(), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40.")
+@click.option("--light", type=click.Choice(("view", "set", "scene")), help="New for each view, one, or as it is.")
+@click.option("--colour", type=click.Choice(("view", "set", "scene")), help="The same of the strands' colour.")
+@click.option("--frame", type=options.Whole(1, 1_000_000), default=1, help="Frame of a preset that moves.")
+@options.scene_options
+@options.quality
+@options.threads
+@options.resume
+@options.overwrite
+@options.talk_options
+def command(
+    grooms: tuple[str, ...],
+    layout: str,
+    views: int | None,
+    first: int,
+    output: Path,
+    cameras: Path | None,
+    azimuth: tuple[float, float],
+    elevation: tuple[float, float],
+    light: str | None,
+    colour: str | None,
+    frame: int,
+    threads: int | None,
+    resume: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+    **scene_settings: Any,
+) -> None:
+    """Draw labelled views of each GROOM, which is a file of strands, a preset, or a shipped preset's name, into DIR, or
+    with several grooms into a folder of each there.
+
+    View k depends on --seed and k alone. Whatever ends the run, views that are done stay and are whole, and --resume
+    goes on from them.
+    """
+    options.exclusive(overwrite=overwrite, resume=resume)
+    options.exclusive(quiet=quiet, verbose=verbose)
+    from ..cameras.read import Views, views_of
+    from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
+    from ..dataset.run import Order, Talk, make
+    from ..dataset.views import EACH, ONE, Chance
+    from ..plan import make_plan, require_memory
+
+    kind = layout_of(layout)
+    usual = EACH if kind.own_light else ONE
+    found = Views((), True) if cameras is None else views_of(cameras, scene_settings["size"])
+    size = size_for(kind, scene_settings.pop("size"), found.views, cameras)
+    numbers = numbers_for(views, first, found.views, cameras)
+    made = []
+    for groom, name in zip(grooms, names_of(grooms), strict=True):
+        scene = scene_for(_load(groom, size, found.own, scene_settings), kind, size, frame)
+        require_memory(make_plan(scene, [frame]))
+        folder = output / name if len(grooms) > 1 else output
+        chance = Chance(scene_settings["seed"] or 0, name, light or usual, colour or usual, azimuth, elevation)
+        order = Order(groom, scene, folder, kind, numbers, chance, frame, found.views, resume, overwrite)
+        with Progress(
+            len(numbers), options.preset_name(groom), hidden=no_progress or quiet, verbose=verbose, each="view"
+        ) as progress:
+            data = make(order, threads, Talk(progress.note, _warner(progress, quiet, found.notes), _stepper(progress)))
+        made.append({"folder": str(folder), **data})
+        if not quiet:
+            say(f"{folder}: {len(data['views'])} views in the layout {kind.name}", err=True)
+    if as_json:
+        options.print_json(made)
+
+
+def _load(groom: str, size: tuple[int, int], own: bool, given: dict[str, Any]) -> Scene:
+    """The scene of a groom; ``own``: its world is not that of the groom's file, but in metres, as usual."""
+    if own or not options.is_groom(groom):
+        return options.load_scene(groom, size=size, **given)
+    return options.load_scene(groom, size=size, **{**given, "overrides": (*OWN_WORLD, *given["overrides"])})
+
+
+def _warner(progress: Progress, quiet: bool, notes: Sequence[str]) -> Callable[[str], None]:
+    """What warnings are handed to; says the notes at once."""
+
+    def warn(text: str) -> None:
+        if not quiet:
+            progress.line(f"warning: {text}")
+
+    for note in notes:
+        warn(note)
+    return warn
+
+
+def _stepper(progress: Progress) -> Callable[[str], None]:
+    """What is called when a view is done."""
+
+    def step(text: str) -> None:
+        progress.step(text)
+        signals.check()
+
+    return step

@@ -1,0 +1,54 @@
+"""GaussianHaircut (Zakharov et al. 2024): pictures of one head from all sides, with COLMAP's cameras as text.
+
+Sources: eth-ait/GaussianHaircut, run.sh, src/utils/camera_utils.py (`loadCam`), src/scene/dataset_readers.py
+(`readColmapSceneInfo`), src/preprocessing/calc_orientation_maps.py, calc_masks.py, colmap_parsing.py and
+preprocess_synthetic_scene.py.
+
+Masks are 0 and 255; that of the body is of the whole person, hair too. Orientations are those of
+`strandcli.dataset.orientation`. Training reads ``images_2``, ``masks_2`` and ``orientations_2``, which here are links
+to the folders without the number. It reads the angle of view alone and takes the principal point to be the middle of
+the picture, and wants points to begin with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...cameras import colmap
+from ...cameras.pinhole import Pinhole
+from ...output import png
+from ..labels import Labels
+from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..orientation import angles, variances
+
+FOLDER = "sparse/0"
+
+
+class GaussianHaircut(Layout):
+    """Pictures, masks, orientations and COLMAP's text files."""
+
+    name = "gaussianhaircut"
+    square = True
+    centred = True
+    paths = (
+        "images/{}.png", "masks/hair/{}.png", "masks/body/{}.png", "orientations/angles/{}.png",
+        "orientations/vars/{}.npy",
+    )  # fmt: skip
+
+    def encode(self, labels: Labels) -> Sequence[Pieces]:
+        """Picture, masks, angles and their variances."""
+        return (
+            png.encode(labels.image), mask_png(labels.hair), mask_png(labels.body), png.encode(angles(labels)),
+            npy(variances(labels)),
+        )  # fmt: skip
+
+    def index(self, views: Sequence[Pinhole], cloud: Cloud) -> dict[str, Pieces]:
+        """Cameras, poses and points."""
+        return {f"{FOLDER}/{name}": [data] for name, data in colmap.written(views, cloud.points).items()}
+
+    def links(self) -> dict[str, str]:
+        """Names that training looks for."""
+        return {f"{folder}_2": folder for folder in ("images", "masks", "orientations")}
+
+
+DRIVER = GaussianHaircut()

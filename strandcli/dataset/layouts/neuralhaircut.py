@@ -1,0 +1,53 @@
+"""NeuralHaircut (Sklyarova et al. 2023): pictures of one head from all sides, with NeuS's cameras.
+
+Sources: SamsungLabs/NeuralHaircut, preprocess_custom_data/readme.md (folders), calc_orientation_maps.py,
+scale_scene_into_sphere.py, colmap_parsing.py, src/models/dataset.py (`Dataset`, `MonocularDataset`).
+
+Its folders are ``image``, ``mask`` (the whole person, hair too), ``hair_mask``, ``orientation_maps`` and
+``confidence_maps``, which hold variances. `cameras.npz` has the matrices under the names of both of its loaders.
+`scale.pickle` puts the scene into the unit ball, with the same margin as its script. Pictures are square.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Sequence
+
+from ...cameras import neus
+from ...cameras.pinhole import Pinhole
+from ...output import png
+from ..labels import Labels
+from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..orientation import angles, variances
+
+MARGIN = 1.1
+"""By which NeuralHaircut's script divides the farthest point's distance: that comes to lie at 1.1."""
+
+
+class NeuralHaircut(Layout):
+    """Pictures, masks, orientations and NeuS's cameras."""
+
+    name = "neuralhaircut"
+    square = True
+    paths = (
+        "image/{}.png", "hair_mask/{}.png", "mask/{}.png", "orientation_maps/{}.png", "confidence_maps/{}.npy",
+    )  # fmt: skip
+
+    def encode(self, labels: Labels) -> Sequence[Pieces]:
+        """Picture, masks, angles and their variances."""
+        return (
+            png.encode(labels.image), mask_png(labels.hair), mask_png(labels.body), png.encode(angles(labels)),
+            npy(variances(labels)),
+        )  # fmt: skip
+
+    def index(self, views: Sequence[Pinhole], cloud: Cloud) -> dict[str, Pieces]:
+        """Cameras, and where the unit ball is."""
+        radius = cloud.radius / MARGIN
+        ball = {"scale": radius, "translation": cloud.middle.tolist()}
+        return {
+            "cameras.npz": [neus.written(views, cloud.middle, radius)],
+            "scale.pickle": [pickle.dumps(ball, protocol=2)],
+        }
+
+
+DRIVER = NeuralHaircut()

@@ -1,0 +1,163 @@
+"""What is drawn by chance: where cameras stand, light, colour. View k depends on the seed, the groom's name and k
+alone, however many views there are and whatever was drawn before."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..cameras.pinhole import Floats, Pinhole
+from ..groom.emit import PLASTIC
+from ..groom_file.measure import framed
+
+if TYPE_CHECKING:
+    from ..scene.model import Camera, Scene
+
+PIGMENTS = ("black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum")
+PALE = ("blond", "platinum")
+"""Burn out in light that brown hair wants; so does grey."""
+FILL = (0.72, 0.92)
+"""Share of the picture that strands fill."""
+STEEPEST = 89.0
+"""Degrees above or below the horizon: right above, the picture has no up."""
+START, FRAMING, LIGHT, COLOUR = range(4)
+"""What streams of random numbers are for."""
+SET = 0
+"""In place of a view's number, from 1, in streams that all views share."""
+EACH, ONE, KEPT = "view", "set", "scene"
+CHOICES = (EACH, ONE, KEPT)
+"""Light and colour: new for each view, one for the set, as the scene has them."""
+
+
+@dataclass(frozen=True)
+class Chance:
+    """The random part of a data set."""
+
+    seed: int
+    name: str
+    """Of the groom, so that two grooms are not seen from the same places."""
+    light: str = EACH
+    colour: str = EACH
+    azimuth: tuple[float, float] = (-180.0, 180.0)
+    """Degrees, from the scene's camera to its right, that cameras stand at."""
+    elevation: tuple[float, float] = (-10.0, 40.0)
+    """Degrees above the horizon."""
+
+    def stream(self, what: int, view: int | None = None) -> np.random.Generator:
+        """The random numbers of a view, or of the set."""
+        number = SET if view is None else view + 1
+        return np.random.default_rng([self.seed, zlib.crc32(self.name.encode()), what, number])
+
+    def direction(self, view: int, base: Camera) -> tuple[Floats, float]:
+        """From what is looked at to the camera of a view, a unit vector, and its azimuth in radians.
+
+        Views follow an additive recurrence in two dimensions (Roberts 2018), which spreads any number of them evenly.
+        """
+        u, v = (self.stream(START).random(2) + view * np.array([1 / PLASTIC, 1 / PLASTIC**2])) % 1.0
+        x, _, z = np.subtract(base.position, base.target)
+        azimuth = math.atan2(x, z) + math.radians(_between(u, self.azimuth))
+        low, high = (math.sin(math.radians(min(max(one, -STEEPEST), STEEPEST))) for one in self.elevation)
+        height = _between(v, (low, high))
+        flat = math.sqrt(1 - height * height)
+        return np.array([flat * math.sin(azimuth), height, flat * math.cos(azimuth)]), azimuth
+
+
+def _between(share: float, bounds: tuple[float, float]) -> float:
+    return bounds[0] + share * (bounds[1] - bounds[0])
+
+
+def camera_of(chance: Chance, view: int, base: Camera, points: Floats, size: tuple[int, int]) -> Camera:
+    """The camera of a view, which has the base's projection and sees all points (k, 3)."""
+    away, _ = chance.direction(view, base)
+    fit = float(chance.stream(FRAMING, view).uniform(*FILL))
+    x, y, z = (float(one) for one in away)
+    turned = replace(base, position=(x, y, z), target=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), fit=fit)
+    return framed(turned, points, size)
+
+
+def lit(scene: Scene, chance: Chance, view: int, place: Pinhole) -> tuple[Scene, dict[str, Any]]:
+    """The scene in the light and colour of a view from a place, and what they are, for the manifest."""
+    facts: dict[str, Any] = {}
+    pale = 0.0
+    if chance.colour != KEPT:
+        rng = chance.stream(COLOUR, view if chance.colour == EACH else None)
+        pigment, grey = str(rng.choice(PIGMENTS)), max(float(rng.uniform(-0.5, 0.5)), 0.0)
+        spread = float(rng.uniform(0.1, 0.4))
+        pale = max(0.45 * (pigment in PALE), 0.5 * grey)
+        facts["colour"] = {"pigment": pigment, "grey": grey, "colour_variation": spread}
+        changed = {"eumelanin": None, "pheomelanin": None, "tip_colour": None, **facts["colour"]}
+        scene = replace(scene, material=replace(scene.material, **changed))
+    if chance.light != KEPT:
+        each = chance.light == EACH
+        rng = chance.stream(LIGHT, view if each else None)
+        axes = _axes(place) if each else np.eye(3)
+        lights = _lights(scene, rng, axes, 1 - pale)
+        around = rng.uniform(0.25, 0.5) * rng.uniform([0.9, 0.95, 0.9], [1.0, 1.0, 1.1])
+        behind = float(rng.uniform(0.02, 0.4)) * rng.uniform(0.9, 1.1, 3)
+        scene = replace(
+            scene, lights=lights, ambient=_plain(around), environment=None,
+            image=replace(scene.image, background=_plain(behind), horizon=None),
+        )  # fmt: skip
+        facts["light"] = {
+            "ambient": list(scene.ambient),
+            "background": list(scene.image.background),
+            "lights": [
+                {"direction": list(one.direction), "intensity": one.intensity, "size": one.size,
+                 "colour": list(one.colour)} for one in lights
+            ],
+        }  # fmt: skip
+    return scene, facts
+
+
+def _axes(place: Pinhole) -> Floats:
+    """(3, 3) rows: to the right of a camera, up, and back to it, of which up is that of the world unless the camera
+    looks along it, or lies on its side."""
+    back = -place.rotation[2]
+    up = np.array([0.0, 1.0, 0.0])
+    if abs(back @ up) > math.sin(math.radians(STEEPEST)) or -place.rotation[1] @ up < 0.3 * math.hypot(
+        back[0], back[2]
+    ):
+        up = -place.rotation[1]
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    return np.stack([right, up, np.cross(right, up)])
+
+
+def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) -> tuple[Any, ...]:
+    """Three lights, as a photographer sets them up: a key light from the camera's side, a weaker and larger one from
+    its other hand, and one from behind, in some pictures next to none."""
+    from ..scene.model import DirectionalLight, Shadow
+
+    given = next((one.shadow for one in scene.lights if one.shadow.model == "opacity"), None)
+    shadow = Shadow(model="opacity") if given is None else given
+    hand = 1.0 if rng.uniform(-1, 1) > 0 else -1.0
+    key = power * float(rng.uniform(2.5, 4.5))
+    parts = (
+        (hand * rng.uniform(10, 65), rng.uniform(-1.1, -0.25), key, rng.uniform(3, 15)),
+        (-hand * rng.uniform(20, 80), rng.uniform(-0.6, 0.1), key * rng.uniform(0.2, 0.5), rng.uniform(15, 40)),
+        (-hand * rng.uniform(120, 200), rng.uniform(-0.8, -0.15), key * rng.uniform(0.05, 0.6), rng.uniform(3, 15)),
+    )
+    lights = []
+    for number, (turn, down, intensity, size) in enumerate(parts):
+        around = math.radians(float(turn))
+        way = np.array([-math.sin(around), float(down), -math.cos(around)]) @ axes
+        tint = (1.0, float(rng.uniform(0.88, 1.0)), float(rng.uniform(0.75, 1.0)))
+        lights.append(
+            DirectionalLight(
+                direction=_plain(way),
+                intensity=float(intensity),
+                size=float(size),
+                colour=tint,
+                shadow=shadow if number == 0 else Shadow(model="opacity"),
+            )
+        )
+    return tuple(lights)
+
+
+def _plain(vector: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in vector)
+    return x, y, z

@@ -1,0 +1,243 @@
+"""A data set as a whole: views by chance, taking it up again, cameras out and in, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dataset_kit as kit
+import groom_file_kit
+from cli_runs import Runner
+from strandcli.cameras.pinhole import Pinhole, from_dict
+from strandcli.cameras.read import views_of
+from strandcli.dataset.run import Talk
+from strandcli.dataset.views import Chance
+from strandcli.errors import UsageError
+
+BY_CHANCE: dict[str, Any] = {
+    "light": "view", "colour": "view", "azimuth": (-180, 180), "elevation": (-10, 40), "size": (32, 32),
+    "scene": {"material.width": 0.1},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def groom(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return groom_file_kit.write(tmp_path_factory.mktemp("groom") / "some.data", groom_file_kit.hanging([12] * 60))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """The files of all views, but for what tells of time."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and not path.is_symlink() and path.suffix != ".json"
+    }
+
+
+def test_views_depend_on_the_seed_and_their_number_alone(groom: Path, tmp_path: Path) -> None:
+    kit.run(kit.order(groom, tmp_path / "five", "hairstep", range(5), **BY_CHANCE))
+    kit.run(kit.order(groom, tmp_path / "third", "hairstep", [3], **BY_CHANCE))
+    kit.run(kit.order(groom, tmp_path / "other", "hairstep", [3], seed=2, **BY_CHANCE))
+    five, third, other = (contents(tmp_path / name) for name in ("five", "third", "other"))
+    assert all(five[name] == data for name, data in third.items())
+    assert len(third) == 6
+    assert other["img/0003.png"] != third["img/0003.png"]
+    entries = kit.manifest(tmp_path / "five")["views"]
+    assert [one["view"] for one in entries] == list(range(5))
+    assert len({one["colour"]["grey"] + one["light"]["ambient"][0] for one in entries}) == 5
+    assert all(0.05 < one["hair_share"] < 0.9 for one in entries)
+    forward = np.array([one["camera"]["rotation"][2] for one in entries])
+    assert (forward @ forward.T - np.eye(5)).max() < 0.99  # all from other sides
+
+
+def test_a_set_of_one_light_has_it_in_every_view(groom: Path, tmp_path: Path) -> None:
+    kit.run(kit.order(groom, tmp_path, "nerfstudio", range(3), **{**BY_CHANCE, "light": "set", "colour": "set"}))
+    first, *rest = kit.manifest(tmp_path)["views"]
+    for one in rest:
+        assert one["light"] == first["light"]
+        assert one["colour"] == first["colour"]
+        assert one["camera"]["focal"] == first["camera"]["focal"]
+        assert one["camera"]["eye"] != first["camera"]["eye"]
+
+
+def test_directions_are_spread_and_within_bounds() -> None:
+    from strandcli.scene.model import Camera
+
+    chance = Chance(3, "a", azimuth=(-90, 90), elevation=(0, 45))
+    base = Camera(position=(2.0, 1.0, 0.0), target=(0.0, 0.0, 0.0))  # to the right of the origin: azimuth 90
+    found = np.array([chance.direction(view, base)[0] for view in range(64)])
+    assert np.abs(np.linalg.norm(found, axis=1) - 1).max() < 1e-12
+    assert (found[:, 1] >= 0).all()
+    assert (found[:, 1] <= np.sin(np.pi / 4)).all()
+    assert (found[:, 0] >= -1e-9).all()  # half a turn about the scene's own camera
+    gap = np.sort(found[:, 1])
+    assert np.diff(gap).max() < 0.05
+
+
+def test_a_set_is_taken_up_again(groom: Path, tmp_path: Path) -> None:
+    """A run that is stopped leaves whole views; the rest are made, and what is there is kept."""
+    kit.run(kit.order(groom, tmp_path / "whole", "nerfstudio", range(4), **BY_CHANCE))
+    part = tmp_path / "part"
+    asked = kit.order(groom, part, "nerfstudio", range(4), **BY_CHANCE)
+
+    def stop(text: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        kit.run(asked, Talk(step=stop))
+    before = [one["view"] for one in kit.manifest(part)["views"]]
+    assert before
+    assert before[0] == 0
+    assert len(before) < 4
+    assert len(json.loads((part / "transforms.json").read_text())["frames"]) == len(before)
+    (part / "depths" / "0000.npy").unlink()  # a view that lacks a file is made again
+    drawn: list[str] = []
+    with pytest.raises(UsageError, match="add --overwrite to replace or --resume"):
+        kit.run(asked)
+    data = kit.run(replace(asked, resume=True), Talk(step=drawn.append))
+    assert [one["view"] for one in data["views"]] == list(range(4))
+    assert len(drawn) == 4 - len(before) + 1
+    assert contents(part) == contents(tmp_path / "whole")
+    assert (
+        json.loads((part / "transforms.json").read_text())["frames"]
+        == json.loads((tmp_path / "whole" / "transforms.json").read_text())["frames"]
+    )
+    drawn.clear()
+    kit.run(replace(asked, resume=True), Talk(step=drawn.append))
+    assert not drawn
+    more = replace(asked, resume=True, views=range(5))
+    assert len(kit.run(more, Talk(step=drawn.append))["views"]) == 5
+    assert len(drawn) == 1
+
+
+def test_other_options_and_another_groom_are_noticed(groom: Path, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.data"
+    mine.write_bytes(groom.read_bytes())
+    asked = kit.order(mine, tmp_path / "set", "nerfstudio", range(2), **BY_CHANCE, resume=True)
+    kit.run(asked)
+    for other in (
+        replace(asked, chance=replace(asked.chance, seed=9)),
+        kit.order(mine, tmp_path / "set", "nerfstudio", range(2), **{**BY_CHANCE, "size": (32, 24)}, resume=True),
+    ):
+        with pytest.raises(UsageError, match="another groom, version or options"):
+            kit.run(other)
+    groom_file_kit.write(mine, groom_file_kit.hanging([12] * 60, seed=2))
+    with pytest.raises(UsageError, match="another groom, version or options"):
+        kit.run(asked)
+    kit.run(replace(asked, resume=False, overwrite=True))
+
+
+@pytest.mark.parametrize("layout", ["gaussianhaircut", "neuralhaircut", "nerfstudio", "hairstep"])
+def test_cameras_written_are_read_as_the_same_views(layout: str, groom: Path, tmp_path: Path) -> None:
+    """To 1e-6 pixels, and with them the same pictures."""
+    kit.run(kit.order(groom, tmp_path / "a", layout, range(2), **{**BY_CHANCE, "light": "scene"}))
+    path = tmp_path / "a"
+    if layout != "hairstep":
+        (path / "dataset.json").rename(path / "kept.json")  # the layout's own files
+    found = views_of(path)
+    assert found.own
+    points = np.random.default_rng(2).uniform(-1, 1, (30, 3))
+    entries = json.loads((path / ("dataset.json" if layout == "hairstep" else "kept.json")).read_text())["views"]
+    for view, entry in zip(found.views, entries, strict=True):
+        assert np.abs(view.project(points) - from_dict(entry["camera"]).project(points)).max() < 1e-6
+    again = kit.order(groom, tmp_path / "b", layout, range(2), **{**BY_CHANCE, "light": "scene"})
+    kit.run(replace(again, places=found.views))
+    a, b = (contents(tmp_path / name) for name in "ab")
+    for name in a:
+        if name.endswith(".png"):
+            one, other = (kit.picture(tmp_path / part / name).astype(int) for part in "ab")
+            assert np.mean(np.abs(one - other) > 2) < 0.01, name
+    assert a.keys() == b.keys()
+
+
+def test_a_principal_point_off_the_middle_moves_the_picture(groom: Path, tmp_path: Path) -> None:
+    kit.run(kit.order(groom, tmp_path / "a", "nerfstudio", [0], **{**BY_CHANCE, "light": "scene"}))
+    (view,) = views_of(tmp_path / "a").views
+    moved = replace(view, centre=(view.centre[0] + 3, view.centre[1] - 2))
+    kit.run(
+        replace(kit.order(groom, tmp_path / "b", "nerfstudio", [0], **{**BY_CHANCE, "light": "scene"}), places=[moved])
+    )
+    a, b = (kit.picture(tmp_path / name / "masks" / "hair" / "0000.png") for name in "ab")
+    assert (a[2:, :-3] == b[:-2, 3:]).mean() > 0.995
+    assert (a != b).mean() > 0.05
+
+
+def _views(folder: Path, groom: Path) -> Path:
+    kit.run(kit.order(groom, folder, "nerfstudio", range(2), **BY_CHANCE))
+    return folder / "transforms.json"
+
+
+def test_the_command(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    small = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--size", "32x32")
+    other = groom.with_name("other.data")
+    other.write_bytes(groom.read_bytes())
+    result = run(
+        "dataset", groom, other, "--layout", "nerfstudio", "--views", 2, "-o", tmp_path / "set", "--json", *small
+    )
+    assert result.code == 0, result.err
+    first, second = json.loads(result.out)
+    assert [len(one["views"]) for one in (first, second)] == [2, 2]
+    assert (tmp_path / "set" / "some" / "transforms.json").exists()
+    assert (tmp_path / "set" / "other" / "images" / "0001.png").exists()
+    assert first["views"][0]["camera"]["eye"] != second["views"][0]["camera"]["eye"]
+    # cameras of its own: in metres, so the groom is placed as before; those of others: where the file has it
+    cameras = tmp_path / "set" / "some" / "transforms.json"
+    result = run("dataset", groom, "--layout", "neuralhaircut", "--cameras", cameras, "-o", tmp_path / "n", *small[:-2])
+    assert result.code == 0, result.err
+    assert [one["camera"] for one in kit.manifest(tmp_path / "n")["views"]] == [one["camera"] for one in first["views"]]
+    data = json.loads(cameras.read_text())
+    del data["strandcli"]
+    cameras.write_text(json.dumps(data))
+    result = run("dataset", groom, "--layout", "nerfstudio", "--cameras", cameras, "-o", tmp_path / "f", *small[:-2])
+    assert result.code == 0, result.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--layout", "hairstop"], "layouts are hairstep,"),
+        (["--layout", "hairstep", "--size", "64x48"], "square pictures alone"),
+        (["--layout", "hairstep", "--cameras", "CAMERAS"], "has orthographic views alone"),
+        (["--layout", "nerfstudio", "--cameras", "CAMERAS", "--views", "9"], "holds 2 views, 9 are asked for"),
+        (["--layout", "nerfstudio", "--cameras", "absent.json"], "absent.json: no such file"),
+        (["--layout", "nerfstudio", "--elevation", "40,10"], "the lesser first"),
+        (["--layout", "nerfstudio", "--frame", "7"], "the preset has 1 frames"),
+        (["--layout", "nerfstudio", "--resume", "--overwrite"], "exclude each other"),
+    ],
+)
+def test_what_is_refused(
+    arguments: list[str], words: str, groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [str(_views(tmp_path / "v", groom)) if one == "CAMERAS" else one for one in arguments]
+    result = Runner(tmp_path, capsys)("dataset", groom, "-o", tmp_path / "out", *given)
+    assert result.code == 2
+    assert words in result.error()
+    assert not (tmp_path / "out").exists()
+
+
+def test_off_middle_views_are_refused_where_they_would_be_misread(
+    groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = _views(tmp_path / "v", groom)
+    data = json.loads(path.read_text())
+    data["frames"][1]["cx"] += 0.25
+    path.write_text(json.dumps(data))
+    result = Runner(tmp_path, capsys)(
+        "dataset", groom, "-o", tmp_path / "o", "--layout", "gaussianhaircut", "--cameras", path
+    )
+    assert result.code == 2
+    assert "0.25 pixels off the middle" in result.error()
+    result = Runner(tmp_path, capsys)("dataset", tmp_path / "no.hair", "-o", tmp_path / "o", "--layout", "hairstep")
+    assert result.code == 2
+    assert "no.hair" in result.error()
+
+
+def test_views_are_compared_by_what_they_project() -> None:
+    view = Pinhole("a", 10, 10, 5.0, (5.0, 5.0), np.eye(3), np.zeros(3))
+    assert view.project([[0.0, 0, 2], [1, 2, 2]]).tolist() == [[5, 5], [7.5, 10]]
