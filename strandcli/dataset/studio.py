@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ..cameras.pinhole import Floats, Pinhole
 from ..constants import W
-from ..draw.common.scratch import Scratch
+from ..draw.common.drawing import Drawing
 from ..draw.renderer import Renderer
 from ..stages import Notify, RunOptions, SimulationStage
 from .labels import Labels, labels_of
 from .layout import Cloud
 
 if TYPE_CHECKING:
-    from ..draw.common.drawing import Drawing
+    from ..draw.common.scratch import Scratch
     from ..draw.coverage.coverage import Coverage
     from ..scene.model import Scene
 
@@ -56,16 +56,14 @@ class Studio:
         return labels_of(drawing.image, drawing.aovs, view), drawing
 
     def _drawn(self) -> NDArray[np.float32]:
-        """(blocks, rows, 3 W): the strands that are drawn, children and what is combed included."""
-        stage, positions, lengths = self._stage, self._moved.positions, self._moved.lengths
-        scratch, ids, count = Scratch(), None, len(self._moved.tones)
-        if stage.children is not None:
-            tones, ids = stage.children.select(positions)
-            count = len(tones)
-            positions, lengths = stage.children.grow(positions, lengths, self._at, count, scratch, ids)
-        if stage.combed is not None:
-            positions = stage.combed.join(positions, self._at, count, scratch, ids)
-        return positions
+        """(blocks, rows, 3 W): the strands that are drawn, children, followers and what is combed included."""
+        moved, renderer = self._moved, self._renderer(self.scene)
+        tones, ids = renderer.tones, renderer.ids
+        if renderer.children is not None:
+            tones, ids = renderer.children.select(moved.positions)
+        nothing = Drawing(np.empty((0, 0, 3), np.uint8))
+        strands = renderer.drawn.at(self.scene, self._at, moved.positions, moved.lengths, tones, ids, nothing)
+        return strands.positions
 
     def _renderer(self, scene: Scene) -> Renderer:
         """A renderer of the strands in a scene, with memory that the one before it had."""
@@ -73,7 +71,7 @@ class Studio:
         renderer = Renderer(scene, stage.groom, stage.children, stage.combed)
         renderer.tones, renderer.ids = moved.tones, moved.ids
         if self._scratch is not None:
-            renderer.scratch = self._scratch
+            renderer.scratch = renderer.drawn.scratch = self._scratch
             if self._coverage is not None and self._coverage.size == renderer.size:
                 renderer.coverage = self._coverage
         self._scratch, self._coverage = renderer.scratch, renderer.coverage
