@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: demo fuzz reading test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: demo fuzz reading mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -25,7 +25,8 @@ help:
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
-	@echo "make fuzz       read damaged files of strands, 100,000 of each format"
+	@echo "make fuzz       read damaged files of strands and of meshes, 100,000 of each format"
+	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
@@ -100,6 +101,9 @@ stress: $(READY)
 
 reading: $(READY)
 	$(BIN)/python tests/reading.py
+
+mesh-distances: $(READY)
+	$(BIN)/python tests/mesh_distances.py
 
 fuzz: $(READY)
 	$(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)

@@ -1,4 +1,5 @@
-"""Read damaged files of strands: ``python tests/fuzz.py [COUNT [FORMAT]]``, and a slice of it in the tests.
+"""Read damaged files of strands and of meshes: ``python tests/fuzz.py [COUNT [FORMAT]]``, and a slice of it in the
+tests.
 
 A file is mutated in a few bytes, words or blocks, cut off, or lengthened, and read. It must be read or refused in one
 line (`StrandError`), within seconds and within three times its size and 100 MB: more ends in MemoryError here, and that
@@ -7,6 +8,7 @@ is a fault too. What is found is printed with the number that makes it again.
 
 from __future__ import annotations
 
+import base64
 import importlib.util
 import io
 import json
@@ -20,17 +22,22 @@ import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
+from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import numpy as np
 
 import abc_kit
 import exchange_kit as kit
+import mesh_kit
 import usd_kit
 from strandcli.errors import StrandError
 from strandcli.exchange.facts import facts
 from strandcli.exchange.files import ReadOptions, format_of, read
+from strandcli.meshes.read import read_mesh
 
 MEMORY = Path("/dev/shm")
 """Where files are written fastest."""
@@ -38,6 +45,8 @@ LONGEST = 10
 """Seconds for one file."""
 MOST = 100_000_000
 """Bytes beyond three times the file."""
+MESH = "mesh"
+"""What formats of meshes begin with: they are the ends of names, as those of strands."""
 WORDS = (0, 1, 2, 0x7F, 0x80, 0xFF, 0xFFFF, 0x10000, 2**31 - 1, 2**31, 2**32 - 1, 0x7FC00000, 0x7F800000)
 
 
@@ -81,7 +90,30 @@ def seeds() -> dict[str, list[bytes]]:
             npz(True, points=kit.of(uneven).points, first=kit.of(uneven).first, words=np.array(["a"])),
         ],
         ".abc": [abc_kit.rich(even), abc_kit.archive(uneven), abc_kit.rich(uneven), abc_kit.FROM_BLENDER.read_bytes()],
+        **mesh_seeds(),
     }  # fmt: skip
+
+
+def mesh_seeds() -> dict[str, list[bytes]]:
+    """Whole files of each format of meshes, small ones."""
+    box = mesh_kit.mesh("box")
+    count = box.vertices.shape[0]
+    seamed = replace(box, uv=np.random.default_rng(1).random((12, 3, 2)).round(2).astype(np.float32))
+    faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7, 5]]
+    more = {"density": np.ones(count, np.float32), **dict.fromkeys(("red", "green", "blue"), np.zeros(count, np.uint8))}
+    tree, buffer = mesh_kit.gltf_tree(box, COLOR_0=np.ones((count, 3), "<f4"), TEXCOORD_0=np.ones((count, 2), "<f4"))
+    inner = {**tree, "buffers": [{"uri": "data:;base64," + base64.b64encode(buffer).decode()}]}
+    back = b"v 0 0 0\nv 1 0 0 1 0 0\nvn 0 0 1\nv 0 1 0\no a\nusemtl b\ns 1\nf -3//1 -2//1 -1//1\nv 1 1 0\nf 2 3 4 1\n"
+    return {
+        f"{MESH}.obj": [mesh_kit.obj(box), mesh_kit.obj(seamed), back],
+        f"{MESH}.ply": [
+            *(mesh_kit.ply(box, order, shape, more) for order in ("<", ">", "") for shape in (None, faces)),
+            mesh_kit.ply(box),
+        ],
+        f"{MESH}.stl": [mesh_kit.stl(box), mesh_kit.stl(box, text=True)],
+        f"{MESH}.glb": [mesh_kit.glb(tree, buffer), mesh_kit.glb(*mesh_kit.gltf_tree(box))],
+        f"{MESH}.gltf": [json.dumps(inner).encode(), json.dumps(inner, indent=1).encode()],
+    }
 
 
 def mutated(content: bytes, generator: np.random.Generator) -> bytes:
@@ -116,6 +148,46 @@ def mutated(content: bytes, generator: np.random.Generator) -> bytes:
     return bytes(data)
 
 
+OTHERS: tuple[object, ...] = (
+    *WORDS,
+    -1,
+    -(10**20),
+    10**20,
+    1.5,
+    None,
+    True,
+    "",
+    "x",
+    [],
+    [[]],
+    [0],
+    {},
+    [{}],
+    {"a": 0},
+)
+"""What values of a header become."""
+
+
+def mutated_header(content: bytes, generator: np.random.Generator) -> bytes:
+    """A glTF file in whose header up to three values are others."""
+    packed = content[:4] == b"glTF"
+    end = 20 + struct.unpack("<I", content[12:16])[0] if packed else len(content)
+    tree = json.loads(content[20 if packed else 0 : end])
+    for _ in range(generator.integers(1, 4)):
+        place: Any = tree
+        while True:
+            keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+            if not keys:
+                break
+            key = keys[int(generator.integers(len(keys)))]
+            if isinstance(place[key], dict | list) and generator.random() < 0.85:
+                place = place[key]
+                continue
+            place[key] = deepcopy(OTHERS[int(generator.integers(len(OTHERS)))])
+            break
+    return mesh_kit.glb(tree, content[end + 8 :]) if packed else json.dumps(tree).encode()
+
+
 def checksums_right(content: bytes) -> bytes:
     """An archive whose members' checksums were made those of what they hold now, where that can be; so that what is
     damaged inside is read."""
@@ -148,6 +220,8 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
     path = folder / f"a{suffix}"
     path.write_bytes(content)
     try:
+        if suffix.startswith(MESH):
+            return attempt_mesh(path)
         warnings.simplefilter("error")
         strands = read(path, ReadOptions(lenient=len(content) % 2 == 0))
         if len(content) % 5 == 0:
@@ -167,6 +241,16 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
         return f"{type(error).__name__}: {error}"
 
 
+def attempt_mesh(path: Path) -> str:
+    """The same of a mesh; raises what reading raises."""
+    mesh = read_mesh(path)
+    numbers = (mesh.vertices, mesh.normals, mesh.uv, mesh.corner_normals, mesh.colours, *mesh.attributes.values())
+    if not all(np.isfinite(one).all() for one in numbers if one is not None):
+        return "numbers that are not finite"
+    sound = mesh.triangles.min() >= 0 and mesh.triangles.max() < mesh.vertices.shape[0]
+    return "read" if sound and (mesh.areas() > 0).all() else "triangles that are none"
+
+
 def fuzz(suffix: str, numbers: range, tell: Callable[[str], None]) -> Counter[str]:
     """Read damaged files of a format; number i is the same in each run."""
     files = seeds()[suffix]
@@ -175,6 +259,8 @@ def fuzz(suffix: str, numbers: range, tell: Callable[[str], None]) -> Counter[st
         for number in numbers:
             generator = np.random.default_rng(number)
             content = mutated(files[number % len(files)], generator)
+            if "gl" in suffix and number % 4:
+                content = mutated_header(files[number % len(files)], generator)
             if suffix == ".npz" and number % 3:
                 content = checksums_right(content)
             outcome = attempt(content, suffix, Path(folder))

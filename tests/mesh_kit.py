@@ -163,3 +163,29 @@ def glb(tree: dict, content: bytes) -> bytes:
     size = 12 + 8 + len(text) + 8 + len(content)
     head = struct.pack("<4sII", b"glTF", 2, size) + struct.pack("<I4s", len(text), b"JSON")
     return head + text + struct.pack("<I4s", len(content), b"BIN\0") + content
+
+
+def head(rings: int = 100) -> tuple[np.ndarray, np.ndarray]:
+    """A closed shape as large and as bumpy as a head, metres, of 2 (rings - 1) rings triangles; a nose towards +z."""
+    polar = np.linspace(0, np.pi, rings + 1)[1:-1, None]
+    around = 2 * np.pi * np.arange(rings) / rings
+    unit = np.stack(
+        np.broadcast_arrays(np.sin(polar) * np.sin(around), np.cos(polar), np.sin(polar) * np.cos(around)), 2
+    )
+    unit = np.concatenate([[[0, 1.0, 0]], unit.reshape(-1, 3), [[0, -1.0, 0]]])
+    x, y, z = unit.T
+    bump = 0.25 * np.exp(-((x / 0.12) ** 2 + ((y + 0.1) / 0.2) ** 2)) * (z > 0)
+    bump += 0.15 * np.exp(-(((np.abs(x) - 1) / 0.2) ** 2) - (z / 0.25) ** 2 - (y / 0.3) ** 2) + 0.02 * np.sin(
+        9 * x
+    ) * np.sin(7 * y)
+    vertices = unit * (0.075, 0.12, 0.095) * (1 + bump)[:, None]
+    row, column = np.divmod(np.arange((rings - 2) * rings), rings)
+    a, b = 1 + row * rings + column, 1 + row * rings + (column + 1) % rings
+    ring = np.arange(rings)
+    last, end = 1 + (rings - 2) * rings, vertices.shape[0] - 1
+    faces = [
+        np.stack([0 * ring, 1 + ring, 1 + (ring + 1) % rings], axis=1),
+        np.stack([a, a + rings, b], axis=1), np.stack([b, a + rings, b + rings], axis=1),
+        np.stack([last + ring, 0 * ring + end, last + (ring + 1) % rings], axis=1),
+    ]  # fmt: skip
+    return vertices, np.concatenate(faces)

@@ -29,16 +29,18 @@ MARGIN = 2
 """Cells between the mesh and the edge of the grid."""
 
 
-def make_distance_grid(bvh: Bvh, closed: bool, resolution: int = 128) -> DistanceGrid:
-    """Signed distances at nodes all around a mesh, negative inside: `resolution` nodes along its longest side, less
-    along the others.
+def make_distance_grid(bvh: Bvh, closed: bool, resolution: int = 128, margin: float = 0.0) -> DistanceGrid:
+    """Signed distances at nodes all around a mesh, negative inside: `resolution` nodes, at least 8, along its longest
+    side, less along the others.
 
     closed: whether the mesh has no boundary (`TriangleMesh.closed`); otherwise inside is where its winding number is
-    over a half.
+    over a half. margin: how far the grid goes beyond the mesh, units of the mesh, and two cells at least.
     """
     low, high = bvh.boxes[0, :3].astype(np.float64), bvh.boxes[0, 3:].astype(np.float64)
-    spacing = float((high - low).max()) / (resolution - 1 - 2 * MARGIN)
-    counts = np.ceil((high - low) / spacing - 1e-6).astype(int) + 1 + 2 * MARGIN
+    longest = float((high - low).max())
+    wide = max(margin, MARGIN * longest / (resolution - 1 - 2 * MARGIN))
+    spacing = (longest + 2 * wide) / (resolution - 1)
+    counts = np.ceil((high - low + 2 * wide) / spacing - 1e-6).astype(int) + 1
     middle = 0.5 * (low + high)
     first = -0.5 * spacing * (counts - 1)
     blocks = -(-counts // SIDE)

@@ -6,13 +6,13 @@ mesh = make_mesh(vertices, triangles)
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from .kernels.topology import join, orient
 from .mesh import Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, smooth_normals, unit
 
@@ -53,6 +53,7 @@ def make_mesh(vertices: npt.NDArray[Any], triangles: npt.NDArray[Any], where: st
 def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
     """The mesh of what a file has. Raises `UsageError`, which begins with ``where``, where nothing is to be drawn."""
     vertices, triangles = _checked(raw, where)
+    raw, notes = _finite(raw)
     of_place = places(vertices)
     corners = of_place[triangles]
     kept = _with_area(vertices, corners)
@@ -84,13 +85,16 @@ def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
         None if uv is None else np.ascontiguousarray(uv, np.float32),
         None if raw.colours is None else np.ascontiguousarray(raw.colours[used], np.float32),
         {name: np.ascontiguousarray(values[used], np.float32) for name, values in raw.attributes.items()},
-        raw.texture, closed, facts, (*raw.notes, *sentences(facts, found.shape[0])), merge,
+        raw.texture, closed, facts, (*raw.notes, *notes, *sentences(facts, found.shape[0])), merge,
     )  # fmt: skip
 
 
 def _checked(raw: RawMesh, where: str) -> tuple[Vectors, npt.NDArray[np.int64]]:
     """Vertices and triangles that can be computed with."""
-    vertices = np.ascontiguousarray(raw.vertices, np.float64) + 0.0  # -0 becomes 0
+    if np.ndim(raw.vertices) != 2 or np.shape(raw.vertices)[1] != 3:
+        raise UsageError(f"{where}: its vertices have not three coordinates each; it is damaged: write it anew")
+    with np.errstate(invalid="ignore"):
+        vertices = np.ascontiguousarray(raw.vertices, np.float64) + 0.0  # -0 becomes 0
     triangles = np.ascontiguousarray(raw.triangles, np.int64)
     if not triangles.size:
         raise UsageError(f"{where}: has no triangles; strands grow on surfaces, not on points or lines")
@@ -115,6 +119,25 @@ def _checked(raw: RawMesh, where: str) -> tuple[Vectors, npt.NDArray[np.int64]]:
         )
     vertices[wrong] = 0.0
     return vertices, triangles
+
+
+def _finite(raw: RawMesh) -> tuple[RawMesh, list[str]]:
+    """What belongs to vertices and corners with 0 for what is not finite, and a line for each that had such; normals
+    are looked at later."""
+    notes: list[str] = []
+
+    def finite(name: str, values: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+        with np.errstate(over="ignore", invalid="ignore"):
+            single = np.asarray(values, np.float32)
+        bad = single.size - np.count_nonzero(np.isfinite(single))
+        if bad:
+            notes.append(f"{name}: {bad:,} numbers that are not finite: taken as 0")
+        return np.nan_to_num(single, nan=0.0, posinf=0.0, neginf=0.0)
+
+    uv = None if raw.uv is None else finite("texture coordinates", raw.uv)
+    colours = None if raw.colours is None else finite("colours", raw.colours)
+    attributes = {one_line(name)[:80]: finite(one_line(name)[:80], values) for name, values in raw.attributes.items()}
+    return replace(raw, uv=uv, colours=colours, attributes=attributes), notes
 
 
 def places(vertices: Vectors) -> npt.NDArray[np.int64]:

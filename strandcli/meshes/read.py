@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError, UsageError, one_line
-from .files import Beside, pixels, whole
+from .files import Beside, pixels, text, whole
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh, smooth_normals
@@ -70,7 +70,8 @@ def _raw(path: Path) -> RawMesh:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
     beside = Beside(path)
     log = logging.getLogger("trimesh")
-    before, log.disabled = log.disabled, True
+    before = log.level
+    log.setLevel(logging.CRITICAL + 1)
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -83,7 +84,7 @@ def _raw(path: Path) -> RawMesh:
         why = one_line(f"{type(error).__name__}: {error}")[:120]
         raise UsageError(f"{path}: cannot be read as {suffix} ({why}); {MENDS}") from None
     finally:
-        log.disabled = before
+        log.setLevel(before)
     if beside.missing:
         note = f"not found, or not in its folder: {', '.join(one_line(name) for name in beside.missing[:3])}"
         found = replace(found, notes=(*found.notes, note))
@@ -94,7 +95,7 @@ def _obj(path: Path, beside: Beside) -> list[RawMesh]:
     """Wavefront OBJ, with the materials' texture."""
     from trimesh.exchange.obj import load_obj
 
-    content = whole(path, ".obj file")
+    content = text(path, ".obj file")
     if RELATIVE.search(content.getbuffer()):
         content = io.BytesIO(absolute(path, content.getvalue()))
     resolver: Any = beside
@@ -102,11 +103,11 @@ def _obj(path: Path, beside: Beside) -> list[RawMesh]:
     return [_part(one, beside.found) for one in reversed(list(found.get("geometry", {}).values()))]
 
 
-def absolute(path: Path, text: bytes) -> bytes:
+def absolute(path: Path, content: bytes) -> bytes:
     """A text of OBJ whose indices count from the begin, where they counted back from their line. Raises `UsageError`
     for an index 0 and one before the begin."""
     counts = {b"v": 0, b"vt": 0, b"vn": 0}
-    lines = text.replace(b"\\\n", b" ").replace(b"\\\r\n", b" ").split(b"\n")
+    lines = content.replace(b"\\\n", b" ").replace(b"\\\r\n", b" ").split(b"\n")
     for number, line in enumerate(lines):
         words = line.split()
         if not words:
@@ -133,9 +134,12 @@ def _corner(path: Path, line: int, word: bytes, counts: list[int]) -> bytes:
 
 def _stl(path: Path, beside: Beside) -> list[RawMesh]:
     """STL, text or binary; it has no normals but those of its triangles."""
-    from trimesh.exchange.stl import load_stl
+    from trimesh.exchange.stl import HeaderError, load_stl_ascii, load_stl_binary
 
-    found = load_stl(whole(path, ".stl file"))
+    try:
+        found = load_stl_binary(whole(path, ".stl file"))
+    except HeaderError:
+        found = load_stl_ascii(text(path, ".stl file"))
     return [_part(one, False) for one in (found["geometry"].values() if "geometry" in found else [found])]
 
 

@@ -1,4 +1,4 @@
-"""Damaged files of strands are read or refused in one line: a slice of `make fuzz`."""
+"""Damaged files of strands and of meshes are read or refused in one line: a slice of `make fuzz`."""
 
 from __future__ import annotations
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import igl
+import numba
 import numpy as np
 import pytest
 
 import mesh_kit as kit
 from strandcli.jit import parallel, prange
 from strandcli.meshes.bvh import make_bvh
+from strandcli.meshes.closest import closest
 from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
 from strandcli.meshes.kernels.distance import distance_and_gradient
 from strandcli.meshes.mesh import TriangleMesh
@@ -55,6 +57,49 @@ def test_nodes_have_the_distance(name: str) -> None:
     assert sure.mean() > 0.6
     if mesh.closed:
         assert sure.mean() > 0.85  # nodes on the box itself have no sign
+
+
+def test_any_number_of_threads_gives_the_same_bits() -> None:
+    bvh = make_bvh(*kit.head(40))
+    points = np.random.default_rng(1).normal(size=(1000, 3)) * 0.1
+    found = []
+    before = numba.get_num_threads()
+    try:
+        for count in range(1, numba.config.NUMBA_NUM_THREADS + 1):
+            numba.set_num_threads(count)
+            for closed in (True, False):
+                found.append((make_distance_grid(bvh, closed, 40).values, *closest(bvh, points)))
+    finally:
+        numba.set_num_threads(before)
+    for others in found[2:]:
+        assert all(np.array_equal(one, other) for one, other in zip(found[0][1:], others[1:], strict=True))
+    for k, others in enumerate(found):
+        assert np.array_equal(others[0], found[k % 2][0])
+
+
+def test_a_closed_mesh_has_the_same_signs_when_each_node_is_asked() -> None:
+    bvh = make_bvh(*kit.head(40))
+    assert np.array_equal(make_distance_grid(bvh, True, 40).values, make_distance_grid(bvh, False, 40).values)
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.1, 2.0])
+def test_a_margin_is_kept(margin: float) -> None:
+    bvh = make_bvh(*kit.cube())
+    grid = make_distance_grid(bvh, True, 30, margin)
+    assert max(grid.values.shape) == 30
+    high = grid.low + grid.spacing * (np.array(grid.values.shape[::-1]) - 1)
+    most = max(margin, 2 * grid.spacing)
+    np.testing.assert_allclose(grid.low, -1 - most, rtol=1e-5)
+    np.testing.assert_allclose(high, 1 + most, rtol=1e-5)
+
+
+def test_meshes_far_away_and_of_any_unit() -> None:
+    vertices, triangles = kit.head(30)
+    one = make_distance_grid(make_bvh(vertices, triangles), True, 32)
+    for scale, shift in ((1e-3, 0.0), (1e4, 0.0), (1.0, 5.0)):
+        other = make_distance_grid(make_bvh(vertices * scale + shift, triangles), True, 32)
+        off = np.abs(other.values / scale - one.values[: other.values.shape[0]]).max()
+        assert off < 1e-5 * (1 + shift)
 
 
 def test_a_box_by_its_closed_form() -> None:
