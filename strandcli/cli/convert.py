@@ -9,10 +9,12 @@ import click
 
 from ..errors import UsageError
 from . import options, strand_files
+from .frame_range import FrameRange, FrameRangeType
 from .say import say
 
 if TYPE_CHECKING:
     from ..exchange.change import Change
+    from ..exchange.edit.moving import Step
     from ..exchange.strands import Strands
 
 AXIS = click.Choice(("x", "y", "z", "-x", "-y", "-z"))
@@ -49,6 +51,13 @@ class MatrixType(click.ParamType):
 @click.argument("source", type=options.PathType(), metavar="IN")
 @click.argument("target", type=options.PathType(), metavar="OUT")
 @strand_files.reading
+@click.option(
+    "-f",
+    "--frames",
+    type=FrameRangeType(),
+    metavar="RANGE",
+    help="Moments of a file of strands that move, the first is 1: 1-48 or 1-100x5.  [default: all]",
+)
 @click.option("--fix", is_flag=True, help="Leave out strands that are not finite, have no length or repeat another.")
 @click.option("--reverse", is_flag=True, help="Turn all strands around: roots come first.")
 @click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
@@ -79,6 +88,7 @@ def command(
     target: Path,
     stride: int | None,
     array: str | None,
+    frames: FrameRange | None,
     overwrite: bool,
     as_json: bool,
     quiet: bool,
@@ -88,19 +98,47 @@ def command(
 
     Edits are made in the order in which they stand below; lengths are those of OUT.
     """
+    from dataclasses import replace
+
     from ..exchange import files
+    from ..exchange.edit.moving import edited
+    from ..exchange.strands import TimeSample
 
     _check(edits)
-    files.writer_of(target)
+    writer = files.writer_of(target)
     options.refuse_existing(target, overwrite)
-    strands = files.read(source, files.ReadOptions(stride, array, lenient=edits["fix"]))
+    how = files.ReadOptions(stride, array, lenient=edits["fix"])
+    strands = files.read(source, how)
     skipped, before = dict(strands.source.skipped), strands.count
-    changes = []
-    for edit in _edits(edits):
-        strands, change = edit(strands)
-        changes.append(change)
-    lost = files.write(target, strands)
+    chosen = _moments(source, strands, frames, getattr(writer, "moving", False))
+    times = files.moments_of(source, how, chosen)
+    if chosen != (1,):
+        strands = replace(strands, points=next(times).points)
+    strands, changes, again = edited(strands, _edits(edits))
+    samples = None
+    if len(chosen) > 1:
+        samples = (TimeSample(one.seconds, again.points(one.points)) for one in files.moments_of(source, how, chosen))
+    lost = files.write(target, strands, samples)
+    if frames is None and len(chosen) < files.times_in(strands):
+        lost.append(f"{writer.name} holds one moment: the first of {files.times_in(strands):,} is written, "
+                    "--frames chooses another")  # fmt: skip
     _tell(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
+
+
+def _moments(source: Path, strands: Strands, frames: FrameRange | None, moving: bool) -> tuple[int, ...]:
+    """Numbers of the moments that are written, from 1. Raises `UsageError` for those that are not there, and for
+    several where one can be written."""
+    from ..exchange.files import times_in
+
+    there = times_in(strands)
+    if frames is None:
+        return tuple(range(1, there + 1)) if moving else (1,)
+    if frames.last > there:
+        raise UsageError(f"--frames asks for moment {frames.last:,}, {source} has {there:,}")
+    found = frames.numbers()
+    if len(found) > 1 and not moving:
+        raise UsageError("--frames: asks for several moments, the format of OUT holds one; write .abc or .usd")
+    return found
 
 
 def _check(edits: dict[str, Any]) -> None:
@@ -112,42 +150,43 @@ def _check(edits: dict[str, Any]) -> None:
         raise UsageError("--to-up: tell the up axis of IN with --up as well")
 
 
-def _edits(chosen: dict[str, Any]) -> list[Any]:
-    """What is to be done, in order: functions of strands that return them changed, and what was changed."""
+def _edits(chosen: dict[str, Any]) -> list[Step]:
+    """What is to be done, in order."""
     import numpy as np
 
     from ..exchange.edit import fix, lengths, smooth, subsample, transform
+    from ..exchange.edit.moving import Step
 
-    found: list[Any] = []
+    found: list[Step] = []
     if chosen["fix"]:
-        found.append(fix.fixed)
+        found.append(Step(fix.fixed, chooses=True))
     if chosen["reverse"]:
-        found.append(fix.reversed_all)
+        found.append(Step(fix.reversed_all, chooses=True))
     if chosen["up"] is not None:
-        found.append(lambda strands: transform.turned(strands, chosen["up"], chosen["to_up"]))
+        found.append(Step(lambda strands: transform.turned(strands, chosen["up"], chosen["to_up"])))
     if chosen["scale"] is not None:
-        found.append(lambda strands: transform.scaled(strands, chosen["scale"]))
+        found.append(Step(lambda strands: transform.scaled(strands, chosen["scale"])))
     if chosen["matrix"] is not None:
-        found.append(lambda strands: transform.moved(strands, np.array(chosen["matrix"]).reshape(3, 4)))
+        found.append(Step(lambda strands: transform.moved(strands, np.array(chosen["matrix"]).reshape(3, 4))))
     least, most = chosen["min_length"], chosen["max_length"]
     if least is not None or most is not None:
         bounds = (least or 0.0, float("inf") if most is None else most)
-        found.append(lambda strands: lengths.between(strands, *bounds))
+        found.append(Step(lambda strands: lengths.between(strands, *bounds), chooses=True))
     if chosen["every"] is not None:
-        found.append(lambda strands: subsample.every(strands, chosen["every"]))
+        found.append(Step(lambda strands: subsample.every(strands, chosen["every"]), chooses=True))
     if chosen["share"] is not None:
-        found.append(lambda strands: subsample.share(strands, chosen["share"], chosen["seed"]))
+        found.append(Step(lambda strands: subsample.share(strands, chosen["share"], chosen["seed"]), chooses=True))
     if chosen["strands"] is not None:
-        found.append(lambda strands: subsample.some(strands, chosen["strands"], chosen["seed"]))
+        found.append(Step(lambda strands: subsample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
     if chosen["smooth"] is not None:
-        found.append(lambda strands: smooth.smoothed(strands, chosen["smooth"]))
+        found.append(Step(lambda strands: smooth.smoothed(strands, chosen["smooth"])))
     if chosen["resample"] is not None or chosen["simplify"] is not None:
         from ..exchange.edit import resample
 
         if chosen["resample"] is not None:
-            found.append(lambda strands: resample.resampled(strands, chosen["resample"]))
+            found.append(Step(lambda strands: resample.resampled(strands, chosen["resample"])))
         else:
-            found.append(lambda strands: resample.simplified(strands, chosen["simplify"]))
+            found.append(Step(lambda strands: resample.simplified(strands, chosen["simplify"]), chooses=True))
     return found
 
 

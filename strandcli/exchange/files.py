@@ -12,7 +12,7 @@ A format is a module in `formats/`, or an entry point of another package (group 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,21 @@ class ReadOptions:
 def read(path: Path, options: ReadOptions | None = None) -> Strands:
     """The strands of a file. Raises `UsageError` for what is no such file, in one line."""
     return format_of(path).read(path, options or ReadOptions())
+
+
+def times_in(strands: Strands) -> int:
+    """How many moments the file tells that strands were read from."""
+    return int(strands.source.facts.get("times", 1))
+
+
+def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iterator[TimeSample]:
+    """The points of what `read` finds, at the moments of a file with these numbers, rising from 1."""
+    wanted = set(numbers)
+    for number, one in enumerate(format_of(path).moments(path, options), 1):
+        if number in wanted:
+            yield one
+        if number >= numbers[-1]:
+            return
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:

@@ -1,0 +1,112 @@
+"""`convert` of strands that move: every moment is written, and edits follow it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import exchange_kit as kit
+from cli_runs import Runner
+from strandcli.exchange.files import ReadOptions, format_of, read, write
+from strandcli.exchange.strands import Strands, TimeSample
+
+FRAMES, FPS = 5, 24
+
+
+def moving() -> tuple[Strands, list[TimeSample]]:
+    """Strands of other lengths, two of them the same, at several moments."""
+    generator = np.random.default_rng(2)
+    lists = [generator.normal(size=(count, 3)).astype(np.float32) for count in (3, 9, 4, 12, 30)]
+    held = kit.of([*lists, lists[1]])
+    ways = generator.normal(size=(FRAMES, *held.points.shape)).astype(np.float32)
+    ways[0] = 0
+    return held, [TimeSample(i / FPS, held.points + ways[i]) for i in range(FRAMES)]
+
+
+class Source:
+    """A file of strands that move, and the command line."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.folder, self.run = folder, Runner(folder, capsys)
+
+    def convert(self, name: str, *more: str) -> Path:
+        assert self.run("convert", str(self.folder / "in.abc"), str(self.folder / name), *more).code == 0
+        return self.folder / name
+
+
+@pytest.fixture
+def source(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Source:
+    write(tmp_path / "in.abc", *moving())
+    return Source(tmp_path, capsys)
+
+
+def points(path: Path) -> list[Any]:
+    """At each moment of a file."""
+    return [one.points for one in format_of(path).moments(path, ReadOptions())]
+
+
+@pytest.mark.parametrize("name", ["out.abc", "out.usd"])
+def test_all_moments_are_written(source: Source, name: str) -> None:
+    if name == "out.usd":
+        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+    target = source.convert(name)
+    found = list(format_of(target).moments(target, ReadOptions()))
+    told = moving()[1]
+    assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in told]
+    np.testing.assert_allclose([one.seconds for one in found], [one.seconds for one in told], atol=1e-9)
+
+
+def test_some_moments_are_written(source: Source) -> None:
+    told = [one.points.tobytes() for one in moving()[1]]
+    assert [one.tobytes() for one in points(source.convert("a.abc", "-f", "2-4x2"))] == [told[1], told[3]]
+    assert [one.tobytes() for one in points(source.convert("b.abc", "--frames", "3"))] == [told[2]]
+    assert read(source.convert("c.hair", "--frames", "3")).points.tobytes() == told[2]
+
+
+def test_one_moment_of_several_is_told(source: Source) -> None:
+    given = str(source.folder / "in.abc")
+    done = source.run("convert", given, str(source.folder / "a.hair"))
+    assert "the first of 5 is written, --frames chooses another" in done.err
+    done = source.run("convert", given, str(source.folder / "b.hair"), "-f", "1-2")
+    assert done.code == 2
+    assert "asks for several moments" in done.error()
+    assert "moment 6" in source.run("convert", given, str(source.folder / "b.abc"), "-f", "6").error()
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        ["--fix"], ["--reverse"], ["--scale", "3", "--up", "z"], ["--every", "2", "--reverse"],
+        ["--min-length", "3", "--matrix", "1 2 3 4 0 1 0 0 0 0 1 5"], ["--smooth", "2"], ["--resample", "7"],
+        ["--strands", "3", "--seed", "4"],
+    ],
+)  # fmt: skip
+def test_edits_are_those_of_each_moment_alone(source: Source, edits: list[str]) -> None:
+    """But for what is chosen by the strands, which is chosen at the first moment."""
+    found = points(source.convert("all.abc", *edits))
+    assert len(found) == FRAMES
+    by_length = "--min-length" in edits
+    for i, one in enumerate(found):
+        if i and (by_length or "--fix" in edits):
+            continue
+        alone = source.convert(f"{i}.npz", "-f", str(i + 1), *edits)
+        assert one.tobytes() == read(alone).points.tobytes()
+    counts = read(source.folder.joinpath("all.abc")).counts()
+    if "--fix" in edits:
+        assert counts.tolist() == moving()[0].counts()[:5].tolist()
+        held = moving()[1]
+        assert [one.tobytes() for one in found] == [one.points[:58].tobytes() for one in held]
+
+
+def test_points_that_are_left_out_are_the_same_at_all_moments(source: Source) -> None:
+    found = points(source.convert("a.abc", "--simplify", "0.5"))
+    held = moving()[1]
+    rows = [int(np.flatnonzero((held[0].points == one).all(axis=1))[0]) for one in found[0]]
+    assert len(rows) < held[0].points.shape[0]
+    # the last strand repeats the second, so that its rows are found there
+    first = read(source.folder.joinpath("a.abc")).first[-2]
+    for one, told in zip(found, held, strict=True):
+        assert one[:first].tobytes() == told.points[rows[:first]].tobytes()
