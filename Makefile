@@ -24,7 +24,7 @@ help:
 	@echo "make bench      time every stage of a frame"
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
-	@echo "make check-against-blender   .abc in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
+	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make fuzz       read damaged files of strands and of meshes, 100,000 of each format"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"

@@ -24,6 +24,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from strandcli.exchange.strands import Strands
     from strandcli.study.chiang_reference import Hair
     from strandcli.study.pictures.subject import Subject
 
@@ -86,9 +89,10 @@ def seconds_to(error: float, found: Figures, traced: Traced) -> float:
     return traced.seconds * 2 * traced.samples * (found.noise / error) ** 2
 
 
-def trace(subject: Subject, folder: Path, samples: int, depth: int = 2) -> Traced:
-    """Trace paths of up to ``depth`` pieces: 2 is direct light."""
-    _write(subject, folder, depth)
+def trace(subject: Subject, folder: Path, samples: int, depth: int = 2, strands: Strands | None = None) -> Traced:
+    """Trace paths of up to ``depth`` pieces: 2 is direct light; ``strands``, with their widths, in place of the
+    subject's."""
+    _write(subject, folder, depth, strands)
     exact = depth == 2 and _process(folder, 1, 0, LLVM) == 0
     one, two = (_run(folder, samples, seed, LLVM if exact else SCALAR) for seed in (1, 2))
     alpha = (one[0][..., 3] + two[0][..., 3]) / 2
@@ -132,18 +136,33 @@ def one_strand(hair: Hair, eye: float, light: float, phi: float, folder: Path, s
     return float(red / alpha)
 
 
-def _write(subject: Subject, folder: Path, depth: int) -> None:
+def _lines(subject: Subject) -> Iterator[Any]:
+    """Of each strand of a subject its points and radii (n, 4), root to tip."""
     from strandcli.draw.common.scratch import Scratch
-    from strandcli.draw.fibre import chiang
     from strandcli.draw.geometry.curves import flatten
 
-    scene, material, camera = subject.scene, subject.scene.material, subject.scene.camera
+    scene, material = subject.scene, subject.scene.material
     lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene), True,
                     Scratch())  # fmt: skip
+    for a, b in zip(lines.first[:-1], lines.first[1:], strict=True):
+        radii = material.width / 2 * (1 - material.taper * np.linspace(0, 1, b - a))
+        yield np.column_stack([lines.world[a:b], radii])
+
+
+def _told(strands: Strands) -> Iterator[Any]:
+    """The same of strands of a file."""
+    radii = strands.attributes["width"].values / 2
+    for a, b in zip(strands.first[:-1], strands.first[1:], strict=True):
+        yield np.column_stack([strands.points[a:b], radii[a:b]])
+
+
+def _write(subject: Subject, folder: Path, depth: int, strands: Strands | None) -> None:
+    from strandcli.draw.fibre import chiang
+
+    scene, material, camera = subject.scene, subject.scene.material, subject.scene.camera
     with open(folder / "strands.txt", "w") as file:
-        for a, b in zip(lines.first[:-1], lines.first[1:], strict=True):
-            radii = material.width / 2 * (1 - material.taper * np.linspace(0, 1, b - a))
-            knots = SCALE * spline(np.column_stack([lines.world[a:b], radii]))[::-1]
+        for one in _lines(subject) if strands is None else _told(strands):
+            knots = SCALE * spline(one)[::-1]
             file.write("\n".join(" ".join(f"{number:.8g}" for number in knot) for knot in knots) + "\n\n")
     tables = chiang.build_tables(material)
     assert tables is not None

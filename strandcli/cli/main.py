@@ -21,6 +21,7 @@ from .say import printable
 COMMANDS = {
     "render": ("render", "Simulate and draw a preset as PNG frames."),
     "simulate": ("simulate", "Simulate a preset and keep the positions only."),
+    "export": ("export", "Write the strands that a preset draws, for other programs."),
     "plan": ("plan", "Tell what would run, what is left out and why; run nothing."),
     "presets": ("presets", "List, show or copy the presets that come with strandcli."),
     "schema": ("schema", "Print the JSON Schema of presets, for editors."),

@@ -26,6 +26,8 @@ pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-agai
 import strandcli
 from path_tracer import figures, one_strand, seconds_to, trace
 from strandcli.blocks import lanes, pack
+from strandcli.cli.main import main
+from strandcli.exchange.files import read
 from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
 from strandcli.study.pictures.settings import changed, silhouette
@@ -115,6 +117,22 @@ def test_strands_have_the_same_light(tmp_path: Path, direction: Any) -> None:
     assert abs(found.brightness - 1) < 0.01
     assert found.rmse < 0.06
     assert bare.brightness > 1.02
+
+
+@pytest.mark.parametrize("name", ["a.abc", "a.usd", "a.npz"])
+def test_strands_of_an_exported_file_are_those_of_the_picture(tmp_path: Path, name: str) -> None:
+    """The path tracer draws what `strandcli export` wrote."""
+    if name == "a.usd":
+        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+    subject = subject_of(APART, tmp_path, {})
+    main(["export", str(tmp_path / "scene.yaml"), str(tmp_path / name), "-f", "1", "--quiet"])
+    traced = trace(subject, tmp_path, 1024, strands=read(tmp_path / name))
+    found = figures(subject.draw(subject.scene, draws=1).image, traced)
+    area = subject.draw(silhouette(subject.scene), draws=1).image[..., 0].mean() / traced.alpha.mean()
+    print(f"\n{found}; area {area:.4f}")
+    assert area == pytest.approx(1, abs=0.01)
+    assert abs(found.brightness - 1) < 0.01
+    assert found.rmse < 0.06
 
 
 @pytest.mark.parametrize("direction", [FRONT, BACK], ids=["from above", "from behind"])

@@ -1,0 +1,139 @@
+"""`strandcli export`: the strands that a preset draws, as a file for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import options, signals
+from .frame_range import FrameRange
+from .progress import Progress
+from .say import say
+
+if TYPE_CHECKING:
+    from ..exchange.strands import Strands, TimeSample
+    from ..export import DrawnFrame
+
+LEVELS = {str(2**level): level for level in range(9)}
+
+
+@click.command()
+@options.drawn
+@click.argument("target", type=options.PathType(), metavar="OUT")
+@options.frames
+@options.scene_options
+@options.quality
+@click.option(
+    "--pieces", type=click.Choice(tuple(LEVELS)), metavar="N",
+    help="Pieces that each segment between particles is cut into: 1, 2, 4 … 256.  [default: as `curves` says]",
+)  # fmt: skip
+@options.threads
+@options.from_cache
+@options.keep_going
+@options.overwrite
+@options.talk_options
+def command(
+    preset: str,
+    target: Path,
+    frames: FrameRange | None,
+    pieces: str | None,
+    threads: int | None,
+    from_cache: Path | None,
+    keep_going: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    no_progress: bool,
+    **scene_settings: Any,
+) -> None:
+    """Write the strands that PRESET draws, children among them, as the file OUT, in the format that its name ends in.
+
+    Points are in metres, y up, root to tip, in the order of emission; widths are those that are drawn. .abc and .usd
+    hold all frames, frame N at N / fps seconds; of other formats each frame is a file: OUT_0001.hair, ….
+    """
+    options.exclusive(quiet=quiet, verbose=verbose)
+    from ..exchange import files
+
+    moving = bool(getattr(files.writer_of(target), "moving", False))
+    scene = options.load_scene(preset, **scene_settings)
+    numbers = options.frame_numbers(frames, scene, from_cache)
+    several = len(numbers) > 1 and not moving
+    paths = {number: _numbered(target, number) if several else target for number in numbers}
+    for path in dict.fromkeys(paths.values()):
+        options.refuse_existing(path, overwrite)
+
+    from ..plan import make_plan, require_memory
+
+    require_memory(make_plan(scene, numbers))
+    positions = options.open_cache(from_cache, numbers, scene, keep_going)
+    lost: dict[str, None] = {}
+    with Progress(len(numbers), options.preset_name(preset), hidden=no_progress or quiet, verbose=verbose) as progress:
+        from .. import runtime
+
+        runtime.start(threads, progress.note)
+        from ..export import drawn_strands
+
+        def stepped() -> Iterator[DrawnFrame]:
+            for one in drawn_strands(
+                scene, numbers, level=None if pieces is None else LEVELS[pieces], threads=threads,
+                positions=positions, keep_going=keep_going, notify=progress.note,
+                warn=None if quiet else lambda message: progress.line(f"warning: {message}"),
+            ):  # fmt: skip
+                yield one
+                progress.step(f"frame {one.number}")
+                signals.check()
+
+        found = _write(stepped(), paths, moving and len(numbers) > 1, scene.time.fps, lost)
+    _tell(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), (as_json, quiet))
+
+
+def _numbered(target: Path, number: int) -> Path:
+    return target.with_name(f"{target.stem}_{number:04d}{target.suffix}")
+
+
+def _write(
+    found: Iterator[DrawnFrame], paths: dict[int, Path], moving: bool, fps: float, lost: dict[str, None]
+) -> Strands:
+    """Write the frames, all into one file or each into its own; returns the first one's strands."""
+    from ..exchange import files
+    from ..exchange.strands import TimeSample
+
+    first = next(found)
+
+    def samples() -> Iterator[TimeSample]:
+        for one in chain([first], found):
+            yield TimeSample(one.number / fps, one.strands.points)
+
+    if moving:
+        lost |= dict.fromkeys(files.write(paths[first.number], first.strands, samples()))
+        return first.strands
+    for one in chain([first], found):
+        lost |= dict.fromkeys(files.write(paths[one.number], one.strands))
+    return first.strands
+
+
+def _tell(
+    target: Path, strands: Strands, frames: int, paths: list[Path], lost: list[str], how: tuple[bool, bool]
+) -> None:
+    """Say what was written; ``how``: as JSON, quietly."""
+    from ..exchange.change import strands_of
+
+    points = strands.points.shape[0]
+    if not strands.attributes:
+        lost = [*lost, "material.width is 0, lines one pixel wide: no widths are written"]
+    if how[0]:
+        options.print_json({"out": [str(path) for path in paths], "frames": frames, "strands": strands.count,
+                            "points": points, "lost": lost})  # fmt: skip
+        return
+    if how[1]:
+        return
+    for line in lost:
+        say(line, err=True)
+    where = str(target) if len(paths) == 1 else f"{paths[0]} … {paths[-1].name}"
+    each = f", {frames:,} frames" if frames > 1 else ""
+    say(f"{where}: {strands_of(strands.count)}, {points:,} points{each}", err=True)
