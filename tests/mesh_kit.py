@@ -94,8 +94,10 @@ def ply(
     order: str = "<",
     faces: list[list[int]] | None = None,
     more: dict[str, np.ndarray] | None = None,
+    length: str = "u1",
 ) -> bytes:
-    """PLY of a byte order, or text (""): double coordinates, and further numbers of vertices."""
+    """PLY of a byte order, or text (""): double coordinates, further numbers of vertices, and the type of the length
+    of lists."""
     more = more or {}
     polygons = mesh.triangles.tolist() if faces is None else faces
     kinds = {"f4": "float", "f8": "double", "u1": "uchar", "i4": "int"}
@@ -103,7 +105,7 @@ def ply(
     header += ["comment made by a test", f"element vertex {mesh.vertices.shape[0]}"]
     header += [f"property double {axis}" for axis in "xyz"]
     header += [f"property {kinds[values.dtype.str[1:]]} {name}" for name, values in more.items()]
-    header += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header", ""]
+    header += [f"element face {len(polygons)}", f"property list {kinds[length]} int vertex_indices", "end_header", ""]
     begin = "\n".join(header).encode()
     columns = [*mesh.vertices.T, *more.values()]
     if not order:
@@ -116,7 +118,9 @@ def ply(
     )
     for name, values in zip(names, columns, strict=True):
         record[name] = values
-    lists = b"".join(bytes([len(one)]) + np.array(one, order + "i4").tobytes() for one in polygons)
+    lists = b"".join(
+        np.array(len(one), order + length).tobytes() + np.array(one, order + "i4").tobytes() for one in polygons
+    )
     return begin + record.tobytes() + lists
 
 

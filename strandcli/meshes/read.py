@@ -76,10 +76,8 @@ def _raw(path: Path) -> RawMesh:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             found = joined(readers[suffix](path, beside))
-    except StrandError:
+    except (StrandError, MemoryError):
         raise
-    except MemoryError:
-        raise UsageError(f"{path}: takes more memory than there is; write a coarser mesh") from None
     except Exception as error:  # trimesh lets through whatever a damaged file makes happen
         why = one_line(f"{type(error).__name__}: {error}")[:120]
         raise UsageError(f"{path}: cannot be read as {suffix} ({why}); {MENDS}") from None

@@ -92,6 +92,18 @@ def test_no_ray_slips_through_an_edge_or_a_corner() -> None:
         np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-9)
 
 
+def test_rays_exactly_at_edges_and_corners_meet_a_triangle() -> None:
+    """From within a box and from outside: its corners, middles of its edges, diagonals of its sides, without any
+    rounding."""
+    steps = np.array((-1.0, -0.5, 0.0, 0.5, 1.0))
+    directions = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
+    directions = directions[np.abs(directions).max(axis=1) == 1.0]
+    for origins, ways in ((0.0 * directions, directions), (2.0 * directions, -directions)):
+        found, _, any_found = rays(tree(kit.mesh("box")), origins, ways)
+        assert any_found.all()
+        assert (found[:, 0] == 1.0).all()
+
+
 @pytest.mark.parametrize("name", MESHES)
 def test_nearest_points_are_those_of_all_triangles(name: str) -> None:
     mesh = kit.mesh(name)

@@ -64,6 +64,7 @@ def test_polygons_become_triangles(order: str, tmp_path: Path) -> None:
     assert found.closed
     assert found.triangles.shape == (12, 3)
     assert found.areas().sum() == pytest.approx(24)
+    same(read_mesh(written(tmp_path, "b.ply", kit.ply(mesh, order, faces, length="i4"))), found)
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in mesh.vertices)
     text += "".join(f"f {' '.join(str(k + 1) for k in face)}\n" for face in faces)
     found = read_mesh(written(tmp_path, "a.obj", text.encode()))
