@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numba
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 from ..cameras.pinhole import Floats, Pinhole
 from ..constants import W
 from ..draw.common.drawing import Drawing
-from ..draw.renderer import Renderer
+from ..draw.renderer import Renderer, shadows_of_any_view
 from ..stages import Notify, RunOptions, SimulationStage
 from .labels import Labels, labels_of
 from .layout import Cloud
@@ -38,10 +40,11 @@ class Studio:
         self._moved = self._stage.begin(frame)
         self._scratch: Scratch | None = None
         self._coverage: Coverage | None = None
+        self._last: Renderer | None = None
         self.points = some_points(self._drawn())
         """(k, 3) metres: of every few strands some points, roots and tips among them."""
 
-    @property
+    @cached_property
     def cloud(self) -> Cloud:
         """The strands as a whole."""
         middle = 0.5 * (self.points.min(0) + self.points.max(0))
@@ -66,15 +69,20 @@ class Studio:
         return strands.positions
 
     def _renderer(self, scene: Scene) -> Renderer:
-        """A renderer of the strands in a scene, with memory that the one before it had."""
-        stage, moved = self._stage, self._moved
+        """A renderer of the strands in a scene, with memory that the one before it had; the same one where nothing but
+        the camera is another, so that shadows stay."""
+        stage, moved, last = self._stage, self._moved, self._last
+        if last is not None and replace(scene, camera=last.scene.camera) == last.scene:
+            last.scene = scene
+            return last
         renderer = Renderer(scene, stage.groom, stage.children, stage.combed)
         renderer.tones, renderer.ids = moved.tones, moved.ids
+        renderer.keeps_light = shadows_of_any_view(scene)
         if self._scratch is not None:
             renderer.scratch = renderer.drawn.scratch = self._scratch
             if self._coverage is not None and self._coverage.size == renderer.size:
                 renderer.coverage = self._coverage
-        self._scratch, self._coverage = renderer.scratch, renderer.coverage
+        self._scratch, self._coverage, self._last = renderer.scratch, renderer.coverage, renderer
         return renderer
 
 

@@ -96,7 +96,7 @@ def lit(scene: Scene, chance: Chance, view: int, place: Pinhole) -> tuple[Scene,
         rng = chance.stream(LIGHT, view if each else None)
         axes = _axes(place) if each else np.eye(3)
         lights = _lights(scene, rng, axes, 1 - pale)
-        around = rng.uniform(0.25, 0.5) * rng.uniform([0.9, 0.95, 0.9], [1.0, 1.0, 1.1])
+        around = rng.uniform(0.3, 0.6) * rng.uniform([0.9, 0.95, 0.9], [1.0, 1.0, 1.1])
         behind = float(rng.uniform(0.02, 0.4)) * rng.uniform(0.9, 1.1, 3)
         scene = replace(
             scene, lights=lights, ambient=_plain(around), environment=None,
@@ -128,8 +128,8 @@ def _axes(place: Pinhole) -> Floats:
 
 
 def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) -> tuple[Any, ...]:
-    """Three lights, as a photographer sets them up: a key light from the camera's side, a weaker and larger one from
-    its other hand, and one from behind, in some pictures next to none."""
+    """Two lights, as a photographer sets them up: a key light from the camera's side, and one from behind, in some
+    pictures next to none. What fills the shadows is the light from everywhere."""
     from ..scene.model import DirectionalLight, Shadow
 
     given = next((one.shadow for one in scene.lights if one.shadow.model == "opacity"), None)
@@ -138,7 +138,6 @@ def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) 
     key = power * float(rng.uniform(2.5, 4.5))
     parts = (
         (hand * rng.uniform(10, 65), rng.uniform(-1.1, -0.25), key, rng.uniform(3, 15)),
-        (-hand * rng.uniform(20, 80), rng.uniform(-0.6, 0.1), key * rng.uniform(0.2, 0.5), rng.uniform(15, 40)),
         (-hand * rng.uniform(120, 200), rng.uniform(-0.8, -0.15), key * rng.uniform(0.05, 0.6), rng.uniform(3, 15)),
     )
     lights = []

@@ -46,6 +46,9 @@ class Renderer:
 
     trace_unseen = False
     """Whether exact shadows are traced along whole segments, instead of only where a sample shows them."""
+    keeps_light = False
+    """Whether shadow maps and occlusion of the last picture are reused: strands, solids and lights are the same, and
+    shadows do not depend on the view (see `shadows_of_any_view`)."""
 
     def __init__(
         self, scene: Scene, groom: Groom, children: Children | Followers | None = None, combed: Combed | None = None
@@ -78,6 +81,7 @@ class Renderer:
         self.drawn = DrawnStrands(groom, children, combed, self._thins, self.scratch)
         self.backdrop = backdrop_of(scene.image)
         self._drawing: Drawing
+        self._made: Lighting | None = None
 
     def draw(
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, workers: int,
@@ -94,7 +98,9 @@ class Renderer:
             self.tones, self.ids = self.children.select(positions)
         recorder = Recorder(scene.image, self.ids) if scene.image.aovs else None
         if not lens.is_sampled(camera):
-            image, _ = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder)
+            shot = lens.Exposure(at, 1.0)
+            image, made = self._expose(positions, lengths, shot, workers, self._made, recorder)
+            self._made = made if self.keeps_light else None
         else:
             image = self._average(positions, before, lengths, at, workers)
         self.develop(image, self._drawing.image)
@@ -283,3 +289,8 @@ class Renderer:
             return 0.0
         spacing = spacing_of(positions, strands, MEASURED_STRANDS if self.ids is None else None)
         return spacing if level is None else spacing * math.sqrt(strands / self._most / level.share)
+
+
+def shadows_of_any_view(scene: Scene) -> bool:
+    """Return whether strands are the same lines, of the same width, in the shadow maps of every view."""
+    return scene.curves.mode != "adaptive" and scene.material.width > 0 and scene.detail is None

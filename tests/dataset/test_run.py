@@ -17,6 +17,7 @@ from strandcli.cameras.pinhole import Pinhole, from_dict
 from strandcli.cameras.read import views_of
 from strandcli.dataset.run import Talk
 from strandcli.dataset.views import Chance
+from strandcli.draw.renderer import Renderer
 from strandcli.errors import UsageError
 
 BY_CHANCE: dict[str, Any] = {
@@ -63,6 +64,23 @@ def test_a_set_of_one_light_has_it_in_every_view(groom: Path, tmp_path: Path) ->
         assert one["colour"] == first["colour"]
         assert one["camera"]["focal"] == first["camera"]["focal"]
         assert one["camera"]["eye"] != first["camera"]["eye"]
+
+
+@pytest.mark.parametrize("mode", ["off", "adaptive"])
+def test_shadows_that_stay_are_drawn_once_and_change_no_view(
+    mode: str, groom: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They stay where light does, and where strands are the same lines from every side."""
+    filled = []
+    fill = Renderer._fill_maps
+    monkeypatch.setattr(Renderer, "_fill_maps", lambda self, *rest: (filled.append(1), fill(self, *rest)))
+    look = {**BY_CHANCE, "light": "set", "colour": "set", "scene": {"material.width": 0.1, "curves.mode": mode}}
+    kit.run(kit.order(groom, tmp_path / "all", "nerfstudio", range(4), **look))
+    assert len(filled) == (1 if mode == "off" else 4)
+    kit.run(kit.order(groom, tmp_path / "last", "nerfstudio", [3], **look))
+    whole, last = contents(tmp_path / "all"), contents(tmp_path / "last")
+    assert len(last) == 4
+    assert all(whole[name] == data for name, data in last.items())
 
 
 def test_directions_are_spread_and_within_bounds() -> None:
