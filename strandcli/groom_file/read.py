@@ -24,7 +24,7 @@ from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
 from .measure import Seen, box_of, seen_of
-from .rows import packed
+from .rows import most_points, packed, with_at_most
 from .widths import widths_of
 
 if TYPE_CHECKING:
@@ -68,9 +68,18 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
     strands, factor = _placed(_upright(strands, given, notes), given)
     roots, lengths = strands.roots(), strands.lengths()
     widths = widths_of(strands, factor, lengths, notes)
+    if _coloured(strands):
+        notes.append(f"{given.file}: its colours are left out; material.pigment or material.colour gives one to all")
     order = spatial_order(roots)
     counts = strands.counts()
-    most = int(counts.max())
+    most = most_points(counts)
+    strands, fewer, off = with_at_most(strands, most)
+    if fewer:
+        notes.append(
+            f"{given.file}: {strands_of(fewer)} of more than {most:,} points, up to {int(counts.max()):,}, drawn with "
+            f"{most:,}, at most {off:.3g} m off: for memory all strands have as many"
+        )
+    counts = strands.counts()
     if counts.min() < most:
         notes.append(
             f"{given.file}: strands have {counts.min():,} to {most:,} points; shorter ones get more on their segments"
@@ -88,6 +97,15 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
         widths=None if widths is None else widths.scale[order],
     )
     return FromFile(groom, most, seen, None if widths is None else widths.mean, tuple(notes))
+
+
+def _coloured(strands: Strands) -> bool:
+    """Whether strands have colours, and not one that stands for none: black or white."""
+    found = strands.attributes.get("colour")
+    if found is None or found.domain == "groom" or not found.values.size:
+        return False
+    values = found.values
+    return bool((values != values.flat[0]).any())
 
 
 def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:

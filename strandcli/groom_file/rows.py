@@ -2,12 +2,44 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..blocks import aligned
 from ..constants import W
-from ..exchange.strands import Offsets, Points
+from ..exchange.edit.resample import resampled
+from ..exchange.strands import Offsets, Points, Strands, offsets
+
+PADDED = 4
+"""Points that all strands together may have in memory, over those of the file, where they are more than `ENOUGH`."""
+ENOUGH = 1 << 24
+
+
+def most_points(counts: Offsets) -> int:
+    """Points that strands of so many each (S,) all get: as many as the longest has, or fewer where that would take too
+    much memory."""
+    longest, total = int(counts.max()), int(counts.sum())
+    return max(min(longest, max(PADDED * total, ENOUGH) // counts.shape[0]), 2)
+
+
+def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
+    """Strands of at most so many points each: those with more get that many at equal distances along them. Returns how
+    many these are, and how far they are off at most, too."""
+    counts = strands.counts()
+    over = counts > most
+    if not over.any():
+        return strands, 0, 0.0
+    fewer, change = resampled(strands.select(over), most)
+    after = offsets(np.minimum(counts, most))
+    points = np.empty((int(after[-1]), 3), np.float32)
+    of_points = np.repeat(over, np.minimum(counts, most))
+    points[of_points] = fewer.points
+    points[~of_points] = strands.points[np.repeat(~over, counts)]
+    kept = {name: one for name, one in strands.attributes.items() if one.domain != "point"}
+    found = replace(strands, first=after, points=points, attributes=kept)
+    return found, int(over.sum()), float(change.facts["deviation_max"])
 
 
 def packed(first: Offsets, points: Points, order: NDArray[np.int32], most: int) -> NDArray[np.float32]:

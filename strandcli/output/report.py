@@ -10,14 +10,18 @@ import dataclasses
 import hashlib
 import json
 import math
+import os
 import resource
+import stat
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..scene.specs import FileSpec
 from . import png
 from .claim import Claim
 from .files import read_json, write_json
@@ -39,7 +43,8 @@ def peak_rss_bytes() -> int:
 
 
 def fingerprint(scene: Scene, *more: str) -> str:
-    """Hash of everything in a scene that changes its pixels, and of this version of strandcli.
+    """Hash of everything in a scene that changes its pixels, files that it names among it, and of this version of
+    strandcli.
 
     Left out: where the scene was read from, its title, and how many frames the film has, so that a longer film can
     resume a shorter one.
@@ -54,11 +59,31 @@ _IGNORED = {"Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time":
 def _values(thing: Any) -> Any:
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         kind = type(thing).__name__
-        names = [f.name for f in dataclasses.fields(thing) if f.name not in _IGNORED.get(kind, ())]
-        return {"": kind, **{name: _values(getattr(thing, name)) for name in names}}
+        fields = [f for f in dataclasses.fields(thing) if f.name not in _IGNORED.get(kind, ())]
+        files = {f"{f.name} holds": _digest(getattr(thing, f.name)) for f in fields if _is_file(f)}
+        return {"": kind, **{f.name: _values(getattr(thing, f.name)) for f in fields}, **files}
     if isinstance(thing, tuple | list):
         return [_values(one) for one in thing]
     return thing
+
+
+def _is_file(field: dataclasses.Field[Any]) -> bool:
+    return isinstance(field.metadata.get("spec"), FileSpec)
+
+
+def _digest(path: str) -> str:
+    """Hash of what is in a file, "" where it cannot be read: what needs it says so."""
+    try:
+        found = os.stat(path)
+        return _digest_of(path, found.st_mtime_ns, found.st_size) if stat.S_ISREG(found.st_mode) else ""
+    except OSError:
+        return ""
+
+
+@lru_cache(maxsize=32)
+def _digest_of(path: str, changed: int, size: int) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "blake2b").hexdigest()[:32]
 
 
 class RunReport:

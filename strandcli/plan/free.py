@@ -15,9 +15,12 @@ def require_memory(plan: Plan) -> None:
     """Raise `RefusedError` if a plan's estimate exceeds the available memory."""
     free = available_memory()
     if free is not None and plan.memory_bytes > free:
+        fewer = (
+            "draw fewer of the file's strands with --strands" if plan.of_file else "use fewer --strands or --particles"
+        )
         raise RefusedError(
             f"this run would take about {plan.memory_bytes / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: "
-            "use fewer --strands or --particles, or a smaller --size"
+            f"{fewer}, or a smaller --size"
         )
 
 

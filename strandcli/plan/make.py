@@ -42,6 +42,8 @@ class Plan:
     """Greatest number of line pieces in a frame."""
     pixels: int = 0
     samples: int = 0
+    of_file: bool = False
+    """Whether the strands are those of a file."""
     memory_bytes: int = 0
     """Estimated peak of the process."""
     warnings: list[str] = field(default_factory=list)
@@ -57,7 +59,7 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
     """Return the plan for some frames, numbered from 1; that of panels is their sum."""
     if scene.panels:
         return _of_panels(scene, frames, draw)
-    plan = Plan(frames=len(frames))
+    plan = Plan(frames=len(frames), of_file=scene.emitter.groom is not None)
     plan.strands = needed_strands(scene, frames) if draw else scene.emitter.strands
     plan.particles = plan.strands * scene.emitter.particles
     plan.steps = solver_steps(scene, frames)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from groom_file_kit import SMALL, Strand, hanging, scene, write
 from strandcli import pipeline
 from strandcli.blocks import unpack
 from strandcli.errors import UsageError
-from strandcli.groom_file import from_file
+from strandcli.groom_file import from_file, rows
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose
 from strandcli.stages import RunOptions, SimulationStage
@@ -34,8 +35,8 @@ def drawn(given: Scene, frame: int = 1) -> list[npt.NDArray[np.float32]]:
     """What is drawn of each strand, in the order of the file, (points, 3)."""
     stage = SimulationStage(given, [frame], None, RunOptions())
     moved = stage.begin(frame)
-    rows = unpack(moved.positions, stage.groom.strands)[:, 1:]
-    return list(stage.groom.emitted(rows))
+    packed = unpack(moved.positions, stage.groom.strands)[:, 1:]
+    return list(stage.groom.emitted(packed))
 
 
 def image(given: Scene, frame: int = 1, **options: Any) -> npt.NDArray[np.uint8]:
@@ -285,3 +286,32 @@ def test_info_draws_a_picture(tmp_path: Path, run: Runner) -> None:
     assert (tmp_path / "locks.png").read_bytes().startswith(b"\x89PNG")
     assert "add --overwrite" in run("info", path, "--picture", tmp_path / "locks.png").error()
     assert "--picture" in run("info", path, "--picture", tmp_path / "locks.jpg").error()
+
+
+def test_one_long_strand_does_not_make_all_of_them_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All strands have as many points in memory: where that is many times the file, the longest get fewer."""
+    strands = hanging([6] * 300 + [900])
+    path = write(tmp_path / "a.data", strands)
+    whole = from_file(scene(path).emitter.groom, 0)
+    assert whole.points == 900
+    monkeypatch.setattr(rows, "ENOUGH", 0)
+    os.utime(path, ns=(1, 1))  # it is read again
+    given = scene(path)
+    found = from_file(given.emitter.groom, 0)
+    most = 4 * (6 * 300 + 900) // 301
+    assert found.points == most
+    (words,) = [one for one in found.notes if "for memory" in one]
+    assert f"1 strand of more than {most} points, up to 900, drawn with {most}" in words
+    lines = drawn(given)
+    told = float(words.split("at most ")[1].split(" m off")[0])
+    assert off(strands[-1], lines[-1]) <= 1.01 * told + 1e-6
+    assert all(off(own, line) < 1e-5 for own, line in zip(strands[:50], lines, strict=False))
+
+
+def test_colours_that_are_left_out_are_told(tmp_path: Path) -> None:
+    strands = hanging([5] * 40)
+    for colours, told in ((np.ones((200, 3)), False), (np.linspace(0, 1, 600).reshape(200, 3), True)):
+        path = tmp_path / f"{told}.hair"
+        path.write_bytes(exchange_kit.hair(strands, more=colours.astype("<f4").tobytes(), flags=16))
+        found = from_file(scene(path).emitter.groom, 0)
+        assert any("colours are left out" in one for one in found.notes) == told

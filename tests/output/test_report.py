@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +15,7 @@ import pytest
 from strandcli.output import report as module
 from strandcli.output.frames import Written
 from strandcli.output.report import RunReport, fingerprint, finite, read_report, write_report
-from strandcli.scene.model import Emitter, Image, Scene, Time
+from strandcli.scene.model import Emitter, GroomFile, Image, Scene, Time
 
 PLAN = SimpleNamespace(
     used=[SimpleNamespace(stage="raster", why="draws")], left_out=[SimpleNamespace(stage="shadow", why="no light")]
@@ -110,3 +112,19 @@ def test_what_changes_no_pixel_does_not() -> None:
     same = dataclasses.replace(SCENE, source="/elsewhere", sha256="x", title="y", time=Time(frames=99))
     assert fingerprint(same) == fingerprint(SCENE)
     assert fingerprint(SCENE, "cache") != fingerprint(SCENE)
+
+
+def test_a_file_that_changed_changes_the_fingerprint(tmp_path: Path) -> None:
+    path = tmp_path / "a.data"
+
+    def found() -> str:
+        groom = replace(SCENE.emitter, groom=GroomFile(str(path)))
+        return fingerprint(replace(SCENE, emitter=groom))
+
+    none = found()
+    path.write_bytes(b"one")
+    one = found()
+    os.utime(path, ns=(0, 0))
+    assert found() == one != none
+    path.write_bytes(b"two")
+    assert found() != one
