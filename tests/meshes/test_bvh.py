@@ -182,3 +182,12 @@ def test_one_triangle_mesh() -> None:
     found = closest(tree(mesh), np.zeros((1, 3)))
     np.testing.assert_allclose(found.points, np.full((1, 3), 1 / 3))
     np.testing.assert_allclose(np.abs(found.distances), np.sqrt(1 / 3))
+
+
+@pytest.mark.parametrize("scale", [1e-44, 1e-38, 1e-30, 1e14])
+def test_meshes_of_any_size(scale: float) -> None:
+    """Also where boxes have no more than a few bits of single precision."""
+    vertices, triangles = kit.sphere(2)
+    points = np.random.default_rng(6).normal(size=(50, 3))
+    found = closest(make_bvh(vertices * scale, triangles), points * scale)
+    np.testing.assert_allclose(found.points / scale, closest(make_bvh(vertices, triangles), points).points, atol=1e-6)

@@ -18,7 +18,8 @@ LEAF = 4
 """Triangles of a leaf, at most."""
 BALANCED = 48
 """Depth from which nodes are halved by number, so that the depth stays below the places of a stack: 48 + 31 levels."""
-SMALL, LARGE = np.float32(0.0), np.float32(np.inf)
+LEAST, LARGE = np.float32(1e-30), np.float32(np.inf)
+"""A width over which `BINS` is finite; and more than any."""
 NODE, BEGIN, END, PARENT, DEPTH = range(5)
 """Columns of the nodes that are still to be made; `NODE` is not used."""
 
@@ -75,7 +76,7 @@ def twice_centre(box, k):
 @device
 def bin_of(box, k, low, scale):
     """The bin along axis k, of `BINS`, in which a triangle's box lies."""
-    return min(int((twice_centre(box, k) - low) * scale), BINS - 1)
+    return max(min(int((twice_centre(box, k) - low) * scale), BINS - 1), 0)
 
 
 @device
@@ -85,7 +86,7 @@ def best_split(boxes, order, begin, end, middle, bins, held):
     cost, axis, place = LARGE, -1, 0
     for k in range(3):
         wide = middle[3 + k] - middle[k]
-        if not wide > SMALL:
+        if not wide > LEAST:
             continue
         scale = np.float32(BINS) / wide
         for b in range(BINS):
