@@ -33,6 +33,8 @@ class Groom:
     None."""
     widths: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
+    colours: NDArray[np.float32] | None = None
+    """(k, 3) linear colours that stand evenly at tones −1 to 1, in place of the material's; else None."""
     ways: NDArray[np.float64] | None = None
     """(strands, n − 1, 3) unit vectors: the edges of strands that are simulated with n particles in a shape of their
     own; else None."""

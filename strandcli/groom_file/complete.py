@@ -33,6 +33,9 @@ def completed(scene: Scene) -> Scene:
             width = width_for(found.seen, given.cover)
         if width is not None:
             scene = replace(scene, material=replace(scene.material, width=width))
+    if found.colour is not None:
+        own = replace(scene.material, colour=found.colour, pigment="rgb", eumelanin=None, pheomelanin=None)
+        scene = replace(scene, material=replace(own, tip_colour=None, grey=0.0))
     if scene.camera.fit is not None:
         scene = replace(scene, camera=fitted(scene, found.seen))
     if scene.guided:

@@ -125,7 +125,7 @@ def _guided(
     points, shares = _drawn(groom, some, tolerance)
     drawn = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
-        widths=None if groom.widths is None else groom.widths[some],
+        widths=None if groom.widths is None else groom.widths[some], colours=groom.colours,
     )  # fmt: skip
     following = Following(drawn, points, shares, ranks[some], parents, weights, reaches, along)
     share = deviation / groom.lengths[own]

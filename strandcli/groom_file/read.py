@@ -23,6 +23,7 @@ from ..exchange.strands import CHUNK, Strands
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
+from .colours import colours_of
 from .measure import Seen, box_of, seen_of
 from .rows import most_points, packed, with_at_most
 from .widths import widths_of
@@ -46,6 +47,8 @@ class FromFile:
     seen: Seen
     width: float | None
     """Metres, the mean of the file's own; None where it has none."""
+    colour: tuple[float, float, float] | None
+    """Linear, the mean of the file's own; None where it has none that is used."""
     notes: tuple[str, ...]
     """What a person should know of the file, a line each."""
 
@@ -68,8 +71,11 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
     strands, factor = _placed(_upright(strands, given, notes), given)
     roots, lengths = strands.roots(), strands.lengths()
     widths = widths_of(strands, factor, lengths, notes)
-    if _coloured(strands):
-        notes.append(f"{given.file}: its colours are left out; material.pigment or material.colour gives one to all")
+    colours = colours_of(strands) if given.colours == "file" else None
+    tones = (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)
+    if colours is not None:
+        tones = colours.tones
+        notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
     order = spatial_order(roots)
     counts = strands.counts()
     most = most_points(counts)
@@ -91,21 +97,14 @@ def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile
         roots[order],
         _units(way)[order].astype(np.float32),
         lengths[order].astype(np.float32),
-        (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)[order],
+        tones[order],
         places=order,
         points=points,
         widths=None if widths is None else widths.scale[order],
+        colours=None if colours is None else colours.palette,
     )
-    return FromFile(groom, most, seen, None if widths is None else widths.mean, tuple(notes))
-
-
-def _coloured(strands: Strands) -> bool:
-    """Whether strands have colours, and not one that stands for none: black or white."""
-    found = strands.attributes.get("colour")
-    if found is None or found.domain == "groom" or not found.values.size:
-        return False
-    values = found.values
-    return bool((values != values.flat[0]).any())
+    width = None if widths is None else widths.mean
+    return FromFile(groom, most, seen, width, None if colours is None else colours.mean, tuple(notes))
 
 
 def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:

@@ -308,10 +308,57 @@ def test_one_long_strand_does_not_make_all_of_them_long(tmp_path: Path, monkeypa
     assert all(off(own, line) < 1e-5 for own, line in zip(strands[:50], lines, strict=False))
 
 
-def test_colours_that_are_left_out_are_told(tmp_path: Path) -> None:
-    strands = hanging([5] * 40)
-    for colours, told in ((np.ones((200, 3)), False), (np.linspace(0, 1, 600).reshape(200, 3), True)):
-        path = tmp_path / f"{told}.hair"
-        path.write_bytes(exchange_kit.hair(strands, more=colours.astype("<f4").tobytes(), flags=16))
-        found = from_file(scene(path).emitter.groom, 0)
-        assert any("colours are left out" in one for one in found.notes) == told
+def coloured(path: Path, strands: list[Strand], colours: npt.NDArray[np.floating]) -> Path:
+    """A .hair file of strands of five points with a colour (S, 3) each."""
+    each = np.repeat(colours, 5, axis=0).astype("<f4")
+    path.write_bytes(exchange_kit.hair(strands, more=each.tobytes(), flags=16))
+    return path
+
+
+@pytest.mark.parametrize("count", [1, 3, 40, 2000])
+def test_each_strand_has_its_colour(tmp_path: Path, count: int) -> None:
+    colours = np.random.default_rng(count).random((2000, 3)).astype(np.float32)[np.arange(2000) % count]
+    path = coloured(tmp_path / "a.hair", hanging([5] * 2000), colours)
+    given = scene(path)
+    assert given.emitter.groom is not None
+    found = from_file(given.emitter.groom, 0)
+    groom = found.groom
+    assert groom.colours is not None
+    rows = np.rint((groom.tones + 1) / 2 * (len(groom.colours) - 1)).astype(int)
+    own = groom.colours[rows]
+    assert np.abs(groom.emitted(own) - colours).max() < (1e-6 if count < 256 else 0.4)
+    assert np.abs(groom.emitted(own) - colours).mean() < (1e-6 if count < 256 else 0.06)
+    np.testing.assert_allclose(found.colour, colours.mean(axis=0), atol=0.01)
+    assert any("have the file's colours" in one for one in found.notes)
+
+
+def test_colours_that_are_none_are_left_out(tmp_path: Path) -> None:
+    white = coloured(tmp_path / "a.hair", hanging([5] * 40), np.ones((40, 3)))
+    some = coloured(tmp_path / "b.hair", hanging([5] * 40), np.random.default_rng(1).random((40, 3)))
+    for given in (scene(white), scene(some, **{"emitter.groom.colours": "none"})):
+        assert given.emitter.groom is not None
+        assert from_file(given.emitter.groom, 0).groom.colours is None
+        assert given.material.pigment == "brown"
+
+
+def test_red_strands_are_red_in_the_picture(tmp_path: Path) -> None:
+    """Strands on the left are red, on the right green: pixels are, and are as bright as a material of that colour."""
+    strands = hanging([5] * 900)
+    left = np.array([one[0, 0] < 0 for one in strands])
+    pairs = np.where(left[:, None], [0.6, 0.02, 0.02], [0.02, 0.6, 0.02])
+    path = coloured(tmp_path / "a.hair", strands, pairs)
+    found = image(scene(path, **SMALL)).astype(int)
+    only = {}
+    for name, keep, colour in (("red", left, (0.6, 0.02, 0.02)), ("green", ~left, (0.02, 0.6, 0.02))):
+        alone = coloured(tmp_path / f"{name}.hair", strands, np.broadcast_to(colour, (900, 3)))
+        only[name] = image(scene(alone, **SMALL)).astype(int)
+        plain = scene(alone, **{**SMALL, "emitter.groom.colours": "none", "material.pigment": "rgb",
+                                "material.colour": colour, "material.colour_variation": 0})  # fmt: skip
+        assert np.abs(only[name] - image(plain).astype(int)).max() <= 1
+        assert keep.any()
+    half = found.shape[1] // 2
+    # far from the middle, strands of the other side are not seen
+    for name, side in (("red", np.s_[:, : half - 14]), ("green", np.s_[:, half + 14 :])):
+        assert np.abs(found[side] - only[name][side]).mean() < 6
+    assert (found[:, : half - 14, 0] > found[:, : half - 14, 1] + 30).any()
+    assert (found[:, half + 14 :, 1] > found[:, half + 14 :, 0] + 30).any()

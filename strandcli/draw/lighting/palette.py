@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...registry import FIBRES
 from ...scene.model import Material
 from ..fibre import dual
-from ..fibre.pigment import colour_of, tint, varies
+from ..fibre.pigment import absorption, colour_of, tint, varies
 
 ALONG = 17
 TONES, TONES_GREY = 9, 65
@@ -21,8 +21,11 @@ TONES, TONES_GREY = 9, 65
 class Palette:
     """Tables of a material for the shading kernels; those that a scene does not need are None."""
 
-    def __init__(self, material: Material, counts: bool = False) -> None:
-        """``counts``: whether any light has an opacity map, which dual scattering needs."""
+    def __init__(
+        self, material: Material, counts: bool = False, colours: NDArray[np.float32] | None = None
+    ) -> None:  # fmt: skip
+        """``counts``: whether any light has an opacity map, which dual scattering needs; ``colours`` (k, 3): linear,
+        those of strands at tones −1 to 1, in place of the material's."""
         model = FIBRES[material.model]
         tables = model.tables(material)
         self._columns = getattr(model, "columns", None)
@@ -36,6 +39,8 @@ class Palette:
         """Loss of light behind strands, for the shadows on solids."""
         base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
+        if colours is not None:
+            self.tint = colour_table(colours.astype(np.float64), roughness, base)
 
     @cached_property
     def columns(self) -> NDArray[np.float32] | None:
@@ -58,4 +63,15 @@ def tint_table(material: Material, roughness: float, base: NDArray[np.float64] |
     table[..., :3] = colour
     if base is not None:
         table[..., 3:] = sigma - base
+    return table
+
+
+def colour_table(
+    colours: NDArray[np.float64], roughness: float, base: NDArray[np.float64] | None
+) -> NDArray[np.float32]:
+    """Return a table (2, k, 6) float32 as `tint_table` does, of strands that each have one of some colours (k, 3)."""
+    table = np.zeros((2, len(colours), 6), np.float32)
+    table[..., :3] = colours
+    if base is not None:
+        table[..., 3:] = absorption(colours, roughness) - base
     return table

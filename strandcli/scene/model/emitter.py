@@ -103,6 +103,12 @@ class GroomFile:
         doc="file: where they are in the file; origin: the middle of their box at the origin; ground: above it, the "
         "lowest point at y = 0",
     )
+    colours: str = choice(
+        "file",
+        ("file", "none"),
+        doc="file: each strand has the mean of its colours in the file, where there are any that differ, in place of "
+        "the material's; none: the material's",
+    )
     strands: int | None = integer(None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all")
     guides: int = integer(
         2000, low=1, high=10_000_000,
