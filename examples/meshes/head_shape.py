@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from sculpt import CUT, Sculpture
+from sculpt import CUT, Sculpture, both_sides
 
 LID = [(0.0155, -0.0218), (0.0230, -0.0250), (0.0315, -0.0265), (0.0405, -0.0248), (0.0480, -0.0205)]
 FOLD = [(0.0180, -0.0170), (0.0235, -0.0122), (0.0320, -0.0100), (0.0405, -0.0118), (0.0480, -0.0168)]
@@ -110,11 +110,6 @@ def lips(s: Sculpture) -> None:
     s.tube(both_sides(lower), 0.005, drape=True)
     s.crease(both_sides([(*p, 0, 0.0015) for p in MOUTH]), 0.0020, drape=True)
     s.crease([(0.0255, -0.0896, 0, 0.004), (0.0275, -0.0898, 0, 0.004)], 0.0009, mirror=True, drape=True)
-
-
-def both_sides(rows: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
-    """A curve that begins in the middle, continued to the other side."""
-    return [(-x, *rest) for x, *rest in rows[:0:-1]] + list(rows)
 
 
 def ears(s: Sculpture) -> None:

@@ -34,8 +34,10 @@ class Model:
     def mesh(self, spacing: float, coarser: float = 1, rounds: int = 7) -> tuple[Points, np.ndarray]:
         """Vertices on the sculpture, before its pose, and triangles; edges are `coarser` times as long as wanted."""
         points, faces = net(self.sculpture.field, self.axes(spacing))
-        while crowded(faces):  # two sheets in a cell of the grid; another grid parts them
-            spacing *= 0.96
+        for _ in range(8):
+            if not crowded(faces):
+                break
+            spacing *= 0.96  # two sheets in a cell of the grid; another grid parts them
             points, faces = net(self.sculpture.field, self.axes(spacing))
         remesher = Remesher(
             self.sculpture, lambda p: coarser * self.size(p), self.sculpture.project(points, 3), faces

@@ -50,6 +50,11 @@ def smooth_curve(points: np.ndarray, pieces: int) -> np.ndarray:
     return np.concatenate([*spans, points[-1:]])
 
 
+def both_sides(rows: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
+    """A curve that begins in the middle, continued to the other side."""
+    return [(-x, *rest) for x, *rest in rows[:0:-1]] + list(rows)
+
+
 class Sculpture:
     """A list of parts. With `mirror` a part also appears on the other side of the plane x = 0."""
 

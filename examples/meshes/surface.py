@@ -216,6 +216,7 @@ class Remesher:
                 if self.flip() < len(self.points) // 200:
                     break
             self.relax()
+        self.points = self.sculpture.project(self.points, 8)
 
 
 @njit(cache=True)

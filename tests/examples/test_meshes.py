@@ -12,7 +12,7 @@ import pytest
 from strandcli.meshes.read import read_mesh
 
 ROOT = Path(__file__).parents[2]
-NAMES = ("head",)
+NAMES = ("head", "fox")
 
 
 @pytest.fixture
