@@ -122,6 +122,11 @@ def _things(scene: Scene) -> Iterator[Decision]:
         yield Decision("solids", f"{visible} to draw, to hide strands and to cast shadows")
     else:
         yield left_out("solids", "there are none to see")
+    for place, solid in enumerate(scene.solids):
+        if solid.kind == "mesh":
+            from ..mesh_file.needs import described
+
+            yield Decision(f"solids.{place}", described(solid))
 
 
 def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:

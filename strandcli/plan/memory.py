@@ -40,8 +40,18 @@ def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160)
+    total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160) + _mesh_bytes(scene)
     return total + (picture_bytes(plan, scene) if draw else plan.strands * n * 24)
+
+
+def _mesh_bytes(scene: Scene) -> int:
+    """Bytes of solids that are meshes: triangles, trees and grids of distances."""
+    meshes = [solid for solid in scene.solids if solid.kind == "mesh"]
+    if not meshes:
+        return 0
+    from ..mesh_file.needs import whole_bytes
+
+    return sum(whole_bytes(solid) for solid in meshes)
 
 
 def picture_bytes(plan: Plan, scene: Scene) -> int:

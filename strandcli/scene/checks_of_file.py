@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from .fields import settings_of
 from .model import Emitter, Scene
@@ -40,6 +41,22 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
     if fit is not None and scene.camera.keys:
         yield ("camera.fit", "camera.keys"), "a camera with keys stands where they say; take one of the two out"
+
+
+def mesh_clashes(scene: Scene) -> Iterator[Clash]:
+    """All that solids that are meshes lack or have twice."""
+    for index, solid in enumerate(scene.solids):
+        place = f"solids.{index}"
+        if solid.kind != "mesh":
+            continue
+        settings: Any = solid
+        if not settings.file:
+            yield (f"{place}.file", place), "must be the path of a mesh: .obj, .ply, .stl, .glb or .gltf"
+        if settings.size is not None and settings.scale is not None:
+            yield (
+                (f"{place}.scale", f"{place}.size"),
+                f"clashes with {place}.size, which tells the same; set one to null",
+            )
 
 
 def grown(scene: Scene) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal", "look")
+OPTIONAL = ("meet", "normal", "hides", "look")
 """Compiled functions that a shape may have."""
 
 
@@ -27,9 +27,13 @@ class SolidShape(Protocol):
       t ≥ 0 of d; `math.inf` where it does not. Else rays go forward by the distance, step by step.
     * ``normal(x, y, z, numbers)``: three numbers, not all 0, along the outward normal at the point of the surface that
       is nearest to a point, which may be on it, inside or outside. Else differences of the distance are taken.
-    * ``look(x, y, z, width, numbers)``: how it is drawn at a point of its surface where a pixel is ``width`` metres
-      wide, as three triples: a vector along the normal, the point from which shadow rays set out, and the linear
-      colour, which with a negative number is the solid's `colour`. Else `normal`, the point and `colour`.
+    * ``hides(x, y, z, dx, dy, dz, reach, skin, numbers)``: whether it stands between a point and a light at ``reach``
+      along the unit vector d. The point may be up to ``skin`` under the surface, which counts as on it. Else by
+      `distance` until the ray is clear of the surface, and `meet`.
+    * ``look(x, y, z, eye, width, numbers)``: how it is drawn at a point of its surface, as three triples: a vector
+      along the normal, the point from which shadow rays set out, and the linear colour, which with a negative number is
+      the solid's `colour`. ``eye`` is the unit vector to the eye, or 0 where that does not matter, ``width`` that of a
+      pixel there, metres. Else `normal`, the point and `colour`.
     * ``folds = True``: it may hide parts of itself, and such edges are antialiased.
     * ``data(solids, time)``: what does not fit into a few numbers, for all solids of the kind (their settings, in a
       list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked

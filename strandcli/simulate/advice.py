@@ -56,6 +56,7 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
             f"strands are {away:.3g} m from the origin, where places are rounded to {step:.2g} m, "
             f"{100 * step / segment.max():.2g} % of a segment: they become ragged; move the scene to the origin"
         )
+    found += _meshes(scene, groom)
     for solid in touched(scene):
         name = f"solids.{numbers[id(solid)]}" + (f" ({solid.name})" if solid.name else "")
         swallowed = _swallowed(solid, scene, groom, segment)
@@ -67,6 +68,24 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
                 f"passes between two particles unnoticed; {_catching(scene)}, or use more emitter.particles"
             )
     return found + _broken_loops(scene) + softness(scene, groom)
+
+
+def _meshes(scene: Scene, groom: Groom) -> list[str]:
+    """What is to be said of solids that are meshes."""
+    meshes = [(place, solid) for place, solid in enumerate(scene.solids) if solid.kind == "mesh"]
+    if not meshes:
+        return []
+    from ..mesh_file.needs import warnings as of_mesh
+
+    extent = float(np.ptp(groom.roots.astype(np.float64), axis=0).max() + groom.lengths.max())
+    met = {id(solid) for solid in touched(scene)}
+    return [
+        line
+        for place, solid in meshes
+        for line in of_mesh(
+            f"solids.{place}" + (f" ({solid.name})" if solid.name else ""), solid, extent, id(solid) in met
+        )
+    ]
 
 
 def _catching(scene: Scene) -> str:

@@ -124,7 +124,7 @@ def look_of(module: Any, solids: Any, x: Any, y: Any, z: Any) -> Any:
 
     @function
     def ask(solids, x, y, z):  # type: ignore[no-untyped-def]
-        return LOOK(AMONG(solids), 0, x, y, z, np.float32(1e-3))
+        return LOOK(AMONG(solids), 0, x, y, z, (x, y, z), np.float32(1e-3))
 
     return ask(solids, x, y, z)
 

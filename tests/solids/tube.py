@@ -76,7 +76,7 @@ def distance(x: Any, y: Any, z: Any, numbers: Any, data: Any) -> Any:
     return away(x, y, z, numbers, data)
 
 
-def look(x: Any, y: Any, z: Any, width: Any, numbers: Any, data: Any) -> Any:
+def look(x: Any, y: Any, z: Any, eye: Any, width: Any, numbers: Any, data: Any) -> Any:
     """Green towards its own +y, red elsewhere; lifted by a thousandth."""
     h = 1e-3
     nx = away(x + h, y, z, numbers, data) - away(x - h, y, z, numbers, data)

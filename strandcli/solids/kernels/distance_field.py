@@ -73,6 +73,16 @@ def own(p, m, x, y, z):
 
 
 @device
+def own_direction(p, m, x, y, z):
+    """A direction in the frame of solid m."""
+    return (
+        number(p, m, ROW_X) * x + number(p, m, ROW_Y) * y + number(p, m, ROW_Z) * z,
+        number(p, m, ROW_X + 1) * x + number(p, m, ROW_Y + 1) * y + number(p, m, ROW_Z + 1) * z,
+        number(p, m, ROW_X + 2) * x + number(p, m, ROW_Y + 2) * y + number(p, m, ROW_Z + 2) * z,
+    )
+
+
+@device
 def ray_in_own(p, m, x, y, z, dx, dy, dz):
     """Origin and direction of a ray in the frame of solid m, in double precision."""
     u, v, w = own(p, m, x, y, z)
@@ -181,7 +191,7 @@ def trace(distance, meet, p, m, ox, oy, oz, dx, dy, dz):
 
 
 @inlined
-def hides(distance, meet, p, m, x, y, z, way, reach, skin):
+def hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point, already `skin` off its own place, and a light at ``reach`` along the unit
     vector ``way``. A point on the surface, or within `skin` under it, has to come clear of that first."""
     lx, ly, lz = way
@@ -250,10 +260,10 @@ def put_outside_all(distance, normal, p, x, y, z, clear):
 
 
 @inlined
-def visibility_past_all(distance, meet, p, x, y, z, way, reach, skin):
+def visibility_past_all(hides, p, x, y, z, way, reach, skin):
     """Return 1 if `hides` is false for all of these solids, else 0."""
     for m in range(p.rows.shape[0]):
-        if hides(distance, meet, p, m, x, y, z, way, reach, skin):
+        if hides(p, m, x, y, z, way, reach, skin):
             return ZERO
     return ONE
 

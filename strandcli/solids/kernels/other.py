@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import overload
 
+from ..shapes.other import KIND
 from . import distance_field as field
 from . import segment_depth
 
@@ -55,13 +56,54 @@ def _normal(solids, m, x, y, z):
     if form is None:
         return lambda solids, m, x, y, z: (field.ZERO, field.ONE, field.ZERO)
 
-    outward, among = form.normal, form.among
+    outward, among, look = form.normal, form.among, form.look
+    if look is not None:
+        none, width = (field.ZERO, field.ZERO, field.ZERO), field.ZERO
+        return lambda solids, m, x, y, z: look(among(solids), m, x, y, z, none, width)[0]
 
     def found(solids, m, x, y, z):
         nx, ny, nz = outward(among(solids), m, x, y, z)
         return np.float32(nx), np.float32(ny), np.float32(nz)
 
     return found
+
+
+def has_look(solids):
+    """Whether any of the shapes of these has a look of its own."""
+
+
+@overload(has_look)
+def _has_look(solids):
+    form = form_of(solids)
+    found = form is not None and form.look is not None
+    return lambda solids: found
+
+
+def look(solids, m, x, y, z, eye, width):
+    """The normal, the place and the colour of number m of these, as `SolidShape.look`, in the world."""
+
+
+@overload(look)
+def _look(solids, m, x, y, z, eye, width):
+    form = form_of(solids)
+    if form is None or form.look is None:
+        none = (field.ZERO, field.ZERO, field.ZERO)
+        return lambda solids, m, x, y, z, eye, width: (none, none, none)
+    found, among = form.look, form.among
+    return lambda solids, m, x, y, z, eye, width: found(among(solids), m, x, y, z, eye, width)
+
+
+def folds(solids, m):
+    """Whether number m of these may hide parts of itself."""
+
+
+@overload(folds)
+def _folds(solids, m):
+    form = form_of(solids)
+    if form is None or not any(form.folds):
+        return lambda solids, m: False
+    kinds = form.folds
+    return lambda solids, m: kinds[int(solids.others[m, KIND])]
 
 
 def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
@@ -74,9 +116,9 @@ def _visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE
-    distance, first, among = form.distance, form.meet, form.among
+    hides, among = form.hides, form.among
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.visibility_past_all(
-        distance, first, among(solids), x, y, z, (lx, ly, lz), reach, skin
+        hides, among(solids), x, y, z, (lx, ly, lz), reach, skin
     )
 
 

@@ -18,6 +18,9 @@ PARTS = 4
 """Equal parts of a segment whose ends are tested."""
 SEARCH = 20
 """Steps of golden-section search along a segment, which narrow it to 7e-5 of its length."""
+HALF_PART = 0.5 / PARTS
+CLOSE_SEARCH = 6
+"""Steps of a search between two of those places, which narrow it to 2 % of the segment's length."""
 CLOSER = (math.sqrt(5.0) - 1.0) / 2.0
 LEVER = np.float32(0.1)
 """Least share of a segment by which a depth is divided, as `collision_segments.LEAST_SHARE`."""
@@ -47,6 +50,26 @@ def deepest_of_some(distance, p, m, begin, edge):
             under = -1.0 * along(distance, p, m, begin, edge, t)
             if under > most:
                 share, most = t, under
+    return share, most
+
+
+@inlined
+def deepest_about_some(distance, p, m, begin, edge):
+    """The same, and of all places around the deepest of those: by golden-section search between its neighbours."""
+    share, most = deepest_of_some(distance, p, m, begin, edge)
+    if most <= -HALF_PART * math.sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]):
+        return share, most  # between two places the depth grows by no more than that
+    low, high = max(share - 1.0 / PARTS, 0.0), min(share + 1.0 / PARTS, 1.0)
+    for _ in range(CLOSE_SEARCH):
+        near, far = high - CLOSER * (high - low), low + CLOSER * (high - low)
+        at_near = 1.0 * along(distance, p, m, begin, edge, near)
+        at_far = 1.0 * along(distance, p, m, begin, edge, far)
+        if at_near < at_far:
+            high = far
+        else:
+            low = near
+        if -min(at_near, at_far) > most:
+            share, most = (near, -at_near) if at_near < at_far else (far, -at_far)
     return share, most
 
 

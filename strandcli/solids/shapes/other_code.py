@@ -26,8 +26,10 @@ import numpy as np
 from strandcli.constants import W
 from strandcli.jit import device, function
 from strandcli.solids.kernels.distance_field import gradient, look_in_world, march, number, outward, own
-from strandcli.solids.kernels.distance_field import FINE, put_outside, ray_in_own, rounded
-from strandcli.solids.kernels.segment_depth import deepest_of_all_places, deepest_of_some, put_segment_outside
+from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, own_direction, put_outside
+from strandcli.solids.kernels.distance_field import ray_in_own, rounded
+from strandcli.solids.kernels.segment_depth import deepest_about_some, deepest_of_all_places, deepest_of_some
+from strandcli.solids.kernels.segment_depth import put_segment_outside
 {imports}
 
 class {name}(NamedTuple):
@@ -77,10 +79,14 @@ def meet(p, m, x, y, z, dx, dy, dz, end):
     """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
     u, v, w, a, b, c = ray_in_own(p, m, x, y, z, dx, dy, dz)
 {meet}
-{look}
+
+@device
+def hides(p, m, x, y, z, way, reach, skin):
+    """Whether solid m stands between a point and a light at reach along a unit vector."""
+{ray}{hides}{look}
 Solids = {name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
-Solids.among, Solids.look, Solids.folds = among, {has_look}, {folds}
+Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 
 
 @function
@@ -108,13 +114,15 @@ def catch(x, parent, grandparent, root, length, p, i, n):
                 normal, deepest, p, m, begin, x[k], x[W + k], x[2 * W + k]
             )
 '''
+RAY = "    u, v, w, a, b, c = ray_in_own(p, m, x, y, z, way[0], way[1], way[2])\n"
 LOOK = '''
 
 @device
-def look(p, m, x, y, z, width):
+def look(p, m, x, y, z, eye, width):
     """How solid m looks at a point of its surface: the normal, where shadow rays begin, and the colour; a negative one
-    is that of the solid. width: that of a pixel there."""
+    is that of the solid. eye: unit vector to the eye; width: that of a pixel there."""
     u, v, w = own(p, m, x, y, z)
+    eye = own_direction(p, m, eye[0], eye[1], eye[2])
 {look}
 
 '''
@@ -177,6 +185,8 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "normal": _chosen([_normal(one) for one in kinds]),
         "deepest": _chosen([_deepest(one.shape) for one in kinds]),
         "meet": _chosen([_meet(one) for one in kinds]),
+        "hides": _chosen([_hides(one) for one in kinds]),
+        "ray": RAY if any(_has(one.shape, "hides") for one in kinds) else "",
         "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _any_look(kinds) else "\n",
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
@@ -195,7 +205,11 @@ def fields_of(kinds: Sequence[Kind]) -> list[str]:
 
 
 def _any_look(kinds: Sequence[Kind]) -> bool:
-    return any(getattr(one.shape, "look", None) is not None for one in kinds)
+    return any(_has(one.shape, "look") for one in kinds)
+
+
+def _has(shape: Any, part: str) -> bool:
+    return getattr(shape, part, None) is not None
 
 
 def _imports(kind: Kind) -> str:
@@ -240,23 +254,30 @@ def _given(kind: Kind) -> str:
 
 
 def _normal(kind: Kind) -> str:
-    if getattr(kind.shape, "normal", None) is None:
+    if not _has(kind.shape, "normal"):
         return f"gradient(distance, p, m, FINE * number(p, m, {REACH}), x, y, z)"
     return f"outward(p, m, normal_{kind.place}(u, v, w, {_given(kind)}))"
 
 
 def _deepest(shape: Any) -> str:
-    way = "deepest_of_all_places" if getattr(shape, "convex", False) else "deepest_of_some"
+    way = "deepest_about_some" if has_data(shape) else "deepest_of_some"
+    way = "deepest_of_all_places" if getattr(shape, "convex", False) else way
     return f"{way}(distance, p, m, begin, edge)"
 
 
 def _meet(kind: Kind) -> str:
-    if getattr(kind.shape, "meet", None) is None:
+    if not _has(kind.shape, "meet"):
         return "march(distance, p, m, x, y, z, dx, dy, dz, end)"
     return f"np.float32(meet_{kind.place}(u, v, w, a, b, c, {_given(kind)}))"
 
 
+def _hides(kind: Kind) -> str:
+    if not _has(kind.shape, "hides"):
+        return "hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin)"
+    return f"hides_{kind.place}(u, v, w, a, b, c, reach, skin, {_given(kind)})"
+
+
 def _look(kind: Kind) -> str:
-    if getattr(kind.shape, "look", None) is None:
+    if not _has(kind.shape, "look"):
         return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0))"
-    return f"look_in_world(p, m, look_{kind.place}(u, v, w, width, {_given(kind)}))"
+    return f"look_in_world(p, m, look_{kind.place}(u, v, w, eye, width, {_given(kind)}))"

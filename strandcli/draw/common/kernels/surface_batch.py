@@ -13,6 +13,9 @@ THERE = layout.allocate_row("share of the picture", surfaces="ambient:out")
 # Light that a coat reflects, red, green and blue; its transmittance.
 COAT = layout.allocate("light of the coat", 3, surfaces="ambient:out")[0]
 UNDER = layout.allocate_row("share under the coat", surfaces="ambient:out")
+# Where shadow rays begin, from the point, and the colour: of solids that have a look of their own, else 0 and theirs.
+LIFT = layout.allocate("lift of the point", 3, surfaces="ambient:out")[0]
+ALBEDO = layout.allocate("colour of the surface", 3, surfaces="ambient:out")[0]
 # Of the current light: position of the point itself, because `X` is offset above the surface; cosine of incidence; and
 # in red, green and blue the transmittance of strands and the irradiance.
 PX = layout.allocate("place on the surface", 3, surfaces="light:soft")[0]

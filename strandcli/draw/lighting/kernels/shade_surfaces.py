@@ -12,15 +12,17 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
-from ....solids.kernels import sphere
+from ....solids.kernels import other, sphere
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE, MAP_LAYERS, POWER_R
 from ...common.kernels.surface_batch import (
+    ALBEDO,
     ARRIVED,
     COAT,
     COSINE,
     DISTANCE,
     LEFT,
+    LIFT,
     NX,
     NY,
     NZ,
@@ -35,7 +37,7 @@ from ...common.kernels.surface_batch import (
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
-from ...solids.kernels import coat, rays, smooth_union
+from ...solids.kernels import appearance, coat, rays, smooth_union
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
@@ -93,6 +95,8 @@ def surroundings(surround, x, y, z):
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
+    if other.has_look(solids):
+        appearance.plain(work, n, paint, which)
     face(work, n, solids, which)
     light_around(work, n, surround, strands.bounce)
     fade(work, n, paint, which)
@@ -101,6 +105,8 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
         rise(work, n, lights.skin)
+        if other.has_look(solids):
+            lift(work, n)
         past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
@@ -115,6 +121,8 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     for c in range(3):
         tone = paint[which, c]
         for k in range(n):
+            if other.has_look(solids):
+                tone = work[ALBEDO + c * W + k]
             under = work[RADIANCE + c * W + k]
             if coats.shape[0] == 0:
                 work[RADIANCE + c * W + k] = under * tone
@@ -172,6 +180,8 @@ def face(work, n, solids, which):
             work[NX + k] = x * size
             work[NY + k] = y * size
             work[NZ + k] = z * size
+    elif appearance.looks(solids, which):
+        appearance.face(work, n, solids, which)
     else:
         for k in range(n):
             x, y, z = rays.normal(solids, which, work[X + k], work[Y + k], work[Z + k])
@@ -262,6 +272,13 @@ def rise(work, n, skin):
         work[X + k] += work[NX + k] * skin
         work[Y + k] += work[NY + k] * skin
         work[Z + k] += work[NZ + k] * skin
+
+
+@device
+def lift(work, n):
+    """Move points, which `rise` has moved, on to where shadow rays begin."""
+    for k in range(3 * W):
+        work[X + k] += work[LIFT + k]
 
 
 @device

@@ -1,0 +1,77 @@
+"""Solids with a look of their own: normals for shading, where shadow rays begin, and colours from point to point."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device
+from ....solids.kernels import other
+from ...common.kernels.batch import EX, EY, EZ, X, Y, Z
+from ...common.kernels.surface_batch import ALBEDO, LIFT, NX, NY, NZ, PIXEL
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+LEAST = np.float32(0.05)
+"""Least cosine between the normal and the eye: where a smooth normal is turned away further, it is bent back, so that
+no facet that is seen is shaded from behind."""
+
+
+@device
+def looks(solids, which):
+    """Return whether solid number `which` has a look of its own."""
+    return other.has_look(solids) and which >= first(solids)
+
+
+@device
+def first(solids):
+    """Return the number of the first solid without kernels of its own."""
+    return solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0] + solids.boxes.shape[0]
+
+
+@device
+def folds(solids, which):
+    """Return whether solid number `which` may have edges in front of itself, besides those that blend."""
+    return which >= first(solids) and other.folds(solids, which - first(solids))
+
+
+@device
+def plain(work, n, paint, which):
+    """Store a solid's own colour, and no lift."""
+    for c in range(3):
+        for k in range(n):
+            work[ALBEDO + c * W + k] = paint[which, c]
+            work[LIFT + c * W + k] = ZERO
+
+
+@device
+def face(work, n, solids, which):
+    """Store unit normals, lifts and colours of points of a solid that has a look of its own."""
+    m = which - first(solids)
+    for k in range(n):
+        x, y, z = work[X + k], work[Y + k], work[Z + k]
+        eye = work[EX + k], work[EY + k], work[EZ + k]
+        normal, place, colour = other.look(solids, m, x, y, z, eye, work[PIXEL + k])
+        work[NX + k], work[NY + k], work[NZ + k] = towards(normal, eye)
+        work[LIFT + k] = place[0] - x
+        work[LIFT + W + k] = place[1] - y
+        work[LIFT + 2 * W + k] = place[2] - z
+        if min(colour[0], min(colour[1], colour[2])) >= ZERO:
+            for c in range(3):
+                work[ALBEDO + c * W + k] = colour[c]
+
+
+@device
+def towards(normal, eye):
+    """Return a unit normal, bent until it faces the eye."""
+    nx, ny, nz = normal
+    facing = nx * eye[0] + ny * eye[1] + nz * eye[2]
+    if facing >= LEAST:
+        return nx, ny, nz
+    nx += (LEAST - facing) * eye[0]
+    ny += (LEAST - facing) * eye[1]
+    nz += (LEAST - facing) * eye[2]
+    size = ONE / math.sqrt(nx * nx + ny * ny + nz * nz)
+    return nx * size, ny * size, nz * size

@@ -1,0 +1,147 @@
+"""A mesh as a shape of solid: `strandcli.scene.solid_shape.SolidShape` by its tree of triangles and its grid of
+distances. Numbers are the mesh's place in the data."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import device
+from ...meshes.kernels.distance import DistanceGrid, distance_and_gradient
+from ...meshes.kernels.distance import distance as grid_distance
+from ...meshes.kernels.nearest import nearest
+from ...meshes.kernels.rays import first_hit
+from ...meshes.kernels.tree import Bvh
+from . import arrays as at
+from .colour import colour_at
+
+CLOSE = 1e-3
+"""Cells of the grid within which the point of the surface that is drawn is looked for first."""
+LEAVES = 4.0
+"""Way out of a surface that a shadow ray may have, in depths that count as on it."""
+TINY = 1e-6
+"""A gradient this short has no direction."""
+
+
+@device
+def grid_of(data, k):
+    """The grid of distances of mesh k."""
+    row = data.table[k]
+    values = data.values[row[at.VALUES] : row[at.VALUES_END]]
+    return DistanceGrid(
+        values.reshape((row[at.NZ], row[at.NY], row[at.NX])), data.low[k], data.low[k, 3]
+    )  # fmt: skip
+
+
+@device
+def tree_of(data, k):
+    """The tree of triangles of mesh k; it has no moments."""
+    row = data.table[k]
+    nodes, end = row[at.NODES], row[at.NODES_END]
+    first, last = row[at.TRIANGLES], row[at.TRIANGLES_END]
+    corners = data.corners[first:last]
+    return Bvh(
+        data.boxes[nodes:end], data.child[nodes:end], data.counts[nodes:end], corners, data.triangle[first:last],
+        corners[:, 0],
+    )  # fmt: skip
+
+
+def distance(x, y, z, numbers, data):
+    """From the grid, whose error is of the order of the surface's bend over a cell."""
+    return grid_distance(grid_of(data, int(numbers[0])), x, y, z)
+
+
+def normal(x, y, z, numbers, data):
+    """The gradient of the grid's distances; where it has no direction, towards the nearest point of the surface or
+    from there."""
+    k = int(numbers[0])
+    d, gx, gy, gz = distance_and_gradient(grid_of(data, k), x, y, z)
+    if gx * gx + gy * gy + gz * gz > TINY:
+        return 1.0 * gx, 1.0 * gy, 1.0 * gz
+    tree = tree_of(data, k)
+    square, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    px, py, pz = point_of(tree.corners, row, u, v)
+    side = -1.0 if d < 0 else 1.0
+    if square > 0.0:
+        return side * (x - px), side * (y - py), side * (z - pz)
+    return 0.0, 1.0, 0.0
+
+
+def meet(x, y, z, dx, dy, dz, numbers, data):
+    """By the tree of triangles; both sides count."""
+    return first_hit(tree_of(data, int(numbers[0])), x, y, z, dx, dy, dz, np.inf)[0]
+
+
+def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):
+    """Whether the mesh hides a light at ``reach`` along the unit vector d from a point that may be up to ``skin`` under
+    its surface: a first triangle that the ray leaves the mesh through does not, where it is near."""
+    k = int(numbers[0])
+    tree = tree_of(data, k)
+    t, i, _, _ = first_hit(tree, x, y, z, dx, dy, dz, reach)
+    if i < 0:
+        return False
+    i += data.table[k, at.TRIANGLES]
+    if t > LEAVES * skin or data.faces[i, 0] * dx + data.faces[i, 1] * dy + data.faces[i, 2] * dz <= 0.0:
+        return True
+    if grid_distance(grid_of(data, k), x, y, z) < -skin - data.low[k, 3]:
+        return True
+    t += CLOSE * skin
+    return first_hit(tree, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz, reach - t)[1] >= 0
+
+
+def look(x, y, z, eye, width, numbers, data):
+    """The smooth normal, the point lifted to where the smooth surface would be (Hanika 2021, "Hacking the shadow
+    terminator"), and the colour of vertices or of the texture."""
+    k = int(numbers[0])
+    tree = tree_of(data, k)
+    limit = CLOSE * data.low[k, 3]
+    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
+    if row < 0:
+        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    px, py, pz = point_of(tree.corners, row, u, v)
+    first = data.table[k, at.TRIANGLES] + row
+    nx = ny = nz = lx = ly = lz = 0.0
+    for corner in range(3):
+        share = (u if corner == 1 else v) if corner > 0 else 1.0 - u - v
+        ax, ay, az = data.normals[first, corner, 0], data.normals[first, corner, 1], data.normals[first, corner, 2]
+        nx += share * ax
+        ny += share * ay
+        nz += share * az
+        over = (px - tree.corners[row, corner, 0]) * ax + (py - tree.corners[row, corner, 1]) * ay
+        over += (pz - tree.corners[row, corner, 2]) * az
+        lx -= share * min(over, 0.0) * ax
+        ly -= share * min(over, 0.0) * ay
+        lz -= share * min(over, 0.0) * az
+    if nx * nx + ny * ny + nz * nz < TINY:
+        nx, ny, nz = face_normal(tree.corners, row)
+    facing = (nx * eye[0] + ny * eye[1] + nz * eye[2]) / math.sqrt(nx * nx + ny * ny + nz * nz)
+    colour = colour_at(data, k, row, u, v, width, facing)
+    return (nx, ny, nz), (x + lx, y + ly, z + lz), colour
+
+
+@device
+def point_of(corners, row, u, v):
+    """A point of a triangle."""
+    w = 1.0 - u - v
+    return (
+        w * corners[row, 0, 0] + u * corners[row, 1, 0] + v * corners[row, 2, 0],
+        w * corners[row, 0, 1] + u * corners[row, 1, 1] + v * corners[row, 2, 1],
+        w * corners[row, 0, 2] + u * corners[row, 1, 2] + v * corners[row, 2, 2],
+    )
+
+
+@device
+def face_normal(corners, row):
+    """A vector along the normal of a triangle."""
+    ux, uy, uz = (
+        corners[row, 1, 0] - corners[row, 0, 0],
+        corners[row, 1, 1] - corners[row, 0, 1],
+        corners[row, 1, 2] - corners[row, 0, 2],
+    )
+    vx, vy, vz = (
+        corners[row, 2, 0] - corners[row, 0, 0],
+        corners[row, 2, 1] - corners[row, 0, 1],
+        corners[row, 2, 2] - corners[row, 0, 2],
+    )
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

@@ -1,0 +1,76 @@
+"""What meshes of solids take, and what is to be said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..meshes.distance_grid import MARGIN
+from .prepared import mesh_of
+
+PER_TRIANGLE = 360
+"""Bytes of a triangle: corners, normals and faces, its part of the tree, and the mesh as it was read."""
+PER_NODE = 4
+"""Bytes of a node of the grid."""
+FAR = 10.0
+"""How many times larger or smaller than roots and strands together a mesh is taken to be in another unit."""
+
+
+def nodes(settings: Any) -> tuple[int, int, int]:
+    """Nodes of the grid of distances along x, y and z, as `make_distance_grid` has them."""
+    low, high = mesh_of(settings).box()
+    spacing = float((high - low).max()) / (settings.resolution - 1 - 2 * MARGIN)
+    counts = np.ceil((high - low) / spacing - 1e-6).astype(int) + 1 + 2 * MARGIN
+    return int(counts[0]), int(counts[1]), int(counts[2])
+
+
+def grid_bytes(settings: Any) -> int:
+    """Bytes of the grid of distances."""
+    x, y, z = nodes(settings)
+    return x * y * z * PER_NODE
+
+
+def whole_bytes(settings: Any) -> int:
+    """Bytes of all that is made of a mesh."""
+    mesh = mesh_of(settings)
+    picture = 0 if mesh.texture is None else 4 * mesh.texture.size // 3 + mesh.texture.size
+    # while it is made, the grid is there twice
+    return PER_TRIANGLE * len(mesh.triangles) + 2 * grid_bytes(settings) + picture
+
+
+def described(settings: Any) -> str:
+    """A mesh and its grid, in words."""
+    mesh = mesh_of(settings)
+    x, y, z = nodes(settings)
+    inside = "" if mesh.closed else ", open"
+    return (
+        f"{len(mesh.triangles):,} triangles{inside}; a grid of {x} × {y} × {z} distances, "
+        f"{grid_bytes(settings) / 1e6:.1f} MB, for contact, ambient occlusion and soft shadows"
+    )
+
+
+def warnings(name: str, settings: Any, extent: float, touched: bool) -> Iterator[str]:
+    """What is to be said of a solid that is a mesh. ``extent``: of roots and strands together, metres; ``touched``:
+    whether strands collide with it."""
+    mesh = mesh_of(settings)
+    large = mesh.size() / extent
+    if not 1 / FAR <= large <= FAR:
+        times = f"{large:.3g} times larger" if large > 1 else f"{1 / large:.3g} times smaller"
+        yield (
+            f"{name}: is {mesh.size():.3g} m large, {times} than roots and strands together: perhaps its file has "
+            f"another unit; set its scale, or its size in metres, and emitter.length to match"
+        )
+    facts = mesh.facts
+    if touched and facts.boundary:
+        yield (
+            f"{name}: is open, {facts.boundary:,} edges belong to one triangle alone: inside, where strands must not "
+            "be, is where its surface goes more than half around; close it in its program if that is not meant"
+        )
+    doubtful = facts.twisted + facts.crowded
+    if touched and doubtful:
+        yield (
+            f"{name}: at {doubtful:,} edges its triangles do not agree on an outside, so that contact is doubtful "
+            "there; mend the mesh in its program"
+        )

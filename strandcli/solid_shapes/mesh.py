@@ -1,0 +1,73 @@
+"""A mesh of triangles from a file: closed, or open where its surface goes more than half around what is inside.
+
+What it needs of NumPy and Numba stands in `strandcli.mesh_file`, imported when such a solid is drawn or touched.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..scene import fields
+from ..scene.fields import choice, integer, number
+from ..scene.model.solids import SolidSettings
+
+kind = "mesh"
+folds = True
+LAZY = {
+    "Data": "kernels.arrays", "data": "data", "distance": "kernels.shape", "normal": "kernels.shape",
+    "meet": "kernels.shape", "hides": "kernels.shape", "look": "kernels.shape",
+}  # fmt: skip
+"""Parts of the shape that are imported when they are asked for, by the module of `strandcli.mesh_file`."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Settings(SolidSettings):
+    """Triangles of a file: a head, an animal. In its own frame they stand as in the file, times `scale`, with y up."""
+
+    kind: str = choice("mesh", ("mesh",))
+    file: str = fields.file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
+    up: str = choice("y", ("x", "y", "z", "-x", "-y", "-z"), doc="up axis of the file, which becomes y")
+    scale: float | None = number(None, above=0, unit="1", doc="metres a unit of the file; absent: 1")
+    size: float | None = number(
+        None, above=0, unit="m", doc="longest side of its box, in place of `scale`; absent: by scale"
+    )
+    place: str = choice(
+        "file",
+        ("file", "origin", "ground"),
+        doc="file: where it is in the file; origin: the middle of its box at the origin; ground: above it, the lowest "
+        "point at y = 0",
+    )
+    colour_from: str = choice(
+        "auto",
+        ("auto", "file", "colour"),
+        doc="file: its texture, else its vertices' colours; colour: `colour`; auto: the file's, unless `colour` is set",
+    )
+    texture: str = fields.file(doc="picture for its uv, in place of the file's own; absent: the file's")
+    crease: float = number(
+        60.0, low=0, high=180, unit="deg", doc="angle from which on the edge between two triangles is drawn as one; "
+        "normals that the file has beyond those of its faces go before it",
+    )  # fmt: skip
+    resolution: int = integer(
+        128, low=16, high=512, doc="nodes along the longest side of the grid of distances, for contact and soft shadows"
+    )
+
+
+def numbers(settings: Settings) -> tuple[float, ...]:
+    """None: all is in the data."""
+    return ()
+
+
+def reach(settings: Settings) -> float:
+    """Distance of the farthest vertex from the origin."""
+    from ..mesh_file.prepared import reach_of
+
+    return reach_of(settings)
+
+
+def __getattr__(name: str) -> Any:
+    from importlib import import_module
+
+    if name not in LAZY:
+        raise AttributeError(name)
+    return getattr(import_module(f"strandcli.mesh_file.{LAZY[name]}"), name)

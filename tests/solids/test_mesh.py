@@ -1,0 +1,309 @@
+"""Solids that are meshes: a finely tessellated ball against the sphere, whose every answer is known."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import mesh_kit
+from strandcli.draw.shadows.kernels import penumbra
+from strandcli.draw.solids.kernels import rays
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.mesh_file import data as mesh_data
+from strandcli.mesh_file.normals import shading_normals
+from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
+from strandcli.mesh_file.texture import LINEAR, pyramid
+from strandcli.meshes.make import make_mesh
+from strandcli.scene import SceneError, loads
+from strandcli.scene.model import Emitter, PoseKey, SphereSolid
+from strandcli.simulate import advice
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rules import registry
+from strandcli.simulate.thesis import ThesisSolver
+from strandcli.solid_shapes.mesh import Settings
+from strandcli.solids import Solids, pack_all
+
+STILL = Emitter()
+FAR, SKIN = np.float32(1e3), np.float32(1e-2)
+R = 0.5
+AT = (0.2, -0.1, 0.3)
+
+
+@pytest.fixture(scope="session")
+def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
+    """Files of balls of radius .5 by how often they are refined."""
+    folder = tmp_path_factory.mktemp("balls")
+    return {n: mesh_kit.write(folder / f"ball_{n}.obj", *mesh_kit.ball(n, R)) for n in (3, 4, 5)}
+
+
+def settings(path: Path, **more: Any) -> Settings:
+    return Settings(file=str(path), **more)
+
+
+def packed(*solids: Any) -> Solids:
+    return pack_all(list(solids), STILL, 0.0)
+
+
+def test_rays_meet_it_as_they_meet_the_sphere(balls: dict[int, Path]) -> None:
+    random = np.random.default_rng(1)
+    ways = random.normal(size=(300, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    exact = packed(SphereSolid(radius=R, position=AT))
+    worst, slanted = {}, {}
+    for n, path in balls.items():
+        solids = packed(settings(path, position=AT, rotation=(10.0, 20.0, 30.0)))
+        off, lean = [], []
+        for way in ways:
+            o, d = AT - 2 * way + 0.2 * random.normal(size=3), way
+            ray = (*o.astype(np.float32), *d.astype(np.float32))
+            found, expected = float(rays.meet(solids, 0, *ray)), float(rays.meet(exact, 0, *ray))
+            assert np.isfinite(found) == np.isfinite(expected) or not np.isfinite(found + expected)
+            if not np.isfinite(found + expected):
+                continue
+            point = (o + found * d).astype(np.float32)
+            normal, true = np.array(rays.normal(solids, 0, *point)), (point - AT) / np.linalg.norm(point - AT)
+            off.append(abs(np.linalg.norm(point - AT) - R))
+            lean.append(float(np.linalg.norm(normal - true)))
+        assert len(off) > 150
+        worst[n], slanted[n] = max(off), max(lean)
+    assert worst[5] < 3e-4
+    assert min(worst[3] / worst[4], worst[4] / worst[5]) > 3  # as the square of the edges
+    assert slanted[5] < 6e-3
+    assert slanted[3] > 3 * slanted[5]
+
+
+def test_distance_and_normal_of_contact_are_those_of_the_sphere(balls: dict[int, Path]) -> None:
+    random = np.random.default_rng(2)
+    points = AT + random.uniform(-0.9, 0.9, (2000, 3)) * R * 1.5
+    away = np.linalg.norm(points - AT, axis=1)
+    worst = {}
+    for n, path in balls.items():
+        depth = advice.depth(points, settings(path, position=AT, rotation=(0.0, 70.0, 0.0)), STILL)
+        worst[n] = np.abs(depth - (R - away))[(away < 1.4 * R) & (away > 0.1 * R)].max()
+    assert worst[5] < 6e-4
+    assert worst[3] > 4 * worst[5]
+    coarse = advice.depth(points, settings(balls[5], position=AT, resolution=32), STILL)
+    assert worst[5] < np.abs(coarse - (R - away))[(away < 1.4 * R) & (away > 0.1 * R)].max() < 6e-3
+
+
+def test_hard_shadows_are_those_of_the_sphere(balls: dict[int, Path]) -> None:
+    """Also of points on its surface, and of roots a little below it."""
+    random = np.random.default_rng(3)
+    exact, solids = packed(SphereSolid(radius=R, position=AT)), packed(settings(balls[5], position=AT))
+    seen = [0, 0]
+    for k in range(600):
+        way = random.normal(size=3)
+        way /= np.linalg.norm(way)
+        out = random.normal(size=3)
+        out /= np.linalg.norm(out)
+        far = (random.uniform(1.2, 3), 1.0, 1.0 - 0.4 * float(SKIN) / R)[k % 3]
+        point = (AT + far * R * out).astype(np.float32)
+        side = float(way @ out)
+        miss = abs(float(np.linalg.norm(point - AT - ((point - AT) @ way) * way)) - R)
+        if (k % 3 > 0 and abs(side) < 0.3) or (k % 3 == 0 and miss < 1.2 * SKIN):
+            continue  # at the terminator, and where light goes less than SKIN deep through the sphere
+        lit = [float(rays.visibility(one, *point, *way.astype(np.float32), FAR, SKIN)) for one in (solids, exact)]
+        assert lit[0] == lit[1], (k, far, side)
+        seen[int(lit[0])] += 1
+    assert min(seen) > 100
+
+
+def test_soft_shadows_are_those_of_the_sphere(balls: dict[int, Path]) -> None:
+    exact, solids = packed(SphereSolid(radius=R, position=AT)), packed(settings(balls[5], position=AT))
+    up = np.array([0, 1, 0], np.float32)
+    off = []
+    for across in np.linspace(0, 1, 81):
+        point = np.array(AT) + np.array((across * 0.8, -1.5, across * 0.6))
+        ray = penumbra.LightRay(*point.astype(np.float32), *up, FAR)
+        share = [
+            float(penumbra.soft_visibility(one, ray, SKIN, np.float32(0.1), np.float32(0))) for one in (solids, exact)
+        ]
+        off.append(abs(share[0] - share[1]))
+    assert max(off) < 0.12
+    assert float(np.mean(off)) < 0.01
+
+
+STRANDS = """
+solver: {solver}
+time: {{preroll: 0, fps: 30, frames: 20, substeps: 2}}
+image: {{size: 8x8}}
+emitter: {{strands: 64, length: 1.2, particles: 16, shape: {{kind: disc, radius: 0.4}}, position: [0, 0.9, 0],
+  rotation: [180, 0, 0]}}
+rules: [{rules}]
+solids: [{solid}]
+"""
+
+
+@pytest.mark.parametrize(("solver", "collision"), [
+    ("rod", "collision"), ("rod", "{collision: {segments: true}}"), ("thesis", "collision"),
+    ("thesis", "{collision: {segments: true}}"),
+])  # fmt: skip
+def test_strands_rest_on_it_as_on_the_sphere(balls: dict[int, Path], solver: str, collision: str) -> None:
+    rules = f"gravity, {collision}" if solver == "rod" else f"gravity, elasticity, {collision}"
+    runs, errors = [], []
+    for solid in (f"{{kind: mesh, file: {balls[5]}}}", f"{{kind: sphere, radius: {R}}}"):
+        scene = loads(STRANDS.format(solver=solver, rules=rules, solid=solid), rules=registry())
+        made: Any = (RodSolver if solver == "rod" else ThesisSolver)(scene, emit(scene.emitter, scene.seed))
+        made.advance(20)
+        runs.append(made.particles())
+        errors.append(made.errors(20))
+    points = runs[0][:, 1:].reshape(-1, 3).astype(float)
+    under = R - np.linalg.norm(points, axis=1)
+    assert under.max() < 2e-3  # of the true sphere, by as much as the mesh and its grid are off
+    assert (np.abs(under) < 2e-3).sum() > 50  # many lie on it
+    assert errors[0]["penetration_max"] < 1e-3
+    assert errors[0]["segment_penetration_max"] == pytest.approx(errors[1]["segment_penetration_max"], abs=4e-3)
+    middle = [float(np.median(np.linalg.norm(run[:, -1] - (0, -0.3, 0), axis=1))) for run in runs]
+    assert solver == "thesis" or middle[0] == pytest.approx(middle[1], rel=0.05)
+
+
+def test_roots_inside_are_told(balls: dict[int, Path]) -> None:
+    text = STRANDS.format(
+        solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {balls[3]}, position: [0, 0.9, 0]}}"
+    )
+    scene = loads(text, rules=registry())
+    told = advice.warnings(scene, emit(scene.emitter, scene.seed))
+    assert any("swallows the roots" in line for line in told)
+
+
+def test_the_data_is_made_once_and_follows_the_file(balls: dict[int, Path], tmp_path: Path) -> None:
+    one, same = settings(balls[3]), settings(balls[3], position=AT)
+    made = mesh_data.data([one, same], 0.0)
+    assert all(a is b for a, b in zip(made, mesh_data.data([one, same], 0.5), strict=True))
+    assert len(made.triangle) == len(mesh_of(one).triangles)  # once for both
+    both = mesh_data.data([one, settings(balls[4])], 0.0)
+    assert len(both.triangle) == len(made.triangle) * 5
+    path = mesh_kit.write(tmp_path / "one.obj", *mesh_kit.ball(2))
+    before = mesh_data.data([settings(path)], 0.0)
+    mesh_kit.write(path, *mesh_kit.ball(3))
+    os.utime(path, ns=(1, 1))
+    assert len(mesh_data.data([settings(path)], 0.0).triangle) == 4 * len(before.triangle)
+
+
+def test_several_meshes_are_met_by_themselves(balls: dict[int, Path], tmp_path: Path) -> None:
+    cube = mesh_kit.write(tmp_path / "cube.obj", *cube_of(0.4))
+    solids = packed(settings(cube, position=(-2.0, 0.0, 0.0)), settings(balls[4], position=(2.0, 0.0, 0.0)))
+    for x, m, half in ((-2.0, 0, 0.4), (2.0, 1, R)):
+        ray = (np.float32(x), np.float32(0.1), np.float32(5), *np.array([0, 0, -1], np.float32))
+        t = float(rays.meet(solids, m, *ray))
+        assert 5 - t == pytest.approx(half if m == 0 else np.sqrt(R * R - 0.01), abs=3e-3)
+        assert not np.isfinite(float(rays.meet(solids, 1 - m, *ray)))
+    assert advice.depth(np.array([[-2.0, 0, 0.3]]), settings(cube, position=(-2.0, 0.0, 0.0)), STILL)[
+        0
+    ] == pytest.approx(0.1, abs=2e-3)
+
+
+def cube_of(half: float) -> tuple[Any, Any]:
+    """A cube whose faces are wound outward."""
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float) * half
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, np.array([one for a, b, c, d in quads for one in ((a, b, c), (a, c, d))])
+
+
+def test_keys_move_it(balls: dict[int, Path]) -> None:
+    keys = (PoseKey(time=0.0, position=(0.0, 0.0, 0.0)), PoseKey(time=1.0, position=(2.0, 0.0, 0.0), ease="linear"))
+    one = settings(balls[4], keys=keys)
+    for time, x in ((0.0, 0.0), (1.0, 2.0)):
+        assert advice.depth(np.array([[x, 0.2, 0.0]]), one, STILL, time)[0] == pytest.approx(0.3, abs=2e-3)
+
+
+def test_place_size_scale_and_up_are_those_of_grooms(tmp_path: Path) -> None:
+    vertices, triangles = mesh_kit.ball(2)
+    path = mesh_kit.write(tmp_path / "high.obj", vertices * (1, 2, 3) + (5, 6, 7), triangles)
+    box = np.array(mesh_of(settings(path)).box())
+    np.testing.assert_allclose(np.ptp(box, axis=0) / np.ptp(vertices, axis=0), (1, 2, 3))
+    turned = np.array(mesh_of(settings(path, up="z", scale=0.5)).box())
+    np.testing.assert_allclose(np.ptp(turned, axis=0), np.ptp(box, axis=0)[[0, 2, 1]] / 2)
+    assert turned[0, 1] == pytest.approx(box[0, 2] / 2)
+    ground = np.array(mesh_of(settings(path, size=1.2, place="ground")).box())
+    assert np.ptp(ground, axis=0).max() == pytest.approx(1.2)
+    np.testing.assert_allclose([ground[0, 1], *ground.sum(0)[[0, 2]]], 0, atol=1e-12)
+    np.testing.assert_allclose(np.array(mesh_of(settings(path, place="origin")).box()).sum(0), 0, atol=1e-12)
+
+
+def test_creases_are_kept_and_facets_are_not() -> None:
+    cube = make_mesh(*cube_of(1.0))
+    np.testing.assert_allclose(shading_normals(cube, 60.0), np.repeat(cube.face_normals()[:, None], 3, 1), atol=1e-12)
+    corner = shading_normals(cube, 100.0)
+    np.testing.assert_allclose(np.abs(corner), 1 / np.sqrt(3), atol=0.2)
+    vertices, triangles = mesh_kit.ball(3)
+    ball = make_mesh(vertices, triangles)
+    np.testing.assert_allclose(shading_normals(ball, 60.0), shading_normals(ball, 180.0), atol=1e-12)
+    flat = make_mesh(vertices, triangles)
+    facets = np.repeat(flat.face_normals()[:, None], 3, 1)
+    object.__setattr__(flat, "corner_normals", facets)
+    np.testing.assert_allclose(shading_normals(flat, 60.0), shading_normals(ball, 60.0))  # no more than faces
+    own = facets[:, :, [1, 2, 0]]
+    object.__setattr__(flat, "corner_normals", own)
+    np.testing.assert_array_equal(shading_normals(flat, 60.0), own)
+
+
+def test_levels_of_a_texture_keep_its_light() -> None:
+    random = np.random.default_rng(4)
+    image = random.integers(0, 256, (37, 61, 3), np.uint8)
+    found = pyramid(image)
+    assert [tuple(row[1:]) for row in found.levels] == [(61, 37), (30, 18), (15, 9), (7, 4), (3, 2), (1, 1)]
+    for first, wide, high in found.levels:
+        light = LINEAR[found.texels[first : first + wide * high]]
+        np.testing.assert_allclose(light.mean(0), LINEAR[image].mean((0, 1)), atol=0.03)
+    grey = pyramid(np.full((8, 8, 3), 77, np.uint8))
+    assert (grey.texels == 77).all()
+
+
+def test_which_colour_is_drawn(tmp_path: Path) -> None:
+    vertices, triangles = mesh_kit.ball(1)
+    plain = mesh_kit.write(tmp_path / "plain.obj", vertices, triangles)
+    coloured = mesh_kit.write(tmp_path / "coloured.obj", vertices, triangles, colours=np.abs(vertices) / 2)
+    pictured = mesh_kit.write(tmp_path / "pictured.obj", vertices, triangles, uv=np.abs(vertices[:, :2]))
+    Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "black.png")
+    black = str(tmp_path / "black.png")
+
+    def kinds(**more: Any) -> tuple[bool, bool]:
+        made = prepared(key_of(Settings(**more)))
+        return len(made.colours) > 0, made.texture is not None
+
+    assert kinds(file=str(plain)) == (False, False)
+    assert kinds(file=str(coloured)) == (True, False)
+    assert kinds(file=str(coloured), colour=(0.1, 0.2, 0.3)) == (False, False)
+    assert kinds(file=str(coloured), colour=(0.1, 0.2, 0.3), colour_from="file") == (True, False)
+    assert kinds(file=str(coloured), colour_from="colour") == (False, False)
+    assert kinds(file=str(pictured)) == (False, False)
+    assert kinds(file=str(pictured), texture=black) == (False, True)
+    with pytest.raises(UsageError, match="no picture that can be read"):
+        kinds(file=str(pictured), texture=str(plain))
+
+
+def test_bad_input_is_told(tmp_path: Path) -> None:
+    def faults(solid: str) -> str:
+        with pytest.raises(SceneError) as caught:
+            loads(f"solids: [{solid}]", rules=registry())
+        return str(caught.value)
+
+    path = mesh_kit.write(tmp_path / "ball.obj", *mesh_kit.ball(1))
+    assert "must be the path of a mesh" in faults("{kind: mesh}")
+    assert "there is no file" in faults(f"{{kind: mesh, file: {tmp_path}/none.obj}}")
+    assert "clashes with solids.0.size" in faults(f"{{kind: mesh, file: {path}, size: 1, scale: 2}}")
+    (tmp_path / "not.obj").write_text("hello")
+    with pytest.raises(UsageError, match="no triangles"):
+        mesh_of(settings(tmp_path / "not.obj"))
+
+
+def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
+    vertices, triangles = mesh_kit.ball(3)
+    path = mesh_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
+    text = STRANDS.format(solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {path}}}")
+    scene = loads(text, rules=registry())
+    told = "\n".join(advice.warnings(scene, emit(scene.emitter, scene.seed)))
+    assert "36.3 m large" in told
+    assert "set its scale" in told
+    assert "is open" in told
+    assert "more than half around" in told
