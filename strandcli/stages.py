@@ -20,7 +20,7 @@ from .groom.emit import emit
 from .groom.followers import Followers
 from .groom.record import Groom
 from .plan import needed_strands
-from .scene.model import Scene
+from .scene.model import MeshShape, Scene
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
@@ -92,6 +92,11 @@ class SimulationStage:
         """The strands that some frames need, neighbours together."""
         scene = self.scene
         if scene.emitter.groom is None:
+            if isinstance(scene.emitter.shape, MeshShape):
+                from .groom.on_mesh import notes
+
+                for words in notes(scene.emitter):
+                    self._warn(words)
             return arranged(
                 emit(scene.emitter, scene.seed, needed_strands(scene, frames) if self.options.draw else None)
             )

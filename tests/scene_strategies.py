@@ -22,6 +22,7 @@ from strandcli.scene.specs import (
     FileSpec,
     IntegerSpec,
     ItemsSpec,
+    MapSpec,
     ModelSpec,
     NamesSpec,
     NumberSpec,
@@ -72,6 +73,8 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
             found = st.booleans()
         case FileSpec():
             found = st.just(__file__)
+        case MapSpec():
+            found = st.sampled_from(["", "scalp", __file__])
         case TextSpec():
             found = texts
         case ParametersSpec():

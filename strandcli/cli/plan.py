@@ -12,7 +12,7 @@ from .frame_range import FrameRange
 from .say import say
 
 if TYPE_CHECKING:
-    from ..scene.model import Scene
+    from ..scene.model import Emitter, Scene
 
 
 @click.command()
@@ -58,6 +58,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     from ..groom.emit import emit
     from ..groom_file import from_file
     from ..plan import needed_strands
+    from ..scene.model import MeshShape
     from ..simulate.advice import warnings
 
     found = []
@@ -65,9 +66,17 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
         if one.emitter.groom is not None:
             lines = list(from_file(one.emitter.groom, one.seed).notes)
         else:
-            lines = warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
+            lines = [] if not isinstance(one.emitter.shape, MeshShape) else _of_mesh(one.emitter)
+            lines += warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found
+
+
+def _of_mesh(emitter: Emitter) -> list[str]:
+    """What there is to know of the mesh of an emitter; reading meshes takes Numba."""
+    from ..groom.on_mesh import notes
+
+    return notes(emitter)
 
 
 def _totals(plan: Any) -> None:

@@ -28,6 +28,7 @@ def arranged(groom: Groom) -> Groom:
         lengths=groom.lengths[order],
         tones=groom.tones[order],
         grown=None if groom.grown is None else groom.grown[order],
+        anchors=None if groom.anchors is None else groom.anchors.of(order),
         places=order if groom.places is None else groom.places[order],
     )
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from .. import solids
 from ..constants import W
 from ..errors import SimulationError
-from ..scene.model import DiscShape, Emitter, PlaneShape
+from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
 from . import fringe
@@ -40,6 +40,10 @@ WAVE_SPREAD = 0.35
 """Relative spread of wavelengths between clumps."""
 SHARED = np.float32(0.4)
 """Share of a strand's tone that is that of its clumps."""
+PLAIN = 4
+"""Coordinates by which strands are compared, but on meshes."""
+FACING = 0.1
+"""What a difference of normals by 1 counts between strands on a mesh, as a share of its extent."""
 RANDOM = 20
 """Number of the first random stream that is used here."""
 
@@ -154,7 +158,7 @@ class Children:
         scene, settings, count = self.scene, self.settings, self.count
         seed: int = scene.seed
         emitter, every = scene.emitter, self.every
-        where = _places(emitter, every.roots)
+        where = _places(emitter, every)
         parents, weights = self._parents(where)
         lots = stream(seed, RANDOM, count)
         levels = _Levels(emitter, settings.clumps, where, seed)
@@ -239,20 +243,29 @@ class _Levels:
 def _nearest(
     points: NDArray[np.float32], others: NDArray[np.float32], many: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    from .kernels.alike import most_alike
     from .kernels.nearest import nearest
 
     found = np.empty((len(points), many), np.int32)
     squares = np.empty((len(points), many), np.float32)
     order = np.argsort(others[:, 0], kind="stable").astype(np.int32)
-    nearest(points, np.ascontiguousarray(others[order]), order, found, squares)
+    search = nearest if points.shape[1] == PLAIN else most_alike
+    search(points, np.ascontiguousarray(others[order]), order, found, squares)
     return found, squares
 
 
-def _places(emitter: Emitter, roots: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return (N, 4) the coordinates for distances between strands: roots, and the side of the parting, farther apart
-    than any roots."""
+def _places(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
+    """Return the coordinates for distances between strands, (N, 4): roots, and the side of the parting, farther apart
+    than any roots; on a mesh (N, 7): normals, too, so that strands on the other side of an ear are far away."""
+    roots = every.roots
     apart = 10.0 * float(np.abs(roots).max())
-    return np.column_stack([roots, apart * sides(emitter, roots)]).astype(np.float32)
+    found: list[NDArray[Any]] = [roots, apart * sides(emitter, roots)]
+    if isinstance(emitter.shape, MeshShape) and every.anchors is not None:
+        from .on_mesh import at_anchors, seedbed
+
+        normals = at_anchors(seedbed(emitter.shape).mesh, every.anchors)[1]
+        found.append(FACING * float(np.ptp(roots, axis=0).max()) * normals)
+    return np.column_stack(found).astype(np.float32)
 
 
 def _area(emitter: Emitter) -> float:
@@ -264,4 +277,8 @@ def _area(emitter: Emitter) -> float:
         return math.pi * shape.radius**2
     if isinstance(shape, PlaneShape):
         return shape.width * shape.depth
+    if isinstance(shape, MeshShape):
+        from .on_mesh import seedbed
+
+        return seedbed(shape).even
     return 2 * math.pi * shape.radius**2 * (1 - math.cos(math.radians(shape.cap)))

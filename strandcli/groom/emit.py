@@ -14,7 +14,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import DiscShape, Emitter, SphereShape
+from ..scene.model import DiscShape, Emitter, MeshShape, SphereShape
+from ..scene.specs import SMALLEST
 from .record import Groom, frame
 from .tie import bind
 
@@ -35,7 +36,14 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
     index = np.arange(count, dtype=np.float64)
     u = (start[0] + index / PLASTIC) % 1.0
     v = (start[1] + index / PLASTIC**2) % 1.0
-    roots, normals = _surface(emitter, u, v, seed)
+    ground = None
+    if isinstance(emitter.shape, MeshShape):
+        from .on_mesh import ground as ground_of
+
+        ground = ground_of(emitter.shape, float(start[0]), count)
+        roots, normals = ground.points, ground.normals
+    else:
+        roots, normals = _surface(emitter, u, v, seed)
     if fringe is not None:
         roots = fringe(roots)
         normals = roots / np.linalg.norm(roots, axis=1)[:, None]
@@ -48,13 +56,16 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
     else:
         given = np.array(emitter.direction, np.float64)
         directions = np.broadcast_to(given / np.linalg.norm(given), normals.shape)
-    if emitter.comb is not None:
-        directions = _combed(emitter, roots, normals)
+    combed = None if ground is None else ground.ways
+    if emitter.comb is not None or combed is not None:
+        directions = _combed(emitter, roots, normals, combed)
     if emitter.jitter > 0:
         directions = _tilt(directions, np.radians(emitter.jitter), stream(seed, 2, count), stream(seed, 3, count))
     spread = emitter.length_variation * (2.0 * stream(seed, 4, count) - 1.0)
     # at least a millionth, because a strand without length has no direction
     lengths = emitter.length * np.maximum(1.0 + spread, 1e-6)
+    if ground is not None:
+        lengths = lengths * ground.lengths
     return Groom(
         roots.astype(np.float32),
         directions.astype(np.float32),
@@ -62,6 +73,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
         (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32),
         (float(np.radians(emitter.curl_angle)), emitter.curl_turns) if emitter.curl_turns > 0 else (0.0, 0.0),
         grown=grown,
+        anchors=None if ground is None else ground.anchors,
     )
 
 
@@ -70,6 +82,7 @@ def _surface(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return points, uniform by area, and their normals, both (strands, 3); u, v: uniform in [0, 1)."""
     shape = emitter.shape
+    assert not isinstance(shape, MeshShape)
     if isinstance(shape, SphereShape):
         y = 1.0 - u * (1.0 - np.cos(np.radians(rim(shape, v, seed))))
         ring = np.sqrt(np.maximum(1.0 - y * y, 0.0))
@@ -98,13 +111,21 @@ def rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.flo
 
 SLANT = 0.2
 """Sine of the angle between comb and normal below which combed strands stand up, so that directions are continuous."""
+UNCOMBED = 1e-3
+"""Length of a mesh's own direction of combing below which it has none."""
 
 
-def _combed(emitter: Emitter, roots: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return unit directions along the surface toward that of the comb, mirrored left of the parting, and lifted."""
-    comb = np.array(emitter.comb, np.float64)
-    way = np.repeat((comb / np.linalg.norm(comb))[None], len(roots), 0)
+def _combed(
+    emitter: Emitter, roots: NDArray[np.float64], normals: NDArray[np.float64], combed: NDArray[np.float64] | None
+) -> NDArray[np.float64]:
+    """Return unit directions along the surface toward that of the comb, mirrored left of the parting, and lifted;
+    ``combed`` (strands, 3): directions that go before it where they are not 0."""
+    comb = np.zeros(3) if emitter.comb is None else np.array(emitter.comb, np.float64)
+    way = np.repeat((comb / max(float(np.linalg.norm(comb)), SMALLEST))[None], len(roots), 0)
     way[:, 0] *= sides(emitter, roots)
+    if combed is not None:
+        size = np.linalg.norm(combed, axis=1)[:, None]
+        way = np.where(size > UNCOMBED, combed / np.maximum(size, UNCOMBED), way)
     way -= (way * normals).sum(1)[:, None] * normals
     way /= np.maximum(np.linalg.norm(way, axis=1), SLANT)[:, None]
     lift = np.radians(emitter.lift)

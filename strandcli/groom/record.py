@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+class Anchors(NamedTuple):
+    """Points of a mesh, which move with its triangles. n: points."""
+
+    triangles: NDArray[np.int32]
+    """(n,)"""
+    shares: NDArray[np.float64]
+    """(n, 3) barycentric coordinates."""
+
+    def of(self, order: Any) -> Anchors:
+        """Return some of them, or all in another order."""
+        return Anchors(self.triangles[order], self.shares[order])
 
 
 @dataclass(frozen=True)
@@ -38,6 +51,8 @@ class Groom:
     ways: NDArray[np.float64] | None = None
     """(strands, n − 1, 3) unit vectors: the edges of strands that are simulated with n particles in a shape of their
     own; else None."""
+    anchors: Anchors | None = None
+    """Where roots stand on the emitter's mesh; None: it is none."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are

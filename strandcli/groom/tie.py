@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import DiscShape, Emitter, PlaneShape, SphereShape
+from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape, SphereShape
 from ..scene.model.emitter import TIED
 
 if TYPE_CHECKING:
@@ -110,6 +110,7 @@ def chart_of(emitter: Emitter) -> Chart:
     if isinstance(emitter.shape, SphereShape):
         normal = at / np.linalg.norm(at)
         return Chart(emitter.shape, emitter.shape.radius * normal, normal, emitter.shape.radius)
+    assert not isinstance(emitter.shape, MeshShape)
     return Chart(emitter.shape, at * [1.0, 0.0, 1.0], np.array([0.0, 1.0, 0.0]), np.inf)
 
 

@@ -11,6 +11,7 @@ from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
 from ..registry import FIBRES, SHADOWS
 from ..scene.detail import share_bounds
+from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 from .memory import fragment_bytes
 
@@ -38,6 +39,10 @@ def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
         yield left_out("children", "the strands that are simulated are drawn")
     else:
         yield Decision("children", f"{scene.drawn_strands} strands are drawn about {strands}")
+    if isinstance(scene.emitter.shape, MeshShape) and scene.emitter.groom is None:
+        from ..groom.on_mesh import described
+
+        yield Decision("surface", described(scene.emitter.shape, scene.drawn_strands))
     if scene.emitter.tie is None:
         yield left_out("combed parts", "strands are not tied")
     else:

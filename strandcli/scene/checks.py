@@ -17,6 +17,7 @@ from .model import (
     DiscShape,
     Emitter,
     Image,
+    MeshShape,
     PlaneShape,
     PoseKey,
     Scene,
@@ -52,6 +53,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
         yield from _spacing(scene.emitter)
     for paths, message in (*clashes(scene), *mesh_clashes(scene)):
         yield Finding(paths, message, paths)
+    yield from _mesh(scene.emitter)
     yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
     yield from _fringe(scene.children, scene.emitter)
@@ -79,10 +81,24 @@ def _spacing(emitter: Emitter) -> Iterator[Finding]:
         )
 
 
+def _mesh(emitter: Emitter) -> Iterator[Finding]:
+    """There is a mesh to grow on, and nothing that needs a surface with a formula."""
+    if not isinstance(emitter.shape, MeshShape):
+        return
+    if not emitter.shape.file:
+        yield Finding(
+            ("emitter.shape.file", "emitter.shape"), "must be the path of a mesh of triangles", ("emitter.shape",)
+        )
+    if emitter.tie is not None:
+        places = ("emitter.tie", "emitter.shape")
+        message = "a tie combs strands over a sphere, a disc or a plane, not over a mesh; take one of the two out"
+        yield Finding(places, message, places)
+
+
 def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
     """Strands can be combed to the tie: it is above the surface that bears them, and nothing else leads them."""
     tie = emitter.tie
-    if tie is None:
+    if tie is None or isinstance(emitter.shape, MeshShape):
         return
     own = ("emitter.tie.position", "emitter.tie", "emitter.shape")
     normal = _normal(tie, emitter)
@@ -109,6 +125,7 @@ def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
 def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
     """The emitter's normal below the tie; None where no strands grow there."""
     shape, (x, y, z) = emitter.shape, tie.position
+    assert not isinstance(shape, MeshShape)
     if isinstance(shape, DiscShape):
         return (0.0, 1.0, 0.0) if math.hypot(x, z) < shape.radius else None
     if isinstance(shape, PlaneShape):

@@ -9,6 +9,7 @@ from .specs import (
     FileSpec,
     IntegerSpec,
     ItemsSpec,
+    MapSpec,
     NamesSpec,
     NumberSpec,
     PanelsSpec,
@@ -44,6 +45,8 @@ def wanted(spec: Spec) -> str:
             return "true or false"
         case FileSpec():
             return "the path of a file"
+        case MapSpec():
+            return "the name of an attribute, or the path of a picture"
         case TextSpec():
             return "text"
         case NamesSpec():

@@ -6,14 +6,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .model import PlaneShape
+from .model import MeshShape, PlaneShape
 from .motion import apply, camera_at, emitter_pose
 
 if TYPE_CHECKING:
-    from .model import Scene
+    from .model import DiscShape, Scene, SphereShape
 
 BAND = 0.1
 """Width of the band in which strands fade, as a fraction of k."""
+
+UNKNOWN = 1e15
+"""Metres that a mesh may reach to, where that is not known: larger than any."""
 
 
 def near_of(scene: Scene, time: float) -> tuple[float, bool]:
@@ -44,8 +47,7 @@ def share_at(scene: Scene, time: float, distance: float) -> float:
 
 def share_bounds(scene: Scene, time: float) -> tuple[float, float]:
     """Return a lower and an upper bound of k over all roots at a time, seconds."""
-    eye, shape = camera_at(scene.camera, time)[0], scene.emitter.shape
-    radius = math.hypot(shape.width, shape.depth) / 2 if isinstance(shape, PlaneShape) else shape.radius
+    eye, radius = camera_at(scene.camera, time)[0], _radius(scene.emitter.shape)
     carried = any(use.name == "emitter_motion" for use in scene.rules)
     pose, followers = emitter_pose(scene.emitter, max(time, 0.0) if carried else 0.0), scene.emitter.followers
     centre = pose.translation
@@ -53,6 +55,15 @@ def share_bounds(scene: Scene, time: float) -> tuple[float, float]:
         radius, centre = followers.radius, apply(pose, followers.centre)
     away = math.dist(eye, centre)
     return share_at(scene, time, away + radius), share_at(scene, time, away - radius)
+
+
+def _radius(shape: SphereShape | DiscShape | PlaneShape | MeshShape) -> float:
+    """Return the radius of a ball about the emitter's origin that holds its surface, metres."""
+    if isinstance(shape, PlaneShape):
+        return math.hypot(shape.width, shape.depth) / 2
+    if isinstance(shape, MeshShape):  # settings alone do not tell where a file has its mesh
+        return UNKNOWN if shape.size is None or shape.place == "file" else 2 * shape.size
+    return shape.radius
 
 
 def strands_needed(scene: Scene, time: float) -> int:

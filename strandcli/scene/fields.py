@@ -24,6 +24,7 @@ from .specs import (
     FileSpec,
     IntegerSpec,
     ItemsSpec,
+    MapSpec,
     ModelSpec,
     NamesSpec,
     NumberSpec,
@@ -118,6 +119,11 @@ def text(default: str, *, doc: str = "") -> Any:
 def file(*, doc: str = "") -> Any:
     """A field that is the path of a file; it has to be given."""
     return _field(FileSpec("", doc=doc))
+
+
+def surface_map(*, doc: str = "") -> Any:
+    """A field that is an attribute of a mesh or the path of a picture; by default neither."""
+    return _field(MapSpec("", doc=doc))
 
 
 def names(default: tuple[str, ...] = (), *, doc: str = "") -> Any:

@@ -18,6 +18,7 @@ from .specs import (
     FileSpec,
     IntegerSpec,
     ItemsSpec,
+    MapSpec,
     ModelSpec,
     NamesSpec,
     NumberSpec,
@@ -44,6 +45,7 @@ TYPES: Mapping[type[Spec], str] = {
     ChoiceSpec: "word",
     BooleanSpec: "true or false",
     FileSpec: "path of a file",
+    MapSpec: "name, or path of a picture",
     TextSpec: "text",
     NamesSpec: "list of names",
     ModelSpec: "mapping",
@@ -146,7 +148,7 @@ def _default(spec: Spec) -> str:
     """The value that stands where none is written."""
     if isinstance(spec, FileSpec):
         return "must be given"
-    if spec.default is None:
+    if spec.default is None or (isinstance(spec, MapSpec) and not spec.default):
         return "absent"
     if isinstance(spec, ModelSpec):
         return "the defaults of its keys"

@@ -135,6 +135,10 @@ class FileSpec(TextSpec):
     """The path of a file that is there, beside the preset that names it."""
 
 
+class MapSpec(TextSpec):
+    """The name of an attribute of a mesh's vertices, or the path of a picture, which has a suffix."""
+
+
 class NamesSpec(Spec):
     """A list of names; one name may stand without the list."""
 

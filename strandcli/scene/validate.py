@@ -25,6 +25,7 @@ from .specs import (
     FileSpec,
     IntegerSpec,
     ItemsSpec,
+    MapSpec,
     ModelSpec,
     NamesSpec,
     NumberSpec,
@@ -39,7 +40,7 @@ from .specs import (
     WindowSpec,
 )
 from .suggest import hint_inside
-from .values import file_path, given, in_range, option, whole, window
+from .values import file_path, given, in_range, name_or_file, option, whole, window
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -147,6 +148,8 @@ class Reader:
                     return option(node, spec)
                 case FileSpec():
                     return file_path(node)
+                case MapSpec():
+                    return name_or_file(node)
                 case TextSpec():
                     return node.text
         except Refusal as refusal:

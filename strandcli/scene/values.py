@@ -66,6 +66,11 @@ def file_path(node: Scalar) -> str:
     return str(path.absolute())  # so that it stays the same file wherever the scene is dumped to
 
 
+def name_or_file(node: Scalar) -> str:
+    """A name, or as `file_path` what has a suffix."""
+    return file_path(node) if Path(node.text).suffix else node.text
+
+
 def option(node: Scalar, spec: ChoiceSpec) -> str:
     if node.text in spec.options:
         return node.text

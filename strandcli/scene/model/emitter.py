@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..fields import Vector, boolean, choice, file, integer, items, names, number, optional, text, union, vector
+from .mesh_shape import MeshShape
 from .pose import PoseKey
 
 
@@ -159,9 +160,9 @@ class Followers:
 class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
 
-    shape: SphereShape | DiscShape | PlaneShape = union(
+    shape: SphereShape | DiscShape | PlaneShape | MeshShape = union(
         SphereShape(),
-        {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape},
+        {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape, "mesh": MeshShape},
         doc="surface that bears the roots",
     )
     strands: int = integer(10_000, low=1, high=100_000_000, doc="number of strands")

@@ -1,0 +1,198 @@
+"""Roots on a mesh.
+
+The mesh's triangles, or parts of them on which the density is linear, stand one behind the other on a line, each as
+long as its area times its density. Neighbours on the line are neighbours on the surface: triangles that face the same
+way follow each other along Hilbert's curve (1891), and on a triangle halves follow each other. Strand i grows where
+the additive recurrence of the golden ratio is on that line, every prefix of which covers it evenly: it depends on the
+seed and on i alone, and any number of the first strands is spread as the density wants.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UsageError
+from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
+from ..mesh_file.read import KEPT, Version, placed, placing, version
+from ..meshes.mesh import TriangleMesh, face_vectors, unit
+from ..scene.model import Emitter, MeshShape
+from .record import Anchors
+
+Floats = NDArray[np.float64]
+
+GOLDEN = 0.6180339887498949  # the golden ratio's fraction
+SHORTEST = 0.02
+"""Least factor of a strand's length."""
+BITS = 16
+"""Of a coordinate along Hilbert's curve."""
+LEAST_LENGTH, MOST_LENGTH = 1 / 1000, 10
+"""Lengths of strands over the size of their mesh beyond which it is taken to be in another unit."""
+AT_ONCE = 1 << 18
+"""Strands that are placed at once, which bounds the memory."""
+
+
+class Ground(NamedTuple):
+    """Where strands grow. n: strands."""
+
+    points: Floats
+    """(n, 3) metres, in the emitter's frame."""
+    normals: Floats
+    """(n, 3) unit vectors, smooth."""
+    anchors: Anchors
+    lengths: Floats
+    """(n,) factors of the length."""
+    ways: Floats | None
+    """(n, 3) directions in which strands are combed; None: the mesh has none."""
+
+
+class Seedbed(NamedTuple):
+    """A mesh as strands are spread over it. P: pieces."""
+
+    mesh: TriangleMesh
+    pieces: Pieces
+    ends: Floats
+    """(P,) where pieces end on the line from 0 to 1."""
+    corners: Floats
+    """(P, 3, 3) metres."""
+    area: float
+    """Of the mesh, m²."""
+    grown: float
+    """Of the pieces that bear strands, m²."""
+    even: float
+    """Area that would bear as many strands at the greatest density everywhere, m²."""
+    used: int
+    """Triangles that bear strands."""
+
+
+def ground(shape: MeshShape, start: float, count: int) -> Ground:
+    """Return where the first ``count`` strands of a mesh grow; ``start``: where on its line the first does, in [0, 1).
+    Raises `UsageError` for a mesh or a map that cannot be used."""
+    bed = seedbed(shape)
+    piece, within = np.empty(count, np.int32), np.empty((count, 3))
+    line = (start + GOLDEN * np.arange(count, dtype=np.float64)) % 1.0
+    _place(bed, line, piece, within)
+    triangles = bed.pieces.triangles[piece].astype(np.int32)
+    shares = np.einsum("nk,nkc->nc", within, bed.pieces.corners[piece])
+    anchors = Anchors(triangles, shares)
+    points, normals = at_anchors(bed.mesh, anchors)
+    lengths = np.ones(count)
+    if shape.length:
+        found = lookup(bed.mesh, shape.length, Place(shape.file, "emitter.shape.length"), triangles, shares)
+        lengths = np.clip(found, SHORTEST, 1.0)
+    ways = None
+    if shape.comb:
+        rows = vectors(bed.mesh, shape.comb, Place(shape.file, "emitter.shape.comb"), shape.up)
+        ways = np.einsum("nk,nkc->nc", shares, rows[bed.mesh.triangles[triangles]])
+    return Ground(points, normals, anchors, lengths, ways)
+
+
+def at_anchors(mesh: TriangleMesh, anchors: Anchors) -> tuple[Floats, Floats]:
+    """Return the points of a mesh at anchors, and its smooth unit normals there, both (n, 3)."""
+    corners = mesh.triangles[anchors.triangles]
+    points = np.einsum("nk,nkc->nc", anchors.shares, mesh.vertices[corners])
+    normals = np.einsum("nk,nkc->nc", anchors.shares, mesh.normals[corners])
+    size = np.linalg.norm(normals, axis=1)
+    faces = unit(face_vectors(mesh.vertices[corners]))
+    normals = np.where((size > 0.1)[:, None], normals, faces)  # at a sharp fold smooth normals cancel
+    return points, unit(normals)
+
+
+def seedbed(shape: MeshShape) -> Seedbed:
+    """Return a mesh as strands are spread over it, kept as long as its files stay. Raises `UsageError`."""
+    picture = version(shape.density) if "." in shape.density else None
+    return _seedbed(version(shape.file), placing(shape), shape.density, picture)
+
+
+@functools.lru_cache(maxsize=KEPT)
+def _seedbed(file: Version, how: Any, density: str, picture: Version | None) -> Seedbed:
+    mesh = placed(file, how)
+    found = pieces(mesh, density, Place(file.path, "emitter.shape.density"))
+    corners = np.einsum("pck,pkd->pcd", found.corners, mesh.vertices[mesh.triangles[found.triangles]])
+    areas = 0.5 * np.linalg.norm(face_vectors(corners), axis=1)
+    values = np.maximum(found.values, 0.0)
+    measure = areas * values.mean(axis=1)
+    whole, most = float(measure.sum()), float(values.max())
+    if not whole > 0:
+        raise UsageError(
+            f"{file.path}: emitter.shape.density: {density!r} is 0 all over the mesh, so that nothing grows; "
+            "take another one, or mend it"
+        )
+    order = along_curve(corners.mean(axis=1), face_vectors(corners))
+    order = order[measure[order] > 0]
+    triangles = found.triangles[order]
+    ends = np.cumsum(measure[order]) / whole
+    ends[-1] = 1.0
+    return Seedbed(
+        mesh, Pieces(triangles, found.corners[order], values[order]), ends, np.ascontiguousarray(corners[order]),
+        float(areas.sum()), float(areas[order].sum()), whole / most, len(np.unique(triangles)),
+    )  # fmt: skip
+
+
+def _place(bed: Seedbed, line: Floats, piece: NDArray[np.int32], within: Floats) -> None:
+    """Set the pieces (n,) of places on the line (n,), and barycentric coordinates (n, 3) in them."""
+    from .kernels.surface import place
+
+    scratch = np.empty((min(len(line), AT_ONCE), 9))
+    values = np.ascontiguousarray(bed.pieces.values)
+    for begin in range(0, len(line), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        place(line[some], bed.ends, bed.corners, values, scratch, piece[some], within[some])
+
+
+def along_curve(points: Floats, normals: Floats) -> NDArray[np.int64]:
+    """Return an order of points (n, 3) in which neighbours are near each other and on the same side: by the axis that
+    normals (n, 3) are nearest to, and then along Hilbert's curve (Skilling 2004, "Programming the Hilbert curve")."""
+    low = points.min(axis=0)
+    size = max(float((points.max(axis=0) - low).max()), 1e-300)
+    x = np.minimum((points - low) * ((1 << BITS) / size), (1 << BITS) - 1).astype(np.int64).T.copy()
+    bit = 1 << (BITS - 1)
+    while bit > 1:
+        mask = bit - 1
+        for axis in range(3):
+            high = (x[axis] & bit) != 0
+            swapped = (x[0] ^ x[axis]) & mask
+            x[0] ^= np.where(high, mask, swapped)
+            x[axis] ^= np.where(high, 0, swapped)
+        bit >>= 1
+    x[1] ^= x[0]
+    x[2] ^= x[1]
+    turn = np.zeros_like(x[0])
+    bit = 1 << (BITS - 1)
+    while bit > 1:
+        turn ^= np.where((x[2] & bit) != 0, bit - 1, 0)
+        bit >>= 1
+    x ^= turn
+    key = np.zeros_like(x[0])
+    for place in range(BITS - 1, -1, -1):
+        for axis in range(3):
+            key = (key << 1) | ((x[axis] >> place) & 1)
+    axis = np.argmax(np.abs(normals), axis=1)
+    side = 2 * axis + (np.take_along_axis(normals, axis[:, None], 1)[:, 0] < 0)
+    return np.lexsort((key, side))
+
+
+def described(shape: MeshShape, strands: int) -> str:
+    """Return in words what strands are spread over."""
+    bed = seedbed(shape)
+    count = len(bed.mesh.triangles)
+    share = "" if bed.used == count else f", {bed.grown:.3g} m² on {bed.used:,} of them bear strands"
+    return f"{bed.area:.3g} m² of {count:,} triangles{share}; {strands / (1e4 * bed.grown):.3g} strands a cm²"
+
+
+def notes(emitter: Emitter) -> list[str]:
+    """Return what a person should know of the mesh that an emitter's strands grow on, a line each."""
+    shape, length = emitter.shape, emitter.length
+    assert isinstance(shape, MeshShape)
+    bed = seedbed(shape)
+    found = [f"{shape.file}: {words}" for words in bed.mesh.notes]
+    size = bed.mesh.size()
+    if not LEAST_LENGTH * size <= length <= MOST_LENGTH * size:
+        found.append(
+            f"{shape.file}: is {size:.3g} m large and emitter.length {length:.3g} m: perhaps its file has another "
+            "unit; set emitter.shape.scale, or its size in metres"
+        )
+    return found

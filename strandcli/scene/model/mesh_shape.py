@@ -1,0 +1,39 @@
+"""Meshes that strands grow on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..fields import choice, file, number, surface_map, text
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class MeshShape:
+    """Roots spread evenly by area, or by a density, over the triangles of a file, which stand in the emitter's frame as
+    a solid's of kind `mesh` do in its own."""
+
+    kind: str = choice("mesh", ("mesh",))
+    file: str = file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
+    up: str = choice("y", ("x", "y", "z", "-x", "-y", "-z"), doc="up axis of the file, which becomes y")
+    scale: float | None = number(None, above=0, unit="1", doc="metres a unit of the file; absent: 1")
+    size: float | None = number(
+        None, above=0, unit="m", doc="longest side of its box, in place of `scale`; absent: by scale"
+    )
+    place: str = choice(
+        "file",
+        ("file", "origin", "ground"),
+        doc="file: where it is in the file; origin: the middle of its box at the origin; ground: above it, the lowest "
+        "point at y = 0",
+    )
+    density: str = surface_map(
+        doc="attribute of vertices or picture by which roots are spread; nothing grows where it is 0. Absent: evenly"
+    )
+    length: str = surface_map(
+        doc="attribute of vertices or picture by which strands are shorter: a factor of `emitter.length` from 0 to 1, "
+        "of which 0.02 is the least; absent: 1"
+    )
+    comb: str = text(
+        "",
+        doc="attribute of vertices, three numbers each or NAME_x, NAME_y and NAME_z: the direction of combing, in "
+        "the file's axes; `emitter.comb` where it is 0",
+    )
