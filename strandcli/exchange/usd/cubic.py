@@ -138,10 +138,11 @@ def points_a_piece(counts: Offsets, points: Points, basis: Basis, most: int = MO
         return 1, 0.0
     off, long = np.zeros(counts.shape[0]), np.zeros(counts.shape[0])
     second = np.stack([[0, 0, 2, 0], [0, 0, 2, 6]]) @ MATRICES[basis.name]
-    for rows, values in _alike(counts, points, basis):
-        bends = np.einsum("kpmw,tw->kptm", windows(values, basis), second)
-        off[rows] = np.sqrt(np.einsum("kptm,kptm->kpt", bends, bends).max(axis=(1, 2))) / 8
-        long[rows] = np.sqrt((np.diff(extended(values, basis), axis=1) ** 2).sum(axis=2)).sum(axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):  # of points that are not finite
+        for rows, values in _alike(counts, points, basis):
+            bends = np.einsum("kpmw,tw->kptm", windows(values, basis), second)
+            off[rows] = np.sqrt(np.einsum("kptm,kptm->kpt", bends, bends).max(axis=(1, 2))) / 8
+            long[rows] = np.sqrt((np.diff(extended(values, basis), axis=1) ** 2).sum(axis=2)).sum(axis=1)
     drawn = np.isfinite(off) & np.isfinite(long) & (basis.pieces(counts) > 0)
     if not drawn.any():
         return 1, 0.0
