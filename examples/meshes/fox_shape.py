@@ -76,5 +76,5 @@ def features(s: Sculpture) -> None:
     s.ball(EYE, (0.0108, 0.0108, 0.0108), 0.002, mirror=True)
     with s.group((EYE[0], EYE[1], EYE[2], 0.022), 0.004, mirror=True) as lids:  # upper lids
         lids.ball(EYE, 0.0128, 0)
-        lids.ball((EYE[0] + 0.002, EYE[1] - 0.0192, EYE[2] + 0.012), (0.034, 0.0215, 0.034), 0.002, op=CUT,
+        lids.ball((EYE[0] + 0.002, EYE[1] - 0.0156, EYE[2] + 0.012), (0.034, 0.0215, 0.034), 0.002, op=CUT,
                   turn=(0, 0, 14))  # fmt: skip

@@ -94,21 +94,21 @@ def colours(points: Points) -> np.ndarray:
     """Colours of the skin, uint8 in sRGB: lips, cheeks, ears and the tip of the nose redder, brows and lashes dark."""
     z = points[:, 2]
     ahead = step(z, 0.015, 0.045)
-    found = np.tile(np.array([226.0, 183, 157]), (len(points), 1))
-    found = mixed(found, (231, 194, 168), 0.6 * blob(points, (0, 0.035, 0.085), (0.05, 0.03, 0.03)))
-    found = mixed(found, (219, 150, 128), 0.60 * blob(points, (0.043, -0.047, 0.062), (0.020, 0.016, 0.030)))
-    found = mixed(found, (214, 144, 122), 0.55 * blob(points, (0, -0.056, 0.108), (0.014, 0.010, 0.020)))
-    found = mixed(found, (216, 150, 126), 0.35 * blob(points, (0, -0.118, 0.092), (0.016, 0.010, 0.02)))
-    found = mixed(found, (203, 142, 124), 0.45 * ahead * blob(points, (0.032, -0.016, 0.072), (0.016, 0.008, 0.02)))
+    found = np.tile(np.array([208.0, 160, 132]), (len(points), 1))
+    found = mixed(found, (214, 170, 143), 0.6 * blob(points, (0, 0.035, 0.085), (0.05, 0.03, 0.03)))
+    found = mixed(found, (201, 130, 107), 0.60 * blob(points, (0.043, -0.047, 0.062), (0.020, 0.016, 0.030)))
+    found = mixed(found, (198, 126, 103), 0.55 * blob(points, (0, -0.056, 0.108), (0.014, 0.010, 0.020)))
+    found = mixed(found, (200, 131, 107), 0.35 * blob(points, (0, -0.118, 0.092), (0.016, 0.010, 0.02)))
+    found = mixed(found, (186, 124, 105), 0.45 * ahead * blob(points, (0.032, -0.016, 0.072), (0.016, 0.008, 0.02)))
     found = mixed(
         found,
-        (212, 136, 113),
+        (196, 119, 95),
         0.60 * np.maximum(on_ear(points), blob(points, (0.070, -0.03, -0.011), (0.01, 0.014, 0.009))),
     )
     lips = [(x, y, w) for (x, y), w in zip(MOUTH, (0.0078, 0.0078, 0.0058, 0.0014), strict=True)]
     lower = [(0, -0.0905, 0.0072), (0.012, -0.0900, 0.0058), (0.0240, -0.0890, 0.0012)]
     red = np.maximum(step(from_stroke(points, lips)[0], 1.05, 0.72), step(from_stroke(points, lower)[0], 1.05, 0.75))
-    found = mixed(found, (184, 98, 93), 0.80 * ahead * red)
+    found = mixed(found, (172, 88, 82), 0.80 * ahead * red)
     found = mixed(
         found, (120, 52, 50), 0.6 * ahead * step(from_stroke(points, [(*p, 0.0013) for p in MOUTH])[0], 1.4, 0.4)
     )
