@@ -30,11 +30,16 @@ def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any]
     from .simulate.rules import registry
 
     scene = load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {})
-    if all(one.emitter.groom is None for one in scene.panels or (scene,)):
-        return scene
-    from .groom_file import completed
+    parts = scene.panels or (scene,)
+    if any(one.emitter.groom is not None for one in parts):
+        from .groom_file import completed
 
-    return completed(scene)
+        scene = completed(scene)
+    if any(one.camera.file for one in parts):
+        from .cameras.of_scene import with_views
+
+        scene = with_views(scene)
+    return scene
 
 
 def render(scene: Scene, frames: Sequence[int] | None = None, *, threads: int | None = None) -> Iterator[Frame]:

@@ -192,15 +192,19 @@ class FrameRenderer:
     def __init__(self, moved: SimulationStage) -> None:
         from .draw.renderer import Renderer
 
-        self._fps = moved.scene.time.fps
+        self._scene, self._fps = moved.scene, moved.scene.time.fps
         self._renderer = Renderer(moved.scene, moved.groom, moved.children, moved.combed)
 
     def __call__(self, moved: MovedStrands) -> Frame:
         """The frame with its picture."""
         import numba
 
+        from .cameras.of_scene import at_frame
+
         frame = moved.frame
         at = (frame.number - 1) / self._fps
+        if self._scene.camera.views:
+            self._renderer.scene = at_frame(self._scene, frame.number)
         self._renderer.tones = moved.tones
         self._renderer.ids = moved.ids
         drawing = self._renderer.draw(moved.positions, moved.lengths, at, numba.get_num_threads(), moved.before)

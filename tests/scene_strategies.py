@@ -119,6 +119,8 @@ def with_file_alone(scene: Scene) -> Scene:
     emitter, given, camera = scene.emitter, scene.emitter.groom, scene.camera
     if given is None or camera.keys:
         camera = replace(camera, fit=None)
+    if camera.keys:
+        camera = replace(camera, file=None)
     if given is None:
         return replace(scene, camera=camera)
     given = replace(given, file=__file__, scale=given.scale if given.size is None else None)

@@ -11,6 +11,10 @@ SEEN = 0.01
 """Pixels at the picture's rim under which two focal lengths are one."""
 
 
+class MissingSize(UsageError):
+    """A file of cameras does not tell the size of its pictures, and nobody else does."""
+
+
 def square_focal(fx: float, fy: float, size: tuple[int, int], where: str, notes: list[str]) -> float:
     """The focal length, pixels, of a camera that has one for each axis. What the mean of two leaves at the rim of the
     picture is noted. Raises `UsageError` where either is no length."""
@@ -42,7 +46,7 @@ def picture_size(
     differ."""
     if width is None or height is None:
         if given is None:
-            raise UsageError(f"{path}: does not tell the size of its pictures; add --size WxH")
+            raise MissingSize(f"{path}: does not tell the size of its pictures; add --size WxH")
         return given
     own = (int(width), int(height))
     if own != (width, height) or min(own) < 1:

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ..registry import LAYOUTS
-from . import options, signals
+from . import camera_files, options, signals
 from .progress import Progress
 from .say import say
-
-if TYPE_CHECKING:
-    from ..scene.model import Scene
-
-OWN_WORLD = ("emitter.groom.size=null", "emitter.groom.scale=1", "emitter.groom.place=file", "emitter.groom.up=y")
-"""Strands where the file has them, which is where cameras from elsewhere look for them."""
 
 
 class SpanType(click.ParamType):
@@ -43,10 +37,7 @@ class SpanType(click.ParamType):
 @click.option("--views", type=options.Whole(1, 1_000_000), metavar="N", help="Views of each groom.  [default: 8]")
 @click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")
 @options.folder()
-@click.option(
-    "--cameras", type=options.PathType(), metavar="FILE",
-    help="Views of this file or folder: transforms.json, COLMAP text, cameras.npz, dataset.json.",
-)  # fmt: skip
+@camera_files.cameras
 @click.option("--azimuth", type=SpanType(), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
 @click.option("--elevation", type=SpanType(), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40.")
 @click.option("--light", type=click.Choice(("view", "set", "scene")), help="New for each view, one, or as it is.")
@@ -100,7 +91,8 @@ def command(
     numbers = numbers_for(views, first, found.views, cameras)
     made = []
     for groom, name in zip(grooms, names_of(grooms), strict=True):
-        scene = scene_for(_load(groom, size, found.own, scene_settings), kind, size, frame)
+        given = {**scene_settings, "overrides": (*camera_files.world(groom, found), *scene_settings["overrides"])}
+        scene = scene_for(options.load_scene(groom, size=size, **given), kind, size, frame)
         require_memory(make_plan(scene, [frame]))
         folder = output / name if len(grooms) > 1 else output
         chance = Chance(scene_settings["seed"] or 0, name, light or usual, colour or usual, azimuth, elevation)
@@ -114,13 +106,6 @@ def command(
             say(f"{folder}: {len(data['views'])} views in the layout {kind.name}", err=True)
     if as_json:
         options.print_json(made)
-
-
-def _load(groom: str, size: tuple[int, int], own: bool, given: dict[str, Any]) -> Scene:
-    """The scene of a groom; ``own``: its world is not that of the groom's file, but in metres, as usual."""
-    if own or not options.is_groom(groom):
-        return options.load_scene(groom, size=size, **given)
-    return options.load_scene(groom, size=size, **{**given, "overrides": (*OWN_WORLD, *given["overrides"])})
 
 
 def _warner(progress: Progress, quiet: bool, notes: Sequence[str]) -> Callable[[str], None]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import options, signals
+from . import camera_files, options, signals
 from .frame_range import FrameRange
 from .progress import Progress
 from .render_words import count_frames, frame_line, interrupted, tell
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
 )  # fmt: skip
 @click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
+@camera_files.cameras
 @options.from_cache
 @options.keep_going
 @options.resume
@@ -53,6 +54,7 @@ def command(
     animate: tuple[str, ...] | None,
     aovs: tuple[str, ...] | None,
     exr: bool,
+    cameras: Path | None,
     from_cache: Path | None,
     keep_going: bool,
     resume: bool,
@@ -75,6 +77,11 @@ def command(
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
     scene_settings["aovs"] = aovs
+    if cameras is not None:
+        changes, notes = camera_files.film(preset, cameras, scene_settings["size"])
+        scene_settings["overrides"] = (*changes, *scene_settings["overrides"])
+        for words in () if quiet else notes:
+            say(f"warning: {words}", err=True)
     scene = options.load_scene(preset, **scene_settings)
     if max_error is not None:
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)

@@ -17,6 +17,8 @@ Clash = tuple[tuple[str, ...], str]
 def clashes(scene: Scene) -> Iterator[Clash]:
     """All that a scene with ``emitter.groom`` may not have, and what needs one. What has its default is no clash."""
     given, fit = scene.emitter.groom, scene.camera.fit
+    if scene.camera.file and scene.camera.keys:
+        yield ("camera.file", "camera.keys"), "a camera with keys stands where they say; take one of the two out"
     if given is None:
         if fit is not None:
             yield ("camera.fit", PLACE), f"fits strands of a file into the picture; there is no {PLACE}: take it out"

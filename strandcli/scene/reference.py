@@ -146,7 +146,7 @@ def _number(limit: float) -> str:
 
 def _default(spec: Spec) -> str:
     """The value that stands where none is written."""
-    if isinstance(spec, FileSpec):
+    if isinstance(spec, FileSpec) and spec.default is not None:
         return "must be given"
     if spec.default is None or (isinstance(spec, MapSpec) and not spec.default):
         return "absent"

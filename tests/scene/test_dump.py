@@ -47,7 +47,8 @@ def test_every_setting_is_written_out() -> None:
     data = to_dict(Scene())
     assert list(data) == [key for key in settings_of(Scene) if key != "panels"]
     lens = ["aperture", "focus", "shutter", "samples"]
-    assert list(data["camera"]) == ["kind", "position", "target", "up", "fov", "height", "near", "fit", *lens, "keys"]
+    view = ["kind", "position", "target", "up", "fov", "height", "axis_x", "axis_y", "near", "fit"]
+    assert list(data["camera"]) == [*view, *lens, "keys", "file"]
     shadow = {"model": "minmax", "size": None, "layers": 31, "texel": None, "bias": 0.0, "parameters": None}
     assert data["lights"][0]["shadow"] == shadow
 

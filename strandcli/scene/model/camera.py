@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Colour, Vector, choice, colour, integer, items, names, number, size, vector, window
+from ..fields import Colour, Vector, choice, colour, file, integer, items, names, number, size, vector, window
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -50,6 +50,13 @@ class Camera:
         16, low=1, high=4096, doc="pictures that are averaged over lens and shutter, where either is open"
     )
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
+    file: str | None = file(
+        None,
+        doc="file of cameras, whose views are those of frames 1, 2, …, in the scene's world: transforms.json, COLMAP's "
+        "cameras.txt, cameras.npz, dataset.json; absent: none",
+    )
+    views: tuple[Camera, ...] = ()
+    """Of ``file``; no setting of its own."""
 
 
 AOVS = ("depth", "mask", "solid", "tangent", "orientation", "strand_id", "shadow", "linear")

@@ -1,0 +1,111 @@
+"""A film whose frames are the views of a file: `camera.file` and `render --cameras`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import dataset_kit as kit
+import groom_file_kit
+import strandcli
+from cli_runs import Runner
+from strandcli.cameras import colmap
+from strandcli.cameras.pinhole import Pinhole
+from strandcli.cameras.read import views_of
+from strandcli.errors import UsageError
+
+SMALL = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--no-progress")
+
+
+@pytest.fixture(scope="module")
+def groom(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Strands about (7, 0, 3) in their file."""
+    strands = [one + np.float32([7, 0, 3]) for one in groom_file_kit.hanging([12] * 40)]
+    return groom_file_kit.write(tmp_path_factory.mktemp("groom") / "some.data", strands)
+
+
+def test_a_film_has_the_views_of_a_data_set(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    made = tmp_path / "set"
+    result = run(
+        "dataset", groom, "--layout", "nerfstudio", "--views", 3, "--light", "scene", "--colour", "scene", "--size",
+        "40x32", "-o", made, *SMALL,
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    result = run("render", groom, "--cameras", made / "transforms.json", "-o", tmp_path / "film", *SMALL)
+    assert result.code == 0, result.err
+    for number in range(3):
+        a, b = (
+            np.array(Image.open(path)).astype(int)
+            for path in (made / "images" / f"{number:04d}.png", tmp_path / "film" / f"frame_{number + 1:04d}.png")
+        )
+        assert a.shape == b.shape == (32, 40, 3)
+        assert a.std() > 5
+        assert np.mean(np.abs(a - b) > 3) < 0.01
+    assert not (tmp_path / "film" / "frame_0004.png").exists()
+
+
+def test_cameras_of_others_see_strands_where_their_file_has_them(
+    groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    look = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])  # from +z, y down
+    view = Pinhole("a", 48, 48, 40.0, (24.0, 24.0), look, np.array([7.0, 0.0, 9.0]))
+    for name, data in colmap.written([view], np.zeros((1, 3))).items():
+        (tmp_path / name).write_bytes(data.replace(b"(strandcli)", b""))
+    assert not views_of(tmp_path).own
+    result = Runner(tmp_path, capsys)(
+        "render", groom, "--cameras", tmp_path, "-o", tmp_path / "o", "--aov", "mask", *SMALL
+    )
+    assert result.code == 0, result.err
+    mask = np.load(tmp_path / "o" / "mask_0001.npz")["mask"]
+    strands = groom_file_kit.hanging([12] * 40)
+    places = view.project(np.concatenate(strands) + np.array([7, 0, 3]))
+    rows, columns = np.nonzero(mask > 0.02)
+    assert len(rows) > 100
+    assert abs(columns.mean() + 0.5 - places[:, 0].mean()) < 3
+    assert abs(rows.mean() + 0.5 - places[:, 1].mean()) < 3
+    assert np.ptp(places[:, 0]) == pytest.approx(np.ptp(columns), abs=4)
+
+
+def test_a_preset_names_a_file_of_cameras(tmp_path: Path) -> None:
+    views = [np.eye(4), np.eye(4)]
+    views[1][0, 3] = 0.5
+    frames = [{"file_path": f"{k}.png", "transform_matrix": one.tolist()} for k, one in enumerate(views)]
+    for frame in frames:
+        frame["transform_matrix"][2][3] = 16.0
+    (tmp_path / "views.json").write_text(json.dumps({"fl_x": 120, "w": 40, "h": 30, "frames": frames}))
+    text = (
+        "time: {frames: 5}\nemitter: {strands: 50, particles: 2, length: 1}\nrules: []\n"
+        "camera: {file: views.json, aperture: 0.01, samples: 2}\nimage: {aovs: [mask]}\nlights: []\n"
+    )
+    (tmp_path / "one.yaml").write_text(text)
+    scene = strandcli.load(str(tmp_path / "one.yaml"))
+    assert scene.image.size == (40, 30)
+    assert scene.time.frames == 5
+    assert [one.position for one in scene.camera.views] == [(0, 0, 16), (0.5, 0, 16)]
+    assert scene.camera.views[1].aperture == 0.01
+    first, second, third = (one.aovs["mask"] for one in strandcli.render(scene, [1, 2, 3]))
+    assert (second == third).all()  # the last view stays
+    a, b = (np.nonzero(one > 0)[1].mean() for one in (first, second))
+    assert a - b == pytest.approx(120 * 0.5 / 16, abs=0.5)  # the camera goes right, strands go left
+    (tmp_path / "two.yaml").write_text(text.replace("aperture: 0.01", "keys: [{time: 0, position: [0, 0, 3]}]"))
+    with pytest.raises(UsageError, match="a camera with keys stands where they say"):
+        strandcli.load(str(tmp_path / "two.yaml"))
+
+
+def test_sizes_that_disagree_are_refused(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kit.run(kit.order(groom, tmp_path / "set", "nerfstudio", range(2)))
+    path = tmp_path / "set" / "transforms.json"
+    result = Runner(tmp_path, capsys)("render", groom, "--cameras", path, "--size", "32x32", "-o", tmp_path / "o")
+    assert result.code == 2
+    assert "leave out --size" in result.error()
+    data = json.loads(path.read_text())
+    data["frames"][0]["w"] = 60
+    path.write_text(json.dumps(data))
+    result = Runner(tmp_path, capsys)("render", groom, "--cameras", path, "-o", tmp_path / "o")
+    assert result.code == 2
+    assert "of several sizes" in result.error()
