@@ -66,10 +66,6 @@ class Talk:
 def made_from(order: Order) -> str:
     """A fingerprint of all that a view of the set depends on but its number."""
     parts = [__version__, order.layout.name, fingerprint(order.scene), repr(order.chance), str(order.frame)]
-    groom = order.scene.emitter.groom
-    if groom is not None:
-        with open(groom.file, "rb") as file:
-            parts.append(hashlib.file_digest(file, "sha256").hexdigest())
     parts += [repr(place.as_dict()) for place in order.places]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
 

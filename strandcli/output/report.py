@@ -71,8 +71,10 @@ def _is_file(field: dataclasses.Field[Any]) -> bool:
     return isinstance(field.metadata.get("spec"), FileSpec)
 
 
-def _digest(path: str) -> str:
-    """Hash of what is in a file, "" where it cannot be read: what needs it says so."""
+def _digest(path: str | None) -> str:
+    """Hash of what is in a file, "" where there is none or it cannot be read: what needs it says so."""
+    if path is None:
+        return ""
     try:
         found = os.stat(path)
         return _digest_of(path, found.st_mtime_ns, found.st_size) if stat.S_ISREG(found.st_mode) else ""
