@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..blocks import lanes, pack, unpack
 from ..constants import W
 from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
@@ -37,9 +36,8 @@ class Following:
     groom: Groom
     """Of the k strands; their `places` are those in the file."""
     points: NDArray[np.float32]
-    """(blocks, m + 1, 3 W) metres in the emitter's frame: what is drawn of them."""
-    shares: NDArray[np.float32]
-    """(k, m) how far along its strand each point is, as a share of the length."""
+    """(k, m, 4) metres in the emitter's frame, what is drawn of them; and how far along its strand each point is, as a
+    share of the length."""
     ranks: NDArray[np.int32]
     """(k,) of each strand its place in an order of all of which every prefix covers the groom evenly."""
     parents: NDArray[np.int32]
@@ -95,7 +93,8 @@ class Followers:
         part = self._whole if ids is None or len(ids) == self.groom.strands else self._part(ids)
         table = scratch.borrow("guide_table", (*self._joints.shape, kernel.COLUMNS), np.float32)
         kernel.motions(positions, self.rest, self._joints, self._turn(at), table)
-        out = scratch.borrow("followers", part.points.shape, np.float32)
+        count, points, _ = part.points.shape
+        out = scratch.borrow("followers", (-(-count // W), points + 1, 3 * W), np.float32)
         stretch = scratch.borrow("followers_stretch", len(out), np.float32)
         kernel.follow(part, table, solids.pack_all(touched(self.scene), self.scene.emitter, at), out, stretch)
         return out, stretch
@@ -148,34 +147,24 @@ class Followers:
         from .kernels.follow import Strands
 
         own = self.following
-        return Strands(
-            self._placed(own.points), _rows(own.shares), own.parents, own.weights, own.reaches
-        )  # fmt: skip
+        return Strands(self._placed(own.points), own.parents, own.weights, own.reaches)
 
     def _part(self, ids: NDArray[np.int32]) -> Any:
         """The strands with these places in the file."""
         from .kernels.follow import Strands
 
-        own, rows = self.following, self.standing(ids)
-        points = pack(unpack(self._whole.points, self.groom.strands)[rows])
-        return Strands(points, _rows(own.shares[rows]), own.parents[rows], own.weights[rows], own.reaches[rows])
+        rows = self.standing(ids)
+        return Strands(*(values[rows] for values in self._whole))
 
     def _placed(self, points: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Points (blocks, rows, 3 W) in the world, at the start."""
+        """Points (k, m, 4) in the world, at the start."""
         if self._pose == NOWHERE:
             return points
         turn, shift = np.array(self._pose.rotation), np.array(self._pose.translation)
-        out = np.empty_like(points)
-        for block, here in zip(points, out, strict=True):
-            moved = np.einsum("ij,rjk->rik", turn, block.reshape(-1, 3, W)) + shift[:, None]
-            here.reshape(-1, 3, W)[...] = moved
+        out = points.copy()
+        for begin in range(0, len(points), W):
+            out[begin : begin + W, :, :3] = points[begin : begin + W, :, :3].astype(np.float64) @ turn.T + shift
         return out
-
-
-def _rows(shares: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Values (k, m) of strands as (blocks, m, W)."""
-    found: NDArray[np.float32] = lanes(shares).reshape(-1, shares.shape[1], W)
-    return found
 
 
 def quaternion(turn: NDArray[np.float64]) -> NDArray[np.float64]:

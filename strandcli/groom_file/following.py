@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import aligned
-from ..constants import W
 from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
@@ -21,7 +19,7 @@ from ..groom.record import Groom
 from ..scene.detail import strands_needed
 from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose
-from .guides import AT_ONCE, chained, chosen, features_of, parents_of, picked_points, ranks_of
+from .guides import BATCH, chained, chosen, features_of, parents_of, picked_points, ranks_of
 from .kernels import rows as kernel
 from .read import FromFile, from_file
 
@@ -80,7 +78,7 @@ def with_followers(scene: Scene) -> Scene:
     scene = replace(scene, emitter=replace(scene.emitter, followers=replace(first, kept=kept)))
     made = guided(scene)
     known = replace(
-        first, kept=kept, points=made.following.shares.shape[1], deviation=made.deviation,
+        first, kept=kept, points=made.following.points.shape[1], deviation=made.deviation,
         deviation_share=made.deviation_share,
     )  # fmt: skip
     return replace(scene, emitter=replace(scene.emitter, followers=known))
@@ -122,45 +120,33 @@ def _guided(
     parents, weights = parents_of(features[some], features[own])
     whole = groom.lengths[some].astype(np.float64)[:, None]
     reaches = np.minimum(whole / groom.lengths[own].astype(np.float64)[parents], 1.0).astype(np.float32)
-    points, shares = _drawn(groom, some, tolerance)
     drawn = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
         widths=None if groom.widths is None else groom.widths[some], colours=groom.colours,
     )  # fmt: skip
-    following = Following(drawn, points, shares, ranks[some], parents, weights, reaches, along)
+    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, along)
     share = deviation / groom.lengths[own]
     return Guided(guides, following, float(deviation.max()), float(share.max()))
 
 
-def _drawn(
-    groom: Groom, some: NDArray[np.int64], tolerance: float
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
-    """The strands ``some`` (k,) in blocks (blocks, m + 1, 3 W), as `strandcli.blocks` has them, of as many of their
-    points as have all others within a tolerance in metres; and (k, m) how far along its strand each is."""
+def _drawn(groom: Groom, some: NDArray[np.int64], tolerance: float) -> NDArray[np.float32]:
+    """(k, m, 4) as many points of the strands ``some`` (k,) as have all others within a tolerance in metres, and how
+    far along its strand each is."""
     assert groom.points is not None
     n = groom.points.shape[1] - 1
-    keep = np.zeros((len(some), n), np.bool_)
+    keep = np.ones((len(some), n), np.bool_)
     if tolerance > 0:
-        for begin in range(0, len(some), AT_ONCE):
-            points = picked_points(groom, some[begin : begin + AT_ONCE])
+        keep[:] = False
+        for begin in range(0, len(some), BATCH):
+            points = picked_points(groom, some[begin : begin + BATCH])
             marked = keep[begin : begin + len(points)].reshape(-1)
             simplify(even_offsets(len(points), n), points.reshape(-1, 3), tolerance, marked, np.empty(len(points)))
-        most = int(keep.sum(1).max())
-    else:
-        keep[:], most = True, n
-    shares = np.empty((len(some), most), np.float32)
-    out = aligned((-(-len(some) // W), most + 1, 3 * W))
-    wide = out.reshape(len(out), most + 1, 3, W)
-    for begin in range(0, len(some), AT_ONCE):
-        points = picked_points(groom, some[begin : begin + AT_ONCE])
-        part = slice(begin, begin + len(points))
-        rows = np.empty((len(points), most), np.int32)
-        kernel.choose(keep[part], keep[part].sum(1), rows)
-        kernel.shares(points, rows, shares[part])
-        few = np.take_along_axis(points, rows[:, :, None].astype(np.int64), 1)
-        for block in range(begin // W, -(-(begin + len(points)) // W)):
-            here = few[block * W - begin : (block + 1) * W - begin]
-            wide[block, 1:, :, : len(here)] = here.transpose(1, 2, 0)
-            wide[block, 1:, :, len(here) :] = here[-1, :, :, None]
-    wide[:, 0] = 2 * wide[:, 1] - wide[:, 2]
-    return out, shares
+    counts = keep.sum(axis=1)
+    out = np.empty((len(some), int(counts.max()), 4), np.float32)
+    for begin in range(0, len(some), BATCH):
+        part = slice(begin, begin + BATCH)
+        points = picked_points(groom, some[part])
+        rows = np.empty((len(points), out.shape[1]), np.int32)
+        kernel.choose(keep[part], counts[part], rows)
+        kernel.write(points, rows, out[part])
+    return out

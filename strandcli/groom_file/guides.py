@@ -28,7 +28,7 @@ PLACES = 3
 """Places along strands, the tip among them, at which their ways are compared."""
 PARENTS = 4
 """Guides that a strand follows."""
-AT_ONCE = 128 * W
+BATCH = 128 * W
 """Strands that are looked at at once, which bounds what that takes."""
 SPREAD = 30
 """Number of the random stream by which strands are spread over level of detail."""
@@ -38,7 +38,7 @@ def features_of(groom: Groom) -> Features:
     """(strands, 3 + 3 `PLACES`) metres: what strands that are given point by point are compared by."""
     assert groom.points is not None
     found = np.empty((groom.strands, 3 + 3 * PLACES), np.float32)
-    for begin in range(0, groom.strands, AT_ONCE):
+    for begin in range(0, groom.strands, BATCH):
         points = some_points(groom, begin)
         count, n, _ = points.shape
         ways = np.empty((count, PLACES + 1, 3), np.float32)
@@ -51,9 +51,9 @@ def features_of(groom: Groom) -> Features:
 
 
 def some_points(groom: Groom, begin: int) -> NDArray[np.float32]:
-    """(k, n, 3) metres: the points of `AT_ONCE` strands from one on, or of those that there are."""
+    """(k, n, 3) metres: the points of `BATCH` strands from one on, or of those that there are."""
     assert groom.points is not None
-    count = min(AT_ONCE, groom.strands - begin)
+    count = min(BATCH, groom.strands - begin)
     return unpack(groom.points[begin // W : -(-(begin + count) // W), 1:], count)
 
 

@@ -34,7 +34,7 @@ FALL: dict[str, Any] = {"gravity": {}}
 def moving(path: Path, **settings: Any) -> Scene:
     """A scene of simulated strands of a file; ``__`` for dots."""
     given = {key.replace("__", "."): value for key, value in settings.items()}
-    return scene(path, **{"rules": [FALL, WIND], **ROD, **given})
+    return scene(path, **{"rules": [FALL, WIND], "detail": None, **ROD, **given})
 
 
 def stage_of(given: Scene) -> tuple[SimulationStage, Followers]:

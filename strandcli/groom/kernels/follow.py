@@ -33,8 +33,10 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 TINY = np.float32(1e-30)
-SHIFT, REST, TURN, COLUMNS = 0, 3, 6, 10
-"""First columns of D, g° and q in a row, and how many there are."""
+X, Y, Z, SHARE = 0, 1, 2, 3
+"""Columns of a strand's points."""
+SHIFT, REST, TURN, COLUMNS = 0, 3, 6, 12
+"""First columns of D, g° and q in a row, and how many there are: three vectors of four, of which two are not used."""
 FOLDED = 1e-9
 """1 + cos of the angle between two directions below which they are opposite."""
 
@@ -43,9 +45,7 @@ class Strands(NamedTuple):
     """Strands at rest, and what they follow. k: those that are there; P: guides of each."""
 
     points: NDArray[np.float32]
-    """(blocks, m + 1, 3 W) metres at rest, in the world; row 0 stands a segment before the root."""
-    shares: NDArray[np.float32]
-    """(blocks, m, W) how far along the strand each point is, as a share of its length."""
+    """(k, m, 4) metres at rest, in the world, and how far along the strand each point is, as a share of its length."""
     parents: NDArray[np.int32]
     """(k, P)"""
     weights: NDArray[np.float32]
@@ -93,6 +93,7 @@ def trace(now, rest, lane, joints, turn, turns, table):
             table[row, REST + c] = old
         for c in range(4):
             table[row, TURN + c] = turns[j, c] + t * (turns[j + 1, c] - turns[j, c])
+        table[row, TURN + 4] = table[row, TURN + 5] = ZERO
 
 
 @device
@@ -188,26 +189,26 @@ def follow(strands, table, solids, out, stretch):
     for block in prange(out.shape[0]):
         b = np.int64(block)
         worst = ZERO
+        total = np.empty(COLUMNS, np.float32)
         for lane in range(W):
             i = min(b * W + lane, count - 1)
-            worst = max(worst, carry(strands, i, b, lane, table, solids, out))
+            worst = max(worst, carry(strands, i, b, lane, table, solids, total, out))
         stretch[b] = worst
 
 
 @device
-def carry(strands, i, b, lane, table, solids, out):
-    """`follow` of strand i, in a lane of block b; returns its stretch."""
+def carry(strands, i, b, lane, table, solids, total, out):
+    """`follow` of strand i, in a lane of block b; returns its stretch. total (COLUMNS,): scratch."""
     points = strands.points
-    m = points.shape[1] - 1
     solid = count_solids(solids) > 0
     # the strand at rest, as its guides alone would have it, and what is added so that lengths are kept
     ox = oy = oz = px = py = pz = cx = cy = cz = ZERO
     whole = own = ZERO
-    for j in range(m):
-        x = points[b, j + 1, lane]
-        y = points[b, j + 1, W + lane]
-        z = points[b, j + 1, 2 * W + lane]
-        ax, ay, az = moved(strands, i, strands.shares[b, j, lane], table, x, y, z)
+    for j in range(points.shape[1]):
+        x = points[i, j, X]
+        y = points[i, j, Y]
+        z = points[i, j, Z]
+        ax, ay, az = moved(strands, i, points[i, j, SHARE], table, total, x, y, z)
         if j > 0:
             rest = size(x - ox, y - oy, z - oz)
             now = size(ax - px, ay - py, az - pz)
@@ -242,10 +243,11 @@ def carry(strands, i, b, lane, table, solids, out):
 
 
 @device
-def moved(strands, i, share, table, x, y, z):
-    """Where the guides of strand i take a point of it."""
+def moved(strands, i, share, table, total, x, y, z):
+    """Where the guides of strand i take a point of it; total (COLUMNS,): scratch."""
     steps = np.float32(table.shape[1] - 1)
-    sx = sy = sz = gx = gy = gz = w = u = v = t = ZERO
+    for c in range(COLUMNS):
+        total[c] = ZERO
     for p in range(strands.parents.shape[1]):
         weight = strands.weights[i, p]
         if weight > ZERO:
@@ -255,31 +257,22 @@ def moved(strands, i, share, table, x, y, z):
             part = place - np.float32(row)
             less = weight * (ONE - part)
             more = weight * part
-            sx += less * table[g, row, SHIFT] + more * table[g, row + 1, SHIFT]
-            sy += less * table[g, row, SHIFT + 1] + more * table[g, row + 1, SHIFT + 1]
-            sz += less * table[g, row, SHIFT + 2] + more * table[g, row + 1, SHIFT + 2]
-            gx += less * table[g, row, REST] + more * table[g, row + 1, REST]
-            gy += less * table[g, row, REST + 1] + more * table[g, row + 1, REST + 1]
-            gz += less * table[g, row, REST + 2] + more * table[g, row + 1, REST + 2]
-            a = less * table[g, row, TURN] + more * table[g, row + 1, TURN]
-            b = less * table[g, row, TURN + 1] + more * table[g, row + 1, TURN + 1]
-            c = less * table[g, row, TURN + 2] + more * table[g, row + 1, TURN + 2]
-            d = less * table[g, row, TURN + 3] + more * table[g, row + 1, TURN + 3]
-            sign = ONE if a * w + b * u + c * v + d * t >= ZERO else -ONE  # q and −q are one rotation
-            w += sign * a
-            u += sign * b
-            v += sign * c
-            t += sign * d
-    dx = x - gx
-    dy = y - gy
-    dz = z - gz
+            for c in range(COLUMNS):
+                total[c] += less * table[g, row, c] + more * table[g, row + 1, c]
+    dx = x - total[REST]
+    dy = y - total[REST + 1]
+    dz = z - total[REST + 2]
+    w = total[TURN]
+    u = total[TURN + 1]
+    v = total[TURN + 2]
+    t = total[TURN + 3]
     f = TWO / max(w * w + u * u + v * v + t * t, TINY)
     ax = v * dz - t * dy
     ay = t * dx - u * dz
     az = u * dy - v * dx
-    x += sx + f * (w * ax + (v * az - t * ay))
-    y += sy + f * (w * ay + (t * ax - u * az))
-    z += sz + f * (w * az + (u * ay - v * ax))
+    x += total[SHIFT] + f * (w * ax + (v * az - t * ay))
+    y += total[SHIFT + 1] + f * (w * ay + (t * ax - u * az))
+    z += total[SHIFT + 2] + f * (w * az + (u * ay - v * ax))
     return x, y, z
 
 

@@ -34,15 +34,16 @@ def fill(keep, count, rows):
 
 
 @parallel
-def shares(points, rows, out):
-    """out (S, m) float32: how far along strands (S, n, 3) their points ``rows`` (S, m) are, as shares of the length."""
+def write(points, rows, out):
+    """out (S, m, 4) float32: the points ``rows`` (S, m) of strands (S, n, 3), and how far along the strand each is, as
+    a share of its length."""
     for s in prange(out.shape[0]):
         travel(points[s], rows[s], out[s])
 
 
 @device
 def travel(points, rows, out):
-    """`shares` of one strand; of one without length by number."""
+    """`write` of one strand; of one without length by number."""
     last = points.shape[0] - 1
     whole = 0.0
     for i in range(last):
@@ -53,5 +54,6 @@ def travel(points, rows, out):
         while i < rows[k]:
             way += distance(points, i, i + 1)
             i += 1
-        share = way / whole if whole > 0.0 else rows[k] / last
-        out[k] = np.float32(min(share, 1.0))
+        for c in range(3):
+            out[k, c] = points[i, c]
+        out[k, 3] = np.float32(min(way / whole if whole > 0.0 else i / last, 1.0))
