@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UsageError
 from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
@@ -19,7 +20,7 @@ from ..groom.record import Groom
 from ..scene.detail import strands_needed
 from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose
-from .guides import BATCH, chained, chosen, features_of, parents_of, picked_points, ranks_of
+from .guides import BATCH, chained, chosen, features_of, long_enough, parents_of, picked_points, ranks_of
 from .kernels import rows as kernel
 from .read import FromFile, from_file
 
@@ -81,7 +82,7 @@ def with_followers(scene: Scene) -> Scene:
         first, kept=kept, points=made.following.points.shape[1], deviation=made.deviation,
         deviation_share=made.deviation_share,
     )  # fmt: skip
-    return replace(scene, emitter=replace(scene.emitter, followers=known))
+    return replace(scene, emitter=replace(scene.emitter, strands=made.guides.strands, followers=known))
 
 
 def metres_a_pixel(scene: Scene, found: FromFile) -> float:
@@ -111,7 +112,13 @@ def _guided(
     groom = from_file(given, seed).groom
     features = features_of(groom)
     order = spatial_order(features)
-    own = chosen(features, order, given.guides)
+    fit = long_enough(groom.lengths, particles)
+    if not fit.any():
+        raise UsageError(
+            f"{given.file}: {particles:,} particles on strands of {float(groom.lengths.max()):.3g} m are too close for "
+            "single precision; take fewer emitter.particles, or a greater emitter.groom.size"
+        )
+    own = chosen(features, order, given.guides, fit)
     own = own[spatial_order(groom.roots[own])]
     guides, along, deviation = chained(groom, own, particles)
     ranks = ranks_of(order, seed)

@@ -17,6 +17,7 @@ from ..exchange.strands import even_offsets
 from ..groom.emit import stream
 from ..groom.kernels.alike import most_alike
 from ..groom.record import Groom
+from ..scene.checks import CLOSEST_PARTICLES
 from .kernels.chain import chains
 
 Floats = NDArray[np.float64]
@@ -24,6 +25,8 @@ Features = NDArray[np.float32]
 
 LIKENESS = 1 / 3
 """What a metre of difference between the ways of two strands counts, in metres between their roots."""
+SHORTEST = 0.02
+"""Length of a guide over that of the median strand, at least: the edges of stubs are hardly more than rounding."""
 PLACES = 3
 """Places along strands, the tip among them, at which their ways are compared."""
 PARENTS = 4
@@ -64,19 +67,26 @@ def picked_points(groom: Groom, own: NDArray[np.int64]) -> NDArray[np.float32]:
     return np.ascontiguousarray(wide[own // W, 1:, :, own % W])
 
 
-def chosen(features: Features, order: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+def long_enough(lengths: NDArray[np.float32], particles: int) -> NDArray[np.bool_]:
+    """(strands,) which strands of these lengths, metres, can be guides with so many particles."""
+    least = max(SHORTEST * float(np.median(lengths)), (particles - 1) * CLOSEST_PARTICLES)
+    return np.asarray(lengths >= least)
+
+
+def chosen(features: Features, order: NDArray[np.int32], count: int, fit: NDArray[np.bool_]) -> NDArray[np.int64]:
     """The strands that are simulated, ascending: of each of ``count`` runs of an ``order`` in which those that are
-    alike are neighbours, the one that is nearest to the mean of its run."""
+    alike are neighbours, the one that is nearest to the mean of its run, of those that are ``fit`` (strands,); none
+    where no strand of a run is."""
     strands = len(features)
     if count >= strands:
-        return np.arange(strands)
+        return np.flatnonzero(fit)
     first = np.linspace(0, strands, count + 1).astype(np.int64)[:-1]
     run = np.repeat(np.arange(count), np.diff(np.append(first, strands)))
     own = features[order].astype(np.float64)
     mean = np.add.reduceat(own, first) / np.bincount(run)[:, None]
-    away = ((own - mean[run]) ** 2).sum(1)
-    best = np.lexsort((order, away, run))[first]
-    return np.sort(order[best].astype(np.int64))
+    away = np.where(fit[order], ((own - mean[run]) ** 2).sum(1), np.inf)
+    best = order[np.lexsort((order, away, run))[first]].astype(np.int64)
+    return np.sort(best[fit[best]])
 
 
 def ranks_of(order: NDArray[np.int32], seed: int) -> NDArray[np.int32]:

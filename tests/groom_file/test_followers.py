@@ -171,7 +171,7 @@ def test_a_parting_is_not_blended(tmp_path: Path) -> None:
         x, z = rng.uniform(-0.5, 0.5, 2)
         way = np.concatenate([np.sign(x) * 1.5 * t, 0.5 * t * (1 - 2 * t), 0 * t], 1)
         strands.append((np.array([x, 0, z]) + way).astype(np.float32))
-    given = moving(write(tmp_path / "a.data", strands), emitter__groom__guides=40)
+    given = moving(write(tmp_path / "a.data", strands), emitter__groom__guides=40, emitter__groom__root="first")
     own = guided(given)
     side = np.sign(own.guides.directions[:, 0])
     following = own.following
@@ -298,6 +298,18 @@ def test_followers_leave_solids(tmp_path: Path) -> None:
     found = drawn(given, 10).astype(float)
     away = np.linalg.norm(found - np.array(ball["position"]), axis=2)[:, 1:]
     assert away.min() > 0.06 - 2e-5
+
+
+def test_stubs_are_no_guides(tmp_path: Path) -> None:
+    strands = curls(60)
+    for one in strands[::5]:
+        one[:] = one[0] + (one - one[0]) * 1e-5
+    given = moving(write(tmp_path / "a.data", strands), emitter__groom__guides=1000)
+    assert given.emitter.strands == 48
+    found, first = drawn(given, 10), drawn(given, 1)
+    assert np.abs(found[::5] - first[::5]).max() < 1e-4  # and what follows near a root stays there
+    with pytest.raises(UsageError, match=r"too close for single precision; take fewer emitter\.particles"):
+        moving(tmp_path / "a.data", emitter__particles=90_000, emitter__groom__scale=0.001)
 
 
 @pytest.mark.parametrize(
