@@ -17,8 +17,8 @@ from .texture import LINEAR
 
 
 def data(solids: Sequence[Any], time: float) -> Data:
-    """The data of solids by their settings; the same arrays as long as their files are the same."""
-    return _together(tuple(key_of(one) for one in solids))
+    """The data of solids by their settings at a time; the same arrays until their shapes change."""
+    return _together(tuple(key_of(one, time) for one in solids))
 
 
 @functools.lru_cache(maxsize=KEPT)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..meshes.distance_grid import MARGIN
-from .prepared import mesh_of
+from .prepared import box_of, mesh_of
 
 PER_TRIANGLE = 360
 """Bytes of a triangle: corners, normals and faces, its part of the tree, and the mesh as it was read."""
@@ -20,7 +20,7 @@ FAR = 10.0
 
 def nodes(settings: Any) -> tuple[int, int, int]:
     """Nodes of the grid of distances along x, y and z, as `make_distance_grid` has them."""
-    low, high = mesh_of(settings).box()
+    low, high = box_of(settings)
     spacing = float((high - low).max()) / (settings.resolution - 1 - 2 * MARGIN)
     counts = np.ceil((high - low) / spacing - 1e-6).astype(int) + 1 + 2 * MARGIN
     return int(counts[0]), int(counts[1]), int(counts[2])

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..meshes.bvh import Bvh, make_bvh
+from ..meshes.bvh import Bvh, make_bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
-from ..meshes.mesh import TriangleMesh
+from ..meshes.mesh import TriangleMesh, Vectors
 from .normals import shading_normals
-from .read import KEPT, Placing, Version, placed, placing, version
+from .read import KEPT, Moment, Placing, Version, deformed, moment, placed, placing, version
 from .texture import Pyramid, picture, pyramid
 
 GREY = (0.18, 0.18, 0.18)
@@ -30,6 +30,9 @@ class Key(NamedTuple):
     texture: Version | None
     crease: float
     """Degrees."""
+    files: tuple[Version, ...] = ()
+    """All files between which it deforms."""
+    moment: Moment | None = None
 
 
 class Prepared(NamedTuple):
@@ -50,13 +53,21 @@ class Prepared(NamedTuple):
     texture: Pyramid | None
 
 
-def key_of(settings: Any) -> Key:
-    """The key of a solid's settings as its files are now."""
+def key_of(settings: Any, time: float = 0.0) -> Key:
+    """The key of a solid's settings at a time in seconds, as its files are now."""
     coloured = settings.colour_from == "file" or (
         settings.colour_from == "auto" and (tuple(settings.colour) == GREY or bool(settings.texture))
     )
     texture = version(settings.texture) if settings.texture else None
-    return Key(version(settings.file), placing(settings), settings.resolution, coloured, texture, settings.crease)
+    return Key(
+        version(settings.file), placing(settings), settings.resolution, coloured, texture, settings.crease,
+        _files(settings), moment(settings.deform, time) if settings.deform else None,
+    )  # fmt: skip
+
+
+def _files(settings: Any) -> tuple[Version, ...]:
+    """The files between which a mesh deforms."""
+    return tuple(version(key.file) for key in settings.deform)
 
 
 def mesh_of(settings: Any) -> TriangleMesh:
@@ -65,20 +76,31 @@ def mesh_of(settings: Any) -> TriangleMesh:
 
 
 def reach_of(settings: Any) -> float:
-    """Distance of the farthest vertex from the origin of the solid's frame, metres."""
-    return _reach(version(settings.file), placing(settings))
+    """Distance of the farthest vertex from the origin of the solid's frame, metres, at any time."""
+    return _extent(version(settings.file), placing(settings), _files(settings))[2]
+
+
+def box_of(settings: Any) -> tuple[Vectors, Vectors]:
+    """Low and high corner of a solid's mesh at any time, metres."""
+    return _extent(version(settings.file), placing(settings), _files(settings))[:2]
 
 
 @functools.lru_cache(maxsize=KEPT)
-def _reach(file: Version, how: Placing) -> float:
-    return 1.0001 * float(np.linalg.norm(placed(file, how).vertices, axis=1).max())
+def _extent(file: Version, how: Placing, files: tuple[Version, ...]) -> tuple[Vectors, Vectors, float]:
+    """Low and high corner of all shapes of a mesh, and the distance of the farthest vertex from the origin."""
+    shapes = [deformed(file, how, one) for one in files] or [placed(file, how).vertices]
+    low, high = np.min([one.min(axis=0) for one in shapes], axis=0), np.max([one.max(axis=0) for one in shapes], axis=0)
+    return low, high, 1.0001 * max(float(np.linalg.norm(one, axis=1).max()) for one in shapes)
 
 
 @functools.lru_cache(maxsize=KEPT)
 def prepared(key: Key) -> Prepared:
     """The mesh of a key for kernels."""
-    mesh = placed(key.file, key.placing)
-    bvh = _bvh(key.file, key.placing)
+    mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
+    if key.moment is not None:
+        first, second = (deformed(key.file, key.placing, one) for one in key.moment[:2])
+        mesh = mesh.with_vertices(first + key.moment.share * (second - first))
+        bvh = moved(bvh, mesh.vertices, mesh.triangles)
     order = bvh.triangle
     none = np.zeros((0, 3, 3), np.float32)
     texture, uv, density = None, np.zeros((0, 3, 2), np.float32), np.zeros(0, np.float32)
@@ -92,7 +114,7 @@ def prepared(key: Key) -> Prepared:
         colours = np.ascontiguousarray(mesh.colours[mesh.triangles[order]], np.float32)
     normals = np.ascontiguousarray(shading_normals(mesh, key.crease)[order], np.float32)
     faces = mesh.face_normals().astype(np.float32)
-    grid = _grid(key.file, key.placing, key.resolution)
+    grid = _grid(key.file, key.placing, key.resolution) if key.moment is None else _grid_between(key, key.moment)
     return Prepared(bvh, grid, faces, normals, colours, uv, density, texture)
 
 
@@ -105,6 +127,24 @@ def _bvh(file: Version, how: Placing) -> Bvh:
 @functools.lru_cache(maxsize=KEPT)
 def _grid(file: Version, how: Placing, resolution: int) -> DistanceGrid:
     return make_distance_grid(_bvh(file, how), placed(file, how).closed, resolution)
+
+
+def _grid_between(key: Key, at: Moment) -> DistanceGrid:
+    """The grid at a moment: between those of two files, whose nodes are the same."""
+    first = _grid_of(key.file, key.placing, key.resolution, key.files, at.before)
+    if at.share == 0 or at.after == at.before:
+        return first
+    second = _grid_of(key.file, key.placing, key.resolution, key.files, at.after)
+    share = np.float32(at.share)
+    return first._replace(values=first.values + share * (second.values - first.values))
+
+
+@functools.lru_cache(maxsize=KEPT)
+def _grid_of(file: Version, how: Placing, resolution: int, files: tuple[Version, ...], one: Version) -> DistanceGrid:
+    mesh = placed(file, how)
+    low, high, _ = _extent(file, how, files)
+    bvh = moved(_bvh(file, how), deformed(file, how, one), mesh.triangles)
+    return make_distance_grid(bvh, mesh.closed, resolution, box=(low, high))
 
 
 def _density(

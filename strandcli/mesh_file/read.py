@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+from bisect import bisect_right
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,7 +12,8 @@ import numpy as np
 
 from ..errors import UsageError
 from ..exchange.edit.transform import turning
-from ..meshes.mesh import TriangleMesh
+from ..meshes.make import LARGEST
+from ..meshes.mesh import TriangleMesh, Vectors
 from ..meshes.read import read_mesh
 
 UP = "y"
@@ -51,12 +54,53 @@ def placing(settings: Any) -> Placing:
     return Placing(settings.up, settings.scale or 1.0, settings.size, settings.place)
 
 
+class Moment(NamedTuple):
+    """A moment of a mesh that deforms: between two files."""
+
+    before: Version
+    after: Version
+    share: float
+    """Of the way from the first to the second."""
+
+
+def moment(keys: Sequence[Any], time: float) -> Moment:
+    """The moment at a time in seconds of files with times, which ascend; held before the first and after the last."""
+    times = [key.time for key in keys]
+    place = min(max(bisect_right(times, time), 1), len(keys) - 1) if len(keys) > 1 else 0
+    before, after = keys[max(place - 1, 0)], keys[place]
+    span = after.time - before.time
+    share = min(max((time - before.time) / span, 0.0), 1.0) if span > 0 else 0.0
+    return Moment(version(before.file), version(after.file), share)
+
+
 @functools.lru_cache(maxsize=KEPT)
 def placed(file: Version, how: Placing) -> TriangleMesh:
     """The mesh of a file in metres, y up, as its solid has it."""
     mesh = as_in_file(file)
+    linear, shift = _transform(file, how)
+    if (linear == np.eye(3)).all() and not shift.any():
+        return mesh
+    moved = mesh.transformed(linear, shift)
+    if not np.abs(np.array(moved.box())).max() < LARGEST:
+        raise UsageError(f"{file.path}: is too far out for single precision; set the solid's scale or size")
+    return moved
+
+
+@functools.lru_cache(maxsize=KEPT)
+def deformed(file: Version, how: Placing, other: Version) -> Vectors:
+    """The vertices of a mesh as another file has them, placed as those of its own file."""
+    if other == file:
+        return placed(file, how).vertices
+    linear, shift = _transform(file, how)
+    found: Vectors = read_mesh(Path(other.path), like=as_in_file(file)).vertices @ linear.T + shift
+    return found
+
+
+@functools.lru_cache(maxsize=KEPT)
+def _transform(file: Version, how: Placing) -> tuple[Vectors, Vectors]:
+    """The matrix and the shift that place the mesh of a file."""
     turn = turning(how.up, UP)
-    corners = np.array(mesh.box()) @ turn.T
+    corners = np.array(as_in_file(file).box()) @ turn.T
     low, high = corners.min(axis=0), corners.max(axis=0)
     factor = how.scale if how.size is None else how.size / float((high - low).max())
     shift = np.zeros(3)
@@ -64,12 +108,7 @@ def placed(file: Version, how: Placing) -> TriangleMesh:
         shift = -0.5 * factor * (low + high)
         if how.place == "ground":
             shift[1] = -factor * low[1]
-    if factor == 1 and not shift.any() and how.up == UP:
-        return mesh
-    moved = mesh.transformed(factor * turn, shift)
-    if not np.abs(np.array(moved.box())).max() < 1e15:
-        raise UsageError(f"{file.path}: is too far out for single precision; set the solid's scale or size")
-    return moved
+    return factor * turn, shift
 
 
 @functools.lru_cache(maxsize=KEPT)

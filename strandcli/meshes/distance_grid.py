@@ -29,14 +29,18 @@ MARGIN = 2
 """Cells between the mesh and the edge of the grid."""
 
 
-def make_distance_grid(bvh: Bvh, closed: bool, resolution: int = 128, margin: float = 0.0) -> DistanceGrid:
+def make_distance_grid(
+    bvh: Bvh, closed: bool, resolution: int = 128, margin: float = 0.0,
+    box: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = None,
+) -> DistanceGrid:  # fmt: skip
     """Signed distances at nodes all around a mesh, negative inside: `resolution` nodes, at least 8, along its longest
     side, less along the others.
 
     closed: whether the mesh has no boundary (`TriangleMesh.closed`); otherwise inside is where its winding number is
     over a half. margin: how far the grid goes beyond the mesh, units of the mesh, and two cells at least.
+    box: low and high corner that take the place of the mesh's, so that meshes in motion have the same nodes.
     """
-    low, high = bvh.boxes[0, :3].astype(np.float64), bvh.boxes[0, 3:].astype(np.float64)
+    low, high = box or (bvh.boxes[0, :3].astype(np.float64), bvh.boxes[0, 3:].astype(np.float64))
     longest = float((high - low).max())
     wide = max(margin, MARGIN * longest / (resolution - 1 - 2 * MARGIN))
     spacing = (longest + 2 * wide) / (resolution - 1)

@@ -61,6 +61,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _solid_names(scene.solids)
     for index, solid in enumerate(scene.solids):
         yield from _times(solid.keys, f"solids.{index}.keys")
+        yield from _times(getattr(solid, "deform", ()), f"solids.{index}.deform")
     yield from _camera(scene.camera)
     yield from _times(scene.camera.keys, "camera.keys")
     yield from _lens(scene.camera)

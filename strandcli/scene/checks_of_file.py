@@ -54,6 +54,9 @@ def mesh_clashes(scene: Scene) -> Iterator[Clash]:
         settings: Any = solid
         if not settings.file:
             yield (f"{place}.file", place), "must be the path of a mesh: .obj, .ply, .stl, .glb or .gltf"
+        for key, one in enumerate(settings.deform):
+            if not one.file:
+                yield (f"{place}.deform.{key}.file", f"{place}.deform.{key}"), "must be the path of a mesh"
         if settings.size is not None and settings.scale is not None:
             yield (
                 (f"{place}.scale", f"{place}.size"),

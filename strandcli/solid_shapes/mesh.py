@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..scene import fields
-from ..scene.fields import choice, integer, number
+from ..scene.fields import choice, integer, items, number
 from ..scene.model.solids import SolidSettings
 
 kind = "mesh"
@@ -19,6 +19,14 @@ LAZY = {
     "meet": "kernels.shape", "hides": "kernels.shape", "look": "kernels.shape",
 }  # fmt: skip
 """Parts of the shape that are imported when they are asked for, by the module of `strandcli.mesh_file`."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeshKey:
+    """A shape of a mesh that deforms, at a time."""
+
+    time: float = number(0.0, unit="s", doc="seconds")
+    file: str = fields.file(doc="mesh with the same vertices in the same order as the solid's `file`")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -44,6 +52,10 @@ class Settings(SolidSettings):
         doc="file: its texture, else its vertices' colours; colour: `colour`; auto: the file's, unless `colour` is set",
     )
     texture: str = fields.file(doc="picture for its uv, in place of the file's own; absent: the file's")
+    deform: tuple[MeshKey, ...] = items(
+        MeshKey,
+        doc="files between which its vertices move in straight lines; `file` tells triangles, colours and its placing",
+    )
     crease: float = number(
         60.0, low=0, high=180, unit="deg", doc="angle from which on the edge between two triangles is drawn as one; "
         "normals that the file has beyond those of its faces go before it",

@@ -29,7 +29,7 @@ from strandcli.simulate import advice
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
-from strandcli.solid_shapes.mesh import Settings
+from strandcli.solid_shapes.mesh import MeshKey, Settings
 from strandcli.solids import Solids, pack_all
 
 STILL = Emitter()
@@ -307,3 +307,43 @@ def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
     assert "set its scale" in told
     assert "is open" in told
     assert "more than half around" in told
+
+
+def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
+    """A ball that moves and grows: rays, distances and strands follow; halfway it is the mean of both."""
+    vertices, triangles = mesh_kit.ball(4, R)
+    small = mesh_kit.write(tmp_path / "small.obj", vertices * 0.9, triangles)
+    large = mesh_kit.write(tmp_path / "large.obj", vertices * 1.1 + (0.1, 0, 0), triangles)
+    keys = (MeshKey(time=0.0, file=str(small)), MeshKey(time=1.0, file=str(large)))
+    one = settings(small, deform=keys)
+    for time, middle, radius in (
+        (-1.0, 0.0, 0.45),
+        (0.0, 0.0, 0.45),
+        (0.5, 0.05, 0.5),
+        (1.0, 0.1, 0.55),
+        (2.0, 0.1, 0.55),
+    ):
+        solids = pack_all([one], STILL, time)
+        ray = (np.float32(middle), np.float32(0), np.float32(3), *np.array([0, 0, -1], np.float32))
+        assert 3 - float(rays.meet(solids, 0, *ray)) == pytest.approx(radius, abs=2e-3)
+        points = np.array([[middle + radius - 0.1, 0, 0], [middle, radius + 0.01, 0]])
+        # halfway distances are the mean of both files', which a shift of 2 s makes wrong by about s² / 2 r
+        np.testing.assert_allclose(advice.depth(points, one, STILL, time), (0.1, -0.01), atol=5e-3)
+    assert all(a is b for a, b in zip(mesh_data.data([one], 2.0), mesh_data.data([one], 3.0), strict=True))
+    text = STRANDS.format(
+        solver="rod", rules="gravity, collision",
+        solid=f"{{kind: mesh, file: {small}, deform: [{{time: 0, file: {small}}}, {{time: 0.6, file: {large}}}]}}",
+    )  # fmt: skip
+    scene = loads(text, rules=registry())
+    made = RodSolver(scene, emit(scene.emitter, scene.seed))
+    for frame in (5, 10, 20):
+        made.advance(frame)
+        assert made.errors(frame)["penetration_max"] < 1e-3
+    away = np.linalg.norm(made.particles()[:, 1:].reshape(-1, 3) - (0.1, 0, 0), axis=1)
+    assert away.min() > 0.55 - 3e-3
+    assert (away < 0.56).sum() > 20
+    with pytest.raises(SceneError, match="forward in time"):
+        loads(text.replace("time: 0.6", "time: 0"), rules=registry())
+    other = mesh_kit.write(tmp_path / "other.obj", *mesh_kit.ball(3))
+    with pytest.raises(UsageError, match="vertices"):
+        pack_all([settings(small, deform=(keys[0], MeshKey(time=1.0, file=str(other))))], STILL, 0.0)

@@ -33,6 +33,8 @@ ROUNDS = 4
 """Steps of a point or a segment on its way out, at the most: one is enough for an exact distance or a flat face."""
 ACROSS = 64
 """Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
+FINE_ACROSS = 256
+"""The same for shapes with data, which have more detail."""
 CLEAR = np.float32(2.0)
 """More than any sine."""
 
@@ -213,16 +215,17 @@ def hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin):
 
 
 @inlined
-def least_sine(distance, p, m, x, y, z, way, reach, skin):
+def least_sine(distance, parts, p, m, x, y, z, way, reach, skin):
     """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
-    least of its distance over the distance travelled, in steps of that distance."""
+    least of its distance over the distance travelled, in steps of that distance, and at least a share 1 / ``parts`` of
+    the way through the solid's ball."""
     lx, ly, lz = way
     cx = number(p, m, X) - x
     cy = number(p, m, Y) - y
     cz = number(p, m, Z) - z
     middle = cx * lx + cy * ly + cz * lz
     end = min(middle + number(p, m, REACH), reach)
-    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(ACROSS)
+    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(parts)
     t = max(middle - number(p, m, REACH), HALF * step)
     least = CLEAR
     while t < end:
@@ -269,9 +272,9 @@ def visibility_past_all(hides, p, x, y, z, way, reach, skin):
 
 
 @inlined
-def least_sine_of_all(distance, p, x, y, z, way, reach, skin):
+def least_sine_of_all(distance, parts, p, x, y, z, way, reach, skin):
     """`least_sine` of all of these solids."""
     least = CLEAR
     for m in range(p.rows.shape[0]):
-        least = min(least, least_sine(distance, p, m, x, y, z, way, reach, skin))
+        least = min(least, least_sine(distance, parts, p, m, x, y, z, way, reach, skin))
     return least

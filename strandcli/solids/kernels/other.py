@@ -132,8 +132,9 @@ def _lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
     if form is None:
         return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.CLEAR
     distance, among = form.distance, form.among
+    parts = field.FINE_ACROSS if form.detailed else field.ACROSS
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.least_sine_of_all(
-        distance, among(solids), x, y, z, (lx, ly, lz), reach, skin
+        distance, parts, among(solids), x, y, z, (lx, ly, lz), reach, skin
     )
 
 

@@ -87,6 +87,7 @@ def hides(p, m, x, y, z, way, reach, skin):
 Solids = {name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
+Solids.detailed = {detailed}
 
 
 @function
@@ -191,6 +192,7 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
         "has_look": "look" if _any_look(kinds) else "None",
+        "detailed": any(has_data(one.shape) for one in kinds),
         "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
     }
     # kernels are kept by the name of the type, which therefore tells of all that it stands for
