@@ -132,7 +132,7 @@ def _with_layers(scene: Scene, exr: bool) -> Scene:
         return scene
     from ..output.layers import require_exr
 
-    require_exr(scene.emitter.strands)
+    require_exr(scene.drawn_strands)
     if "linear" in scene.image.aovs:
         return scene
     return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))

@@ -46,6 +46,14 @@ class Request:
     fixed: frozenset[str] = frozenset()
     """Dotted paths that were set by hand: axes of pictures do not turn them."""
 
+    def __post_init__(self) -> None:
+        scenes = () if self.scene is None else self.scene.panels or (self.scene,)
+        if any(one.emitter.groom is not None for one in scenes):
+            raise UsageError(
+                f"{self.name}: studies emit strands of their own, and this preset has those of a file (emitter.groom); "
+                "examples/guides.py measures what guides of a file cost in accuracy"
+            )
+
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
     """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no knobs

@@ -22,6 +22,7 @@ from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose, rotation_matrix
 from strandcli.stages import RunOptions, SimulationStage
+from strandcli.study.axes import Request
 from thread_runs import Drawer
 
 Floats = npt.NDArray[np.float64]
@@ -325,6 +326,12 @@ def test_what_does_not_go_together_is_told(settings: dict[str, Any], words: str,
     path = write(tmp_path / "a.data", hanging([6] * 20))
     with pytest.raises((SceneError, UsageError), match=words):
         scene(path, **{key.replace(".", "__"): value for key, value in settings.items()})
+
+
+def test_studies_refuse_strands_of_a_file(tmp_path: Path) -> None:
+    given = moving(write(tmp_path / "a.data", hanging([8] * 20)))
+    with pytest.raises(UsageError, match="a: studies emit strands of their own, and this preset has those of a file"):
+        Request(given, "a")
 
 
 def test_quaternions_are_those_of_the_matrices() -> None:
