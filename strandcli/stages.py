@@ -100,9 +100,9 @@ class SimulationStage:
             return arranged(
                 emit(scene.emitter, scene.seed, needed_strands(scene, frames) if self.options.draw else None)
             )
-        from .groom_file import from_file, guided
+        from .groom_file import from_scene, guided
 
-        found = from_file(scene.emitter.groom, scene.seed)
+        found = from_scene(scene)
         for words in found.notes:
             self._warn(words)
         return found.groom if scene.emitter.followers is None else guided(scene).guides

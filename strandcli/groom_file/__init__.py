@@ -2,6 +2,6 @@
 
 from .complete import completed
 from .following import Guided, guided
-from .read import FromFile, from_file
+from .read import FromFile, from_file, from_scene
 
-__all__ = ["FromFile", "Guided", "completed", "from_file", "guided"]
+__all__ = ["FromFile", "Guided", "completed", "from_file", "from_scene", "guided"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .following import DENSE, with_followers
 from .measure import fitted, width_for
-from .read import from_file
+from .read import from_scene
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -22,7 +22,7 @@ def completed(scene: Scene) -> Scene:
     given = scene.emitter.groom
     if given is None or scene.panels or scene.emitter.followers is not None:
         return scene
-    found = from_file(given, scene.seed)
+    found = from_scene(scene)
     mean = found.seen.length / found.groom.strands
     scene = replace(scene, emitter=replace(scene.emitter, strands=found.groom.strands, length=mean))
     if not scene.guided:

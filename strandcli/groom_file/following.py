@@ -22,7 +22,8 @@ from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose
 from .guides import BATCH, chained, chosen, features_of, long_enough, parents_of, picked_points, ranks_of
 from .kernels import rows as kernel
-from .read import FromFile, from_file
+from .on_solid import Head, head_of
+from .read import FromFile, from_file, from_scene
 
 if TYPE_CHECKING:
     from ..scene.model import GroomFile, Scene
@@ -54,14 +55,14 @@ def guided(scene: Scene) -> Guided:
     assert followers is not None
     found = os.stat(given.file)
     key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept)
-    return _guided(replace(given, cover=None), *key, found.st_mtime_ns, found.st_size)
+    return _guided(replace(given, cover=None), *key, head_of(scene), found.st_mtime_ns, found.st_size)
 
 
 def with_followers(scene: Scene) -> Scene:
     """The scene with its `followers`, which its camera, its material and its level of detail decide on too."""
     emitter, given = scene.emitter, scene.emitter.groom
     assert given is not None
-    found = from_file(given, scene.seed)
+    found = from_scene(scene)
     roots = found.groom.roots.astype(np.float64)
     low, high = roots.min(axis=0), roots.max(axis=0)
     middle = 0.5 * (low + high)
@@ -107,9 +108,10 @@ def metres_a_pixel(scene: Scene, found: FromFile) -> float:
 
 @lru_cache(maxsize=1)
 def _guided(
-    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, changed: int, size: int
+    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, head: Head | None, changed: int,
+    size: int,
 ) -> Guided:  # fmt: skip
-    groom = from_file(given, seed).groom
+    groom = from_file(given, seed, head).groom
     features = features_of(groom)
     order = spatial_order(features)
     fit = long_enough(groom.lengths, particles)

@@ -25,11 +25,12 @@ from ..groom.emit import stream
 from ..groom.record import Groom
 from .colours import colours_of
 from .measure import Seen, box_of, seen_of
+from .on_solid import Head, head_of, put_on
 from .rows import most_points, packed, with_at_most
 from .widths import widths_of
 
 if TYPE_CHECKING:
-    from ..scene.model import GroomFile
+    from ..scene.model import GroomFile, Scene
 
 UP = "y"
 """The up axis of scenes."""
@@ -53,22 +54,30 @@ class FromFile:
     """What a person should know of the file, a line each."""
 
 
-def from_file(given: GroomFile, seed: int) -> FromFile:
-    """The strands that a scene's ``emitter.groom`` asks for. Raises `UsageError`, one line, for a file that is damaged
-    or cannot be drawn. The last one is kept, as long as the file does not change."""
+def from_scene(scene: Scene) -> FromFile:
+    """The strands of a scene with ``emitter.groom``, as `from_file`."""
+    assert scene.emitter.groom is not None
+    return from_file(scene.emitter.groom, scene.seed, head_of(scene))
+
+
+def from_file(given: GroomFile, seed: int, head: Head | None = None) -> FromFile:
+    """The strands that a scene's ``emitter.groom`` asks for, on the solid that it names. Raises `UsageError`, one line,
+    for a file that is damaged or cannot be drawn. The last one is kept, as long as the file does not change."""
     try:
         found = os.stat(given.file)
     except OSError as error:
         raise UsageError(f"{given.file}: cannot be read: {error.strerror or error}") from None
     drawn = {"cover": None}  # what does not change the strands
-    return _from_file(replace(given, **drawn), seed, found.st_mtime_ns, found.st_size)  # type: ignore[arg-type]
+    return _from_file(replace(given, **drawn), seed, head, found.st_mtime_ns, found.st_size)  # type: ignore[arg-type]
 
 
 @lru_cache(maxsize=1)
-def _from_file(given: GroomFile, seed: int, changed: int, size: int) -> FromFile:
+def _from_file(given: GroomFile, seed: int, head: Head | None, changed: int, size: int) -> FromFile:
     notes: list[str] = []
     strands = _read(given, seed, notes)
     strands, factor = _placed(_upright(strands, given, notes), given)
+    if head is not None:
+        strands = put_on(strands, head, given.file, notes)
     roots, lengths = strands.roots(), strands.lengths()
     widths = widths_of(strands, factor, lengths, notes)
     colours = colours_of(strands) if given.colours == "file" else None

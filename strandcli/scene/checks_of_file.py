@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from .faults import hint, shown
 from .fields import settings_of
 from .model import Emitter, Scene
-from .model.emitter import FILE_LEAVES, GUIDED_LEAVES
+from .model.emitter import FILE_LEAVES, GUIDED_LEAVES, HEADS
 
 PLACE = "emitter.groom"
 Clash = tuple[tuple[str, ...], str]
@@ -41,8 +42,20 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         yield ("children", PLACE), "grow about strands of the emitter, not those of a file; take one of the two out"
     if given.size is not None and given.scale is not None:
         yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
+    if given.on:
+        yield from _head(given.on, scene)
     if fit is not None and scene.camera.keys:
         yield ("camera.fit", "camera.keys"), "a camera with keys stands where they say; take one of the two out"
+
+
+def _head(name: str, scene: Scene) -> Iterator[Clash]:
+    """There is a solid of that name, of a kind that hair can be put on."""
+    known = {solid.name: solid for solid in scene.solids if solid.name}
+    if name not in known:
+        yield (f"{PLACE}.on", "solids"), f"no solid has the name {shown(name)}; {hint(name, known, 'the names are')}"
+    elif known[name].kind not in HEADS:
+        message = f"{shown(name)} is a {known[name].kind}; hair is put on {', '.join(HEADS)}"
+        yield (f"{PLACE}.on", "solids"), message
 
 
 def mesh_clashes(scene: Scene) -> Iterator[Clash]:

@@ -120,10 +120,17 @@ class GroomFile:
         doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
         "seen before so many times, at most 1/200 of the longest side of their box; absent: lines one pixel wide",
     )  # fmt: skip
+    on: str = text(
+        "",
+        doc="name of a solid, as it stands at first: roots off its surface are moved onto it, their strands with them, "
+        "and strands inside are led out; absent: strands stay where they are",
+    )
     stride: int | None = integer(None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone")
     array: str = text("", doc="array of the points, where an .npz file has several")
 
 
+HEADS = ("sphere", "capsule", "box", "plane", "mesh")
+"""Kinds of solids that strands of a file can be put on."""
 FILE_LEAVES = ("groom", "position", "rotation", "keys")
 """Settings of an emitter that hold where its strands are those of a file."""
 GUIDED_LEAVES = ("particles",)

@@ -1,0 +1,254 @@
+"""Hair of a file put on a solid: roots onto its surface, and strands out of it.
+
+Roots that float or sink go to the nearest point of the surface; their strands go with them, by less and less along a
+part of their length. Then points inside, or nearer than a small clearance, are moved along the shortest way out, and
+their neighbours on the strand with them, again and again, until all are out. Segments keep their lengths throughout.
+Strands that are in place already keep every bit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UsageError
+from ..exchange.change import strands_of
+from ..exchange.strands import Strands, offsets
+from ..mesh_file.read import Version, version
+from ..scene.motion import Pose, emitter_pose, own_pose, solid_pose
+from .kernels import bend
+from .surface import Near, Surface
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+Floats = NDArray[np.float64]
+
+SEATED = 1e-5
+"""Distance of roots from the surface that counts as on it, over the solid's size."""
+CLEARANCE = 0.002
+"""Least distance of points beyond the root from the surface, over the solid's size."""
+GOAL = 1.2
+"""Clearances to which they are led."""
+RISE = 4.0
+"""Clearances along a strand from its root over which its points have less than one."""
+FADE, FADE_SHARE = 10.0, 0.3
+"""How far along a strand its root's shift fades: in shifts, and at least so much of its length."""
+REACH, REACH_SHARE = 3.0, 0.1
+"""How far along a strand neighbours move along: in the greatest need of a point, and at least so much of its length."""
+ROUNDS = 24
+BATCH = 1 << 20
+"""Points of strands that are led out at once."""
+FAR = 0.5
+"""Median distance of roots from the surface, over the solid's size, beyond which hair is not its own."""
+FAR_UNLIKE, UNLIKE = 0.1, 8.0
+"""The same where the box of the roots is so many times larger or smaller than the solid."""
+UNITS = (1000.0, 100.0, 39.37, 10.0, 2.54)
+"""Ratios of usual units."""
+
+
+class Head(NamedTuple):
+    """A solid that hair is put on."""
+
+    solid: Any
+    pose: Pose
+    """In the emitter's frame, at the start."""
+    name: str
+    file: Version | None
+    """Of a mesh."""
+
+
+@dataclass
+class Fit:
+    """What was done to strands."""
+
+    off: Floats
+    """(S,) distances of roots from the surface before."""
+    seated: int = 0
+    led_out: int = 0
+    deepest: float = 0.0
+    """Depth of the deepest point before, once roots were in place."""
+    farthest: float = 0.0
+    """Distance that a point was moved, at most."""
+    stretch: float = 0.0
+    """Share by which a strand's length changed, at most."""
+    left: int = 0
+    """Strands that were not out in the end by bending alone, whose points were then put out one by one."""
+
+
+def head_of(scene: Scene) -> Head | None:
+    """Return the solid that a scene's hair is put on, None without one."""
+    given = scene.emitter.groom
+    if given is None or not given.on:
+        return None
+    solid: Any = next(one for one in scene.solids if one.name == given.on)
+    if solid.follow == "emitter":
+        pose = own_pose(solid, 0.0)
+    else:
+        pose = _relative(emitter_pose(scene.emitter, 0.0), solid_pose(solid, scene.emitter, 0.0))
+    return Head(solid, pose, given.on, version(solid.file) if solid.kind == "mesh" else None)
+
+
+def put_on(strands: Strands, head: Head, file: str, notes: list[str]) -> Strands:
+    """Return strands in metres, in the emitter's frame, put on a solid; notes say what was done. Raises `UsageError`
+    for hair that cannot be meant for it."""
+    surface = Surface(head.solid)
+    turn, shift = np.array(head.pose.rotation), np.array(head.pose.translation)
+    roots = (strands.roots().astype(np.float64) - shift) @ turn
+    near = surface.nearest(roots)
+    fit = Fit(np.abs(near.distances))
+    _check(roots, fit.off, surface, head, file)
+    loose = fit.off > SEATED * surface.size
+    fit.seated = int(loose.sum())
+    wanted = loose | _near(strands, surface, turn, shift)
+    shifts = np.where(loose[:, None], near.points - roots, 0.0)
+    moved = strands.points.copy()
+    rows = np.flatnonzero(wanted)
+    counts = strands.counts()
+    batch = np.cumsum(counts[rows]) // BATCH
+    for some in (rows[batch == number] for number in np.unique(batch)):
+        _put_batch(strands, some, shifts, surface, (turn, shift), fit, moved)
+    notes += said(fit, surface, head, file)
+    return replace(strands, points=moved) if fit.seated or fit.led_out else strands
+
+
+def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
+    """Return in words what was done, a line each."""
+    found = []
+    if fit.seated:
+        found.append(
+            f"{file}: {strands_of(fit.seated)} of {len(fit.off):,} had roots off {head.name}, and were moved to it: "
+            f"median {np.median(fit.off):.2g} m, at most {fit.off.max():.2g} m"
+        )
+    if fit.led_out:
+        rest = f"; {strands_of(fit.left)} point by point" if fit.left else ""
+        found.append(
+            f"{file}: {strands_of(fit.led_out)} led out of {head.name}, up to {fit.deepest:.2g} m deep, to at least "
+            f"{CLEARANCE * surface.size:.2g} m from it{rest}"
+        )
+    if found:
+        found[-1] += f"; points moved by up to {fit.farthest:.2g} m, lengths by up to {100 * fit.stretch:.2g} %"
+    return found
+
+
+def _put_batch(
+    strands: Strands, some: NDArray[np.int64], shifts: Floats, surface: Surface, frame: tuple[Floats, Floats],
+    fit: Fit, moved: NDArray[np.float32],
+) -> None:  # fmt: skip
+    """Put some strands on the surface, and write those that changed to the points ``moved`` of all."""
+    turn, shift = frame
+    counts = strands.counts()[some]
+    first = offsets(counts)
+    own = np.repeat(strands.first[some] - first[:-1], counts) + np.arange(first[-1])
+    before = (strands.points[own].astype(np.float64) - shift) @ turn
+    steps = np.zeros(len(before))
+    steps[1:] = np.linalg.norm(np.diff(before, axis=0), axis=1)
+    steps[first[:-1]] = 0.0
+    along = np.cumsum(steps)
+    along -= np.repeat(along[first[:-1]], counts)
+    whole = along[first[1:] - 1]
+    points = before.copy()
+    away = np.linalg.norm(shifts[some], axis=1)
+    loose = away > 0
+    fades = np.minimum(np.maximum(FADE * away, FADE_SHARE * whole), np.maximum(whole, 1e-30))
+    bend.seat(first, points, shifts[some], fades, steps)
+    points[~np.repeat(loose, counts)] = before[~np.repeat(loose, counts)]
+    led = _lead_out(first, points, surface, steps, along, fit)
+    changed = loose | led
+    rows = np.repeat(changed, counts)
+    if not changed.any():
+        return
+    fit.led_out += int(led.sum())
+    fit.farthest = max(fit.farthest, float(np.linalg.norm(points[rows] - before[rows], axis=1).max()))
+    after = np.zeros(len(points))
+    after[1:] = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    after[first[:-1]] = 0.0
+    lengths = np.add.reduceat(after, first[:-1])
+    fit.stretch = max(fit.stretch, float((np.abs(lengths - whole) / np.maximum(whole, 1e-30)).max()))
+    moved[own[rows]] = points[rows] @ turn.T + shift
+
+
+def _lead_out(
+    first: NDArray[np.int64], points: Floats, surface: Surface, steps: Floats, along: Floats, fit: Fit
+) -> NDArray[np.bool_]:
+    """Lead points (P, 3) out of the surface, and return which strands (S,) were led."""
+    counts = np.diff(first)
+    clear = CLEARANCE * surface.size
+    # between two points a strand is lower over a curved surface than at them
+    least = (clear + steps**2 / (4 * surface.size)) * np.minimum(along / (RISE * clear), 1.0)
+    least[first[:-1]] = -np.inf
+    whole = along[first[1:] - 1]
+    led = np.zeros(len(counts), np.bool_)
+    active = np.arange(len(counts))
+    for number in range(ROUNDS + 1):
+        rows = np.concatenate([np.arange(first[s], first[s + 1]) for s in active])
+        part = offsets(counts[active])
+        near = surface.nearest(points[rows])
+        short = np.logical_or.reduceat(near.distances < least[rows], part[:-1])
+        if number == 0:
+            depths = -near.distances[np.isfinite(least[rows])]
+            fit.deepest = max(fit.deepest, float(depths.max(initial=0.0)))
+        if not short.any():
+            return led
+        led[active[short]] = True
+        active, keep = active[short], np.repeat(short, np.diff(part))
+        rows, part = rows[keep], offsets(counts[active])
+        near = Near(*(one[keep] for one in near))
+        needs = np.where(near.distances < GOAL * least[rows], GOAL * least[rows] - near.distances, 0.0)
+        if number == ROUNDS:
+            fit.left += len(active)
+            points[rows] += needs[:, None] * near.outward
+            return led
+        reach = np.maximum(REACH * np.maximum.reduceat(needs, part[:-1]), REACH_SHARE * whole[active])
+        own = np.ascontiguousarray(points[rows])
+        bend.lead_out(part, own, needs, np.ascontiguousarray(near.outward), reach, steps[rows], np.empty_like(own))
+        points[rows] = own
+    return led
+
+
+def _near(strands: Strands, surface: Surface, turn: Floats, shift: Floats) -> NDArray[np.bool_]:
+    """Return (S,) whether any point of a strand may be too near to the surface."""
+    counts = strands.counts()
+    clear = CLEARANCE * surface.size
+    found = np.zeros(strands.count, np.bool_)
+    batch = np.cumsum(counts) // BATCH
+    for number in np.unique(batch):
+        some = np.flatnonzero(batch == number)
+        begin, end = strands.first[some[0]], strands.first[some[-1] + 1]
+        points = (strands.points[begin:end].astype(np.float64) - shift) @ turn
+        steps = np.zeros(len(points))
+        steps[1:] = ((points[1:] - points[:-1]) ** 2).sum(axis=1)
+        least = surface.least(points) < clear + steps / (4 * surface.size)
+        found[some] = np.logical_or.reduceat(least, strands.first[some] - begin)
+    return found
+
+
+def _check(roots: Floats, off: Floats, surface: Surface, head: Head, file: str) -> None:
+    """Raise `UsageError` for roots (S, 3) so far off the surface that they cannot be meant for it, with advice."""
+    large = float(np.ptp(roots, axis=0).max())
+    ratio = max(large, 1e-30) / surface.size
+    limit = FAR if 1 / UNLIKE < ratio < UNLIKE else FAR_UNLIKE
+    if head.solid.kind == "plane" or not float(np.median(off)) > limit * surface.size:
+        return
+    unit = min(UNITS, key=lambda one: abs(math.log(max(ratio, 1 / ratio) / one)))
+    advice = "move, scale or turn one of them"
+    if max(ratio, 1 / ratio) > 2 and abs(math.log(max(ratio, 1 / ratio) / unit)) < math.log(2):
+        factor = 1 / unit if ratio > 1 else unit
+        advice = f"the hair may be in another unit: multiply emitter.groom.scale by {factor:.4g}"
+    raise UsageError(
+        f"{file}: its roots are {np.median(off):.3g} m off {head.name}, which is {surface.size:.3g} m large, and "
+        f"{large:.3g} m apart; {advice}"
+    )
+
+
+def _relative(outer: Pose, pose: Pose) -> Pose:
+    """Return a pose of the world in the frame of another one."""
+    turn = np.array(outer.rotation).T
+    rotation = turn @ np.array(pose.rotation)
+    a, b, c = (tuple(map(float, row)) for row in rotation)
+    x, y, z = (float(one) for one in turn @ (np.array(pose.translation) - np.array(outer.translation)))
+    return Pose((a, b, c), (x, y, z))  # type: ignore[arg-type]
