@@ -137,9 +137,10 @@ def test_pictures_spread_and_shorten(tmp_path: Path) -> None:
     near, far = (np.abs(inner[:, 2] - middle) < 0.15 for middle in (0.25, 0.75))
     assert far.sum() / near.sum() == pytest.approx(127 / 255, rel=0.03)
     lengths = grown(square, length=name)
-    right = lengths.roots[:, 0] > 0.6
-    np.testing.assert_allclose(lengths.lengths[right & (lengths.roots[:, 2] < 0.4)], 1.0, atol=1e-6)
-    np.testing.assert_allclose(lengths.lengths[lengths.roots[:, 0] < 0.4], 0.02, atol=1e-6)
+    x, _, z = np.abs(lengths.roots - [0.75, 0, 0.25]).T
+    np.testing.assert_allclose(lengths.lengths[(x < 0.15) & (z < 0.15)], 1.0, atol=1e-6)
+    x = np.abs(lengths.roots[:, 0] - 0.25)
+    np.testing.assert_allclose(lengths.lengths[x < 0.15], 0.02, atol=1e-6)
 
 
 def test_lengths_and_combing_are_those_of_the_vertices(ball: str) -> None:
