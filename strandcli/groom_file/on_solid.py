@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..errors import UsageError
 from ..exchange.change import strands_of
 from ..exchange.strands import Strands, offsets
-from ..mesh_file.read import Version, version
+from ..mesh_file.prepared import Key, key_of
 from ..scene.motion import Pose, emitter_pose, own_pose, solid_pose
 from .kernels import bend
 from .surface import Near, Surface
@@ -58,8 +58,8 @@ class Head(NamedTuple):
     pose: Pose
     """In the emitter's frame, at the start."""
     name: str
-    file: Version | None
-    """Of a mesh."""
+    mesh: Key | None
+    """Where it is one."""
 
 
 @dataclass
@@ -90,7 +90,7 @@ def head_of(scene: Scene) -> Head | None:
         pose = own_pose(solid, 0.0)
     else:
         pose = _relative(emitter_pose(scene.emitter, 0.0), solid_pose(solid, scene.emitter, 0.0))
-    return Head(solid, pose, given.on, version(solid.file) if solid.kind == "mesh" else None)
+    return Head(solid, pose, given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None)
 
 
 def put_on(strands: Strands, head: Head, file: str, notes: list[str]) -> Strands:

@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh_file.prepared import mesh_of, tree_and_grid
+from ..mesh_file.prepared import key_of, mesh_of, prepared
 from ..meshes.closest import closest
-from ..meshes.mesh import face_vectors, unit
 from .kernels.screen import grid_distances
 
 Floats = NDArray[np.float64]
@@ -30,14 +29,13 @@ class Near(NamedTuple):
 
 
 class Surface:
-    """The surface of a solid in its own frame, metres. ``size``: the longest side of its box."""
+    """The surface of a solid at the start, in its own frame, metres. ``size``: the longest side of its box."""
 
     def __init__(self, solid: Any) -> None:
         self.solid = solid
         if solid.kind == "mesh":
-            self.mesh = mesh_of(solid)
-            self.bvh, self.grid = tree_and_grid(solid)
-            self.size = self.mesh.size()
+            self.mesh = prepared(key_of(solid, 0.0))
+            self.size = mesh_of(solid).size()
         else:
             self.size = {
                 "sphere": lambda: 2 * solid.radius,
@@ -50,9 +48,9 @@ class Surface:
         """Return the nearest points of the surface to points (n, 3)."""
         if self.solid.kind != "mesh":
             return FORMS[self.solid.kind](self.solid, points)
-        found = closest(self.bvh, points)
+        found = closest(self.mesh.bvh, points)
         away = (points - found.points) / np.where(found.distances == 0, 1.0, found.distances)[:, None]
-        faces = unit(face_vectors(self.mesh.vertices[self.mesh.triangles[found.triangles]]))
+        faces = self.mesh.faces[found.triangles]
         on = np.abs(found.distances) < 1e-6 * self.size
         return Near(found.points, found.distances, np.where(on[:, None], faces, away))
 
@@ -61,8 +59,8 @@ class Surface:
         if self.solid.kind != "mesh":
             return FORMS[self.solid.kind](self.solid, points).distances
         found = np.empty(len(points), np.float32)
-        grid_distances(self.grid, points, found)
-        return np.asarray(found - self.grid.spacing)
+        grid_distances(self.mesh.grid, points, found)
+        return np.asarray(found - self.mesh.grid.spacing)
 
 
 def _sphere(solid: Any, points: Floats) -> Near:

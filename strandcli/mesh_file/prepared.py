@@ -118,12 +118,6 @@ def prepared(key: Key) -> Prepared:
     return Prepared(bvh, grid, faces, normals, colours, uv, density, texture)
 
 
-def tree_and_grid(settings: Any) -> tuple[Bvh, DistanceGrid]:
-    """The tree and the distances of a solid's settings, which its kernels share."""
-    file, how = version(settings.file), placing(settings)
-    return _bvh(file, how), _grid(file, how, settings.resolution)
-
-
 @functools.lru_cache(maxsize=KEPT)
 def _bvh(file: Version, how: Placing) -> Bvh:
     mesh = placed(file, how)
