@@ -67,7 +67,7 @@ class Renderer:
             combed = Combed(scene, children.every if isinstance(children, Children) else groom)
         self._deep, self._most = deep, groom.strands if children is None else children.count
         self.sky = sky_of(scene)
-        self.palette = Palette(scene.material, deep, groom.colours)
+        self.palette = Palette(scene.material, deep, groom.colours, groom.shades)
         self.ids = groom.places
         """(strands,) rank of each strand in the order of emission; None: 0, 1, …"""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)

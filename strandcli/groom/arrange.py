@@ -27,6 +27,8 @@ def arranged(groom: Groom) -> Groom:
         directions=groom.directions[order],
         lengths=groom.lengths[order],
         tones=groom.tones[order],
+        bend=None if groom.bend is None else groom.bend._replace(inward=groom.bend.inward[order]),
+        phases=None if groom.phases is None else groom.phases[order],
         grown=None if groom.grown is None else groom.grown[order],
         anchors=None if groom.anchors is None else groom.anchors.of(order),
         places=order if groom.places is None else groom.places[order],

@@ -183,7 +183,7 @@ class Children:
             longer = stream(seed, RANDOM + 80 + number, count)[clump_of] - 0.5
             turns.append(2 * np.pi / (wave.length * (1.0 + WAVE_SPREAD * longer)))
         tones = every.tones
-        if settings.clumps:
+        if settings.clumps and every.colours is None:
             tones = (1 - SHARED) * tones + SHARED * tones[levels.middles].mean(0)
         axes = every.directions.astype(np.float64)
         across = frame(axes[clump_of])[0]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..scene.model import DiscShape, Emitter, MeshShape, SphereShape
 from ..scene.specs import SMALLEST
-from .record import Groom, frame
+from .record import Bend, Groom, frame
 from .tie import bind
 
 Moved = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -66,14 +66,24 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
     lengths = emitter.length * np.maximum(1.0 + spread, 1e-6)
     if ground is not None:
         lengths = lengths * ground.lengths
+    tones = (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32)
+    found = None
+    if isinstance(emitter.shape, MeshShape) and ground is not None:
+        from .coat import coat
+
+        found = coat(emitter.shape, ground.anchors, tones)
     return Groom(
         roots.astype(np.float32),
         directions.astype(np.float32),
         lengths.astype(np.float32),
-        (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32),
+        tones if found is None else found.tones,
         (float(np.radians(emitter.curl_angle)), emitter.curl_turns) if emitter.curl_turns > 0 else (0.0, 0.0),
         grown=grown,
         anchors=None if ground is None else ground.anchors,
+        colours=None if found is None else found.palette,
+        shades=1 if found is None else found.shades,
+        bend=_bend(emitter, directions, normals),
+        phases=None if found is None else tones,
     )
 
 
@@ -131,6 +141,16 @@ def _combed(
     lift = np.radians(emitter.lift)
     found = np.cos(lift) * way + (np.sin(lift) + 1e-3) * normals
     return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
+
+
+def _bend(emitter: Emitter, directions: NDArray[np.float64], normals: NDArray[np.float64]) -> Bend | None:
+    """Return how strands bend toward the surface whose normals are given; None where they are straight."""
+    if emitter.bend == 0 or emitter.tie is not None:
+        return None
+    inward = (directions * normals).sum(1)[:, None] * directions - normals
+    size = np.linalg.norm(inward, axis=1)[:, None]
+    inward = np.where(size > SMALLEST, inward / np.maximum(size, SMALLEST), frame(directions)[0])
+    return Bend(float(np.radians(emitter.bend)), emitter.bend_onset, inward.astype(np.float32))
 
 
 def sides(emitter: Emitter, roots: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -22,6 +22,28 @@ class Anchors(NamedTuple):
         return Anchors(self.triangles[order], self.shares[order])
 
 
+class Bend(NamedTuple):
+    """How strands turn toward the surface on their way to the tip. n: strands."""
+
+    angle: float
+    """In all, radians."""
+    onset: float
+    """Share of a strand before it begins, in [0, 1)."""
+    inward: NDArray[np.float32]
+    """(n, 3) unit vectors perpendicular to the strands' directions, to which they turn."""
+
+
+class Coat(NamedTuple):
+    """Colours of strands. n: strands."""
+
+    palette: NDArray[np.float32]
+    """(k, 3) linear."""
+    shades: int
+    """Of each colour, among which the material's variation tells strands apart."""
+    tones: NDArray[np.float32]
+    """(n,) in [−1, 1], at which all shades of all colours stand evenly."""
+
+
 @dataclass(frozen=True)
 class Groom:
     """Strands at rest in the emitter's frame."""
@@ -48,6 +70,12 @@ class Groom:
     """(strands,) factor of each strand's width; None: 1."""
     colours: NDArray[np.float32] | None = None
     """(k, 3) linear colours that stand evenly at tones −1 to 1, in place of the material's; else None."""
+    shades: int = 1
+    """Tones that each of the colours takes, from dark to pale."""
+    bend: Bend | None = None
+    """How strands that are not curled bend; None: they are straight."""
+    phases: NDArray[np.float32] | None = None
+    """(strands,) in [−1, 1): by which curled strands are turned around their axes; None: tones."""
     ways: NDArray[np.float64] | None = None
     """(strands, n − 1, 3) unit vectors: the edges of strands that are simulated with n particles in a shape of their
     own; else None."""
@@ -56,15 +84,19 @@ class Groom:
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are
-        helices, each turned around its axis by its tone."""
+        helices, each turned around its axis by its phase."""
         if self.ways is not None:
             return self.ways[:, min(j, edges - 1)]
         angle, turns = self.curl
         axes = self.directions.astype(np.float64)
+        if angle == 0 and self.bend is not None:
+            done = max((j + 0.5) / edges - self.bend.onset, 0.0) / (1 - self.bend.onset)
+            return np.asarray(np.cos(self.bend.angle * done) * axes + np.sin(self.bend.angle * done) * self.bend.inward)
         if angle == 0:
             return axes
+        phases = self.tones if self.phases is None else self.phases
         first, second = frame(axes)
-        around = 2 * np.pi * (turns * (j + 0.5) / edges + self.tones)[:, None]
+        around = 2 * np.pi * (turns * (j + 0.5) / edges + phases)[:, None]
         return np.asarray(np.cos(angle) * axes + np.sin(angle) * (np.cos(around) * first + np.sin(around) * second))
 
     @property

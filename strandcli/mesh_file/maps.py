@@ -13,7 +13,7 @@ from ..errors import UsageError
 from ..exchange.edit.transform import turning
 from ..meshes.mesh import TriangleMesh
 from .read import KEPT, UP, version
-from .texture import picture
+from .texture import LINEAR, picture
 
 Floats = NDArray[np.float64]
 
@@ -90,6 +90,19 @@ def numbers(mesh: TriangleMesh, name: str, place: Place) -> Floats:
 def vectors(mesh: TriangleMesh, name: str, place: Place, up: str) -> Floats:
     """(V, 3) a vector for each vertex, turned as the mesh is by the up axis of its file. Raises `UsageError`."""
     return np.asarray(_finite(_attribute(mesh, name, place, 3), name, place) @ turning(up, UP).T)
+
+
+def coloured(mesh: TriangleMesh, triangles: NDArray[np.integer[Any]], shares: Floats) -> NDArray[np.float32]:
+    """(n, 3) linear colours at points of triangles (n,) with barycentric coordinates (n, 3): of the texture, whose
+    texel is the nearest one, else of the vertices. The mesh has one of the two."""
+    if mesh.texture is not None and mesh.uv is not None:
+        height, width = mesh.texture.shape[:2]
+        uv = np.einsum("nk,nkd->nd", shares, mesh.uv[triangles].astype(np.float64))
+        row = np.floor((1.0 - uv[:, 1]) * height).astype(np.int64) % height
+        column = np.floor(uv[:, 0] * width).astype(np.int64) % width
+        return np.asarray(LINEAR[mesh.texture[row, column]])
+    assert mesh.colours is not None
+    return np.einsum("nk,nkc->nc", shares, mesh.colours[mesh.triangles[triangles]]).astype(np.float32)
 
 
 def _attribute(mesh: TriangleMesh, name: str, place: Place, many: int) -> Floats:

@@ -46,7 +46,7 @@ def pyramid(image: NDArray[np.uint8]) -> Pyramid:
     while max(light.shape[:2]) > 1:
         first += light.shape[0] * light.shape[1]
         light = _halved(_halved(light, 0), 1)
-        parts.append(_encoded(light).reshape(-1, 3))
+        parts.append(encoded(light).reshape(-1, 3))
         levels.append((first, light.shape[1], light.shape[0]))
     return Pyramid(np.ascontiguousarray(np.concatenate(parts)), np.array(levels, np.int64))
 
@@ -66,7 +66,7 @@ def _halved(light: NDArray[np.float32], axis: int) -> NDArray[np.float32]:
     return np.ascontiguousarray(found, np.float32)
 
 
-def _encoded(light: NDArray[np.float32]) -> NDArray[np.uint8]:
+def encoded(light: NDArray[np.float32]) -> NDArray[np.uint8]:
     """Codes of sRGB whose light is nearest."""
     middles = 0.5 * (LINEAR[1:] + LINEAR[:-1])
     return np.searchsorted(middles, light).astype(np.uint8)

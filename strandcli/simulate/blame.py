@@ -82,6 +82,8 @@ def one_of(groom: Groom, strand: int) -> Groom:
         directions=groom.directions[one],
         lengths=groom.lengths[one],
         tones=groom.tones[one],
+        bend=None if groom.bend is None else groom.bend._replace(inward=groom.bend.inward[one]),
+        phases=None if groom.phases is None else groom.phases[one],
     )
 
 

@@ -81,3 +81,14 @@ def test_the_field_of_mirrored_parts_is_symmetric(module: Any) -> None:
     sculpture.crease([(0.02, 0.01, 0, 0.004), (0.03, 0.02, 0, 0.004)], 0.002, mirror=True, drape=True)
     points = np.random.default_rng(3).uniform(-0.12, 0.12, (4000, 3))
     np.testing.assert_allclose(sculpture.field(points), sculpture.field(points * [-1, 1, 1]), atol=1e-12)
+
+
+def test_the_wet_sheet_lies_on_the_fox_that_is_shipped(module: Any) -> None:
+    eyes, ply = module("fox_eyes"), module("ply")
+    rows, faces = eyes.wet(*ply.read(shipped("fox")))
+    sheet, found = ply.read(shipped("fox-eyes"))
+    np.testing.assert_array_equal(found, faces)
+    for axis in "xyz":
+        np.testing.assert_allclose(sheet[axis], rows[axis] + eyes.ABOVE * rows["n" + axis], atol=1e-6)
+    assert (rows["density"] < 0.7).all()
+    assert (sheet["y"] > 0.3).all()

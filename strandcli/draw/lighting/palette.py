@@ -16,16 +16,18 @@ from ..fibre.pigment import absorption, colour_of, tint, varies
 ALONG = 17
 TONES, TONES_GREY = 9, 65
 """Nodes over the tone, without and with grey strands, whose colours must hardly be interpolated with others."""
+MOST = 0.92
+"""Greatest part of a strand's colour that its shade makes paler."""
 
 
 class Palette:
     """Tables of a material for the shading kernels; those that a scene does not need are None."""
 
     def __init__(
-        self, material: Material, counts: bool = False, colours: NDArray[np.float32] | None = None
+        self, material: Material, counts: bool = False, colours: NDArray[np.float32] | None = None, shades: int = 1
     ) -> None:  # fmt: skip
         """``counts``: whether any light has an opacity map, which dual scattering needs; ``colours`` (k, 3): linear,
-        those of strands at tones −1 to 1, in place of the material's."""
+        those of strands at tones −1 to 1, in place of the material's, in so many ``shades`` each."""
         model = FIBRES[material.model]
         tables = model.tables(material)
         self._columns = getattr(model, "columns", None)
@@ -40,7 +42,8 @@ class Palette:
         base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
         if colours is not None:
-            self.tint = colour_table(colours.astype(np.float64), roughness, base)
+            rows = colours.astype(np.float64) if shades == 1 else shaded(colours.astype(np.float64), shades, material)
+            self.tint = colour_table(rows, roughness, base)
 
     @cached_property
     def columns(self) -> NDArray[np.float32] | None:
@@ -66,11 +69,27 @@ def tint_table(material: Material, roughness: float, base: NDArray[np.float64] |
     return table
 
 
+def shaded(colours: NDArray[np.float64], shades: int, material: Material) -> NDArray[np.float64]:
+    """Return colours (ALONG, k * shades, 3) of colours (k, 3): each as many times, dark to pale by the material's
+    variation, and toward the tip as its colour is."""
+    tones = (np.arange(shades) + 0.5) * (2 / shades) - 1
+    spread = np.exp(np.log1p(material.colour_variation) * tones)
+    rows = (colours[:, None] * spread[:, None]).reshape(1, -1, 3)
+    if material.tip_colour is not None:
+        change = np.array(material.tip_colour) / np.maximum(material.colour, 1e-4)
+        rows = rows * (1 + np.linspace(0, 1, ALONG)[:, None, None] * (change - 1))
+    rows = rows * np.minimum(
+        MOST / np.maximum(rows.max(axis=-1, keepdims=True), MOST), 1
+    )  # paler, but not of another hue
+    return np.asarray(np.broadcast_to(rows, (ALONG, rows.shape[1], 3)))
+
+
 def colour_table(
     colours: NDArray[np.float64], roughness: float, base: NDArray[np.float64] | None
 ) -> NDArray[np.float32]:
-    """Return a table (2, k, 6) float32 as `tint_table` does, of strands that each have one of some colours (k, 3)."""
-    table = np.zeros((2, len(colours), 6), np.float32)
+    """Return a table (A, k, 6) float32 as `tint_table` does, of strands that each have one of some colours: (k, 3), or
+    (A, k, 3) where they change along the strand."""
+    table = np.zeros((len(colours) if colours.ndim > 2 else 2, colours.shape[-2], 6), np.float32)
     table[..., :3] = colours
     if base is not None:
         table[..., 3:] = absorption(colours, roughness) - base

@@ -203,6 +203,12 @@ class Emitter:
         25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
     )
     curl_turns: float = number(0.0, low=0, high=1000, doc="turns of a helix from root to tip; 0: straight")
+    bend: float = number(
+        0.0, low=-360, high=360, unit="deg",
+        doc="by which strands turn toward the surface between bend_onset and the tip; below 0: away from it; not of "
+        "curled or tied ones",
+    )  # fmt: skip
+    bend_onset: float = number(0.0, low=0, high=0.95, doc="share of a strand that is straight before that")
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")

@@ -32,6 +32,12 @@ class MeshShape:
         doc="attribute of vertices or picture by which strands are shorter: a factor of `emitter.length` from 0 to 1, "
         "of which 0.02 is the least; absent: 1"
     )
+    colours: str = choice(
+        "none",
+        ("none", "file"),
+        doc="file: each strand has the mesh's colour at its root, that of the texture, else of the vertices; it varies "
+        "by material.colour_variation, and toward the tip as material.colour does to tip_colour; none: the material's",
+    )
     comb: str = text(
         "",
         doc="attribute of vertices, three numbers each or NAME_x, NAME_y and NAME_z: the direction of combing, in "
