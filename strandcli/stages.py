@@ -16,6 +16,7 @@ from .frame import Frame
 from .groom.arrange import arranged
 from .groom.children import Children
 from .groom.combed import Combed
+from .groom.deforming import at_start
 from .groom.emit import emit
 from .groom.followers import Followers
 from .groom.record import Groom
@@ -97,9 +98,8 @@ class SimulationStage:
 
                 for words in notes(scene.emitter):
                     self._warn(words)
-            return arranged(
-                emit(scene.emitter, scene.seed, needed_strands(scene, frames) if self.options.draw else None)
-            )
+            strands = needed_strands(scene, frames) if self.options.draw else None
+            return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands)))
         from .groom_file import from_scene, guided
 
         found = from_scene(scene)

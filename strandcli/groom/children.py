@@ -26,6 +26,7 @@ from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
 from . import fringe
+from .deforming import Deforming, deforming
 from .emit import emit, sides, stream
 from .record import Groom, frame
 
@@ -118,7 +119,8 @@ class Children:
         kernel.refine(positions, np.int64(steps), particles)
         segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
-        roots = (family.roots @ rotation.T + shift).astype(np.float32)
+        roots = family.roots if self._deforming is None else self._deforming.roots(at)
+        roots = (roots @ rotation.T + shift).astype(np.float32)
         own = np.arange(strands, dtype=np.int32) if ids is None else ids[:strands]
         m = particles.shape[1] - 1
         way = np.linspace(0.0, 1.0, m)
@@ -151,6 +153,11 @@ class Children:
         if edges is not None:
             moved = partial(fringe.roots, edges, emitter, seed, guides=self.groom.strands)
         return emit(dataclasses.replace(emitter, strands=self.count), seed, fringe=moved)
+
+    @cached_property
+    def _deforming(self) -> Deforming | None:
+        """The roots, where they move in the emitter's frame."""
+        return deforming(self.scene, self.every)
 
     @cached_property
     def family(self) -> _Family:

@@ -96,6 +96,17 @@ def deformed(file: Version, how: Placing, other: Version) -> Vectors:
     return found
 
 
+def vertices_at(settings: Any, time: float) -> Vectors:
+    """The vertices (V, 3) of a placed mesh at a time in seconds, as it deforms."""
+    file, how = version(settings.file), placing(settings)
+    if not settings.deform:
+        return placed(file, how).vertices
+    now = moment(settings.deform, time)
+    first, second = deformed(file, how, now.before), deformed(file, how, now.after)
+    found: Vectors = first + now.share * (second - first)
+    return found
+
+
 @functools.lru_cache(maxsize=KEPT)
 def _transform(file: Version, how: Placing) -> tuple[Vectors, Vectors]:
     """The matrix and the shift that place the mesh of a file."""

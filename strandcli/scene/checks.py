@@ -17,6 +17,7 @@ from .model import (
     DiscShape,
     Emitter,
     Image,
+    MeshKey,
     MeshShape,
     PlaneShape,
     PoseKey,
@@ -90,6 +91,11 @@ def _mesh(emitter: Emitter) -> Iterator[Finding]:
         yield Finding(
             ("emitter.shape.file", "emitter.shape"), "must be the path of a mesh of triangles", ("emitter.shape",)
         )
+    yield from _times(emitter.shape.deform, "emitter.shape.deform")
+    for index, key in enumerate(emitter.shape.deform):
+        path = f"emitter.shape.deform.{index}"
+        if not key.file:
+            yield Finding((f"{path}.file", path), "must be the path of a mesh", (path,))
     if emitter.tie is not None:
         places = ("emitter.tie", "emitter.shape")
         message = "a tie combs strands over a sphere, a disc or a plane, not over a mesh; take one of the two out"
@@ -162,7 +168,7 @@ def _fringe(children: Children | None, emitter: Emitter) -> Iterator[Finding]:
         yield Finding((path,), message, (path, "emitter.shape", "emitter.parting"))
 
 
-def _times(keys: Sequence[PoseKey | CameraKey], path: str) -> Iterator[Finding]:
+def _times(keys: Sequence[PoseKey | CameraKey | MeshKey], path: str) -> Iterator[Finding]:
     for index in range(1, len(keys)):
         if keys[index].time <= keys[index - 1].time:
             yield Finding(

@@ -22,7 +22,17 @@ from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION,
 from .kernels.rod_scratch import PACK
 from .material import TORSION as TORSIONAL_RIGIDITY
 from .rod_kernel import StepKernel
-from .rod_setup import forcing_of, material_of, matter_of, precision_of, rest_of, shape_of, state_of, world_edges
+from .rod_setup import (
+    forcing_of,
+    material_of,
+    matter_of,
+    packed,
+    precision_of,
+    rest_of,
+    shape_of,
+    state_of,
+    world_edges,
+)
 from .rod_teleport import Jumps, carry, stop
 from .solver import Solver
 from .surroundings import Surroundings
@@ -105,6 +115,7 @@ class RodSolver(Solver):
             self.pose = pose
         if around.any_solids and (jumps or self._last_step == 0):
             self._put_outside(time - dt)
+        self._deform(time)
         bdf2 = self.second and dt == self._last_step and not jumps
         h = 2 * dt / 3 if bdf2 else dt
         gust = around.gust(time, self.positions)
@@ -116,6 +127,16 @@ class RodSolver(Solver):
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt
+
+    def _deform(self, time: float) -> None:
+        """Set the roots in the emitter's frame where they move there, and how far they came since the last step."""
+        if self.deforming is None:
+            return
+        forcing, past = self.forcing, np.array(self.pose.rotation, self.dtype)
+        before = forcing.roots.copy()
+        roots, directions = self.deforming.at(time)
+        forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
+        forcing.drift[...] = _turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
     def _run(self, pose: Pose, *numbers: float) -> None:
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
@@ -133,6 +154,7 @@ class RodSolver(Solver):
         the shorter the step, and its motion would have no limit."""
         state = self.state
         tension = state.tension.copy()
+        self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
         self._run(self.pose, MOMENT, *[0.0] * FRICTION)
         state.tension[...] = tension
@@ -140,6 +162,7 @@ class RodSolver(Solver):
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
+        self._deform((frame - 1) / self.scene.time.fps)
         turn, moved = (np.array(part, self.dtype) for part in self._pose((frame - 1) / self.scene.time.fps))
         roots = _turned(turn, self.forcing.roots) + moved[:, None]
         before = roots - self.material.lengths[:, None] * _turned(turn, self.forcing.directions)

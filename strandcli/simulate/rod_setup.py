@@ -176,5 +176,5 @@ def forcing_of(groom: Groom, packs: int, dtype: Any) -> Forcing:
     """What moves strands, before a first step has set its numbers."""
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
-        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype),
+        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(groom.roots), dtype),
     )  # fmt: skip

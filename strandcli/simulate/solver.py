@@ -12,6 +12,7 @@ from .. import solids
 from ..blocks import aligned, lanes, pack, unpack
 from ..constants import W
 from ..groom.check import check
+from ..groom.deforming import deforming
 from ..groom.record import Groom
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
@@ -48,6 +49,8 @@ class Solver(ABC):
             way = groom.directions if row == 0 else groom.edge(row - 1, n - 1)
             local = local + rest_length[:, None] * way
         self.lengths = lanes(rest_length[:, None])
+        self.deforming = deforming(scene, groom)
+        """The roots, where they move in the emitter's frame."""
         self._frame = 0
 
     @abstractmethod

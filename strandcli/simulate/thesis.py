@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .. import runtime
+from ..blocks import lanes
 from ..groom.record import Groom
 from .compose import step_for
 from .rules import Moment, passes_of
@@ -29,6 +30,7 @@ class ThesisSolver(Solver):
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
+            self._deform(time)
             moment = Moment(time, dt, self.scene)
             prepared = {id(one): one.prepare(moment) for one in {id(one): one for one in self.passes}.values()}
             self._step(self.positions, self.lengths, self.rest, *[prepared[id(one)] for one in self.passes])
@@ -39,5 +41,15 @@ class ThesisSolver(Solver):
         if roots and (frame > 1 or self.scene.time.preroll > 0):
             time = self.scene.time
             moment = Moment((frame - 1) / time.fps, 1.0 / (time.fps * time.substeps), self.scene)
+            self._deform((frame - 1) / time.fps)
             step = step_for(tuple(roots), runtime.cache_folder())
             step(self.positions, self.lengths, self.rest, *[one.prepare(moment) for one in roots])
+
+    def _deform(self, time: float) -> None:
+        """Set the roots in the emitter's frame where they move there."""
+        if self.deforming is None:
+            return
+        roots, directions = self.deforming.at(time)
+        lengths = self.lengths.reshape(-1)[: self.strands, None]
+        self.rest[:, 0] = lanes(roots - lengths * directions)
+        self.rest[:, 1] = lanes(roots)

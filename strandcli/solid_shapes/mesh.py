@@ -10,6 +10,7 @@ from typing import Any
 
 from ..scene import fields
 from ..scene.fields import choice, integer, items, number
+from ..scene.model.mesh_shape import MeshKey
 from ..scene.model.solids import SolidSettings
 
 kind = "mesh"
@@ -19,14 +20,6 @@ LAZY = {
     "meet": "kernels.shape", "hides": "kernels.shape", "look": "kernels.shape",
 }  # fmt: skip
 """Parts of the shape that are imported when they are asked for, by the module of `strandcli.mesh_file`."""
-
-
-@dataclass(frozen=True, slots=True)
-class MeshKey:
-    """A shape of a mesh that deforms, at a time."""
-
-    time: float = number(0.0, unit="s", doc="seconds")
-    file: str = fields.file(doc="mesh with the same vertices in the same order as the solid's `file`")
 
 
 @dataclass(frozen=True, slots=True, repr=False)

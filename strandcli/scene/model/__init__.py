@@ -14,7 +14,7 @@ from __future__ import annotations
 from .camera import AOVS, Camera, CameraKey, Image
 from .emitter import DiscShape, Emitter, Followers, GroomFile, PlaneShape, SphereShape, Tie
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
-from .mesh_shape import MeshShape
+from .mesh_shape import MeshKey, MeshShape
 from .pose import PoseKey
 from .rod import Rod
 from .scene import RuleUse, Scene, Time
@@ -46,6 +46,7 @@ __all__ = [
     "Image",
     "Light",
     "Material",
+    "MeshKey",
     "MeshShape",
     "PlaneShape",
     "PlaneSolid",

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import choice, file, number, surface_map, text
+from ..fields import choice, file, items, number, surface_map, text
+
+
+@dataclass(frozen=True, slots=True)
+class MeshKey:
+    """A shape of a mesh that deforms, at a time."""
+
+    time: float = number(0.0, unit="s", doc="seconds")
+    file: str = file(doc="mesh with the same vertices in the same order as `file` of what deforms")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -24,6 +32,11 @@ class MeshShape:
         ("file", "origin", "ground"),
         doc="file: where it is in the file; origin: the middle of its box at the origin; ground: above it, the lowest "
         "point at y = 0",
+    )
+    deform: tuple[MeshKey, ...] = items(
+        MeshKey,
+        doc="files between which its vertices move in straight lines; with the rule emitter_motion roots follow their "
+        "triangles, and strands turn with them",
     )
     density: str = surface_map(
         doc="attribute of vertices or picture by which roots are spread; nothing grows where it is 0. Absent: evenly"

@@ -79,6 +79,8 @@ class Forcing(NamedTuple):
     """(`POSE`,)"""
     numbers: Any
     """(`NUMBERS`,)"""
+    drift: Any
+    """(P, 3 S) displacement of roots in the step beside that of the emitter, metres."""
 
 
 class Flags(NamedTuple):

@@ -102,7 +102,7 @@ def forcing_of(kind, descriptor):
     return Forcing(
         pointer_at(kind, descriptor[FORCING]), pointer_at(kind, descriptor[FORCING + 1]),
         pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
-        pointer_at(kind, descriptor[FORCING + 4]),
+        pointer_at(kind, descriptor[FORCING + 4]), pointer_at(kind, descriptor[FORCING + 5]),
     )  # fmt: skip
 
 
@@ -207,7 +207,8 @@ def place_root(s, local, place, positions, forcing):
     px, py, pz = rotated(pose, ROTATION, x, y, z)
     store3(positions, place, W, px + pose[TRANSLATION], py + pose[TRANSLATION + 1], pz + pose[TRANSLATION + 2])
     px, py, pz = rotated(pose, TURNED, x, y, z)
-    store3(s, ROOT_SHIFT, 1, px + pose[SHIFTED], py + pose[SHIFTED + 1], pz + pose[SHIFTED + 2])
+    dx, dy, dz = load3(forcing.drift, local, PACK)
+    store3(s, ROOT_SHIFT, 1, px + pose[SHIFTED] + dx, py + pose[SHIFTED + 1] + dy, pz + pose[SHIFTED + 2] + dz)
     x, y, z = load3(forcing.directions, local, PACK)
     x, y, z = rotated(pose, ROTATION, x, y, z)
     store3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1, x, y, z)

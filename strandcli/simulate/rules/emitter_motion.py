@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...constants import W
+from ...groom.deforming import deforms
 from ...scene.motion import emitter_pose
 from .rule import Moment, Pass
 
@@ -47,7 +48,9 @@ def apply(clamp: Any, root: Any, rest_clamp: Any, rest_root: Any, p: Any) -> Non
 
 def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
-    return "" if len(scene.emitter.keys) > 1 else "the emitter has fewer than two keys: it never moves"
+    if len(scene.emitter.keys) > 1 or deforms(scene):
+        return ""
+    return "the emitter has fewer than two keys: it never moves"
 
 
 def passes(parameters: Parameters, scene: Scene) -> list[Pass]:

@@ -1,0 +1,113 @@
+"""Roots on meshes that deform follow their triangles, in both solvers and for children."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import strandcli
+from mesh_kit import sphere
+from scene_kit import RULES
+from strandcli.blocks import unpack
+from strandcli.errors import UsageError
+from strandcli.groom.arrange import arranged
+from strandcli.groom.children import Children
+from strandcli.groom.deforming import at_start
+from strandcli.groom.emit import emit
+from strandcli.scene.loading import loads
+from strandcli.scene.model import Scene
+from strandcli.simulate import solver_of
+
+MATRIX, SHIFT = np.array([[1.2, 0.3, 0.0], [0.0, 0.8, 0.1], [0.2, 0.0, 1.1]]), np.array([0.05, 0.1, -0.2])
+TURN = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+
+
+def written(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> str:
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+    path.write_text("\n".join([*lines, *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles)]) + "\n")
+    return str(path)
+
+
+def scene_of(folder: Path, matrix: np.ndarray, more: str = "", solver: str = "thesis") -> Scene:
+    """Strands on a ball that is another one, under an affine map, one second later."""
+    vertices, triangles = sphere()
+    first = written(folder / "a.obj", vertices, triangles)
+    last = written(folder / "b.obj", vertices @ matrix.T + SHIFT, triangles)
+    deform = f"[{{time: 0, file: {first}}}, {{time: 1, file: {last}}}]"
+    shape = f"{{kind: mesh, file: {first}, deform: {deform}}}"
+    return loaded(folder, f"shape: {shape}", f"solver: {solver}\n{more}")
+
+
+def loaded(folder: Path, emitter: str, more: str) -> Scene:
+    """A scene of 150 strands for a second."""
+    path = folder / "p.yaml"
+    path.write_text(
+        "time: {fps: 10, frames: 11, substeps: 4}\nrules: [emitter_motion, elasticity]\n"
+        f"emitter: {{{emitter}, strands: 150, particles: 5, length: 0.2}}\n{more}"
+    )
+    return strandcli.load(str(path))
+
+
+@pytest.mark.parametrize("solver", ["thesis", "rod"])
+def test_roots_follow_affine_deformation_in_both_solvers(tmp_path: Path, solver: str) -> None:
+    scene = scene_of(tmp_path, MATRIX, solver=solver)
+    groom = at_start(scene, arranged(emit(scene.emitter, scene.seed)))
+    moved = solver_of(scene)(scene, groom)
+    start = moved.particles()[:, 0].astype(np.float64)
+    for frame, share in ((1, 0.0), (4, 0.3), (11, 1.0)):
+        moved.advance(frame)
+        wanted = start + share * (start @ (MATRIX - np.eye(3)).T + SHIFT)
+        np.testing.assert_allclose(moved.particles()[:, 0], wanted, atol=2e-6)
+    assert moved.errors(11)["stretch_max"] < 2e-3  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("solver", ["thesis", "rod"])
+def test_directions_turn_with_the_triangles(tmp_path: Path, solver: str) -> None:
+    """After a quarter turn the clamped edge before the root has turned too."""
+    scene = scene_of(tmp_path, TURN, solver=solver)
+    groom = at_start(scene, arranged(emit(scene.emitter, scene.seed)))
+    moved = solver_of(scene)(scene, groom)
+    moved.advance(11)
+    rows = unpack(moved.positions, moved.strands).astype(np.float64)
+    way = (rows[:, 1] - rows[:, 0]) / np.linalg.norm(rows[:, 1] - rows[:, 0], axis=1)[:, None]
+    np.testing.assert_allclose(way, groom.directions @ TURN.T, atol=1e-4)
+
+
+def test_rods_feel_the_motion_of_their_roots(tmp_path: Path) -> None:
+    """A shift by deforming is a shift of the emitter: strands end in the same places."""
+    shifted = scene_of(tmp_path, np.eye(3), solver="rod")
+    keys = "[{time: 0, position: [0, 0, 0], ease: linear}, {time: 1, position: [0.05, 0.1, -0.2]}]"
+    carried = loaded(tmp_path, f"shape: {{kind: mesh, file: {tmp_path / 'a.obj'}}}, keys: {keys}", "solver: rod\n")
+    found = []
+    for scene in (shifted, carried):
+        moved = solver_of(scene)(scene, at_start(scene, arranged(emit(scene.emitter, scene.seed))))
+        moved.advance(9)
+        found.append(moved.particles())
+    np.testing.assert_allclose(found[0], found[1], atol=2e-5)
+
+
+def test_roots_of_children_follow(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, MATRIX, "children: {count: 3}\n")
+    guides = arranged(emit(scene.emitter, scene.seed))
+    children = Children(scene, guides)
+    assert children._deforming is not None
+    start, end = children._deforming.roots(0.0), children._deforming.roots(1.0)
+    np.testing.assert_allclose(start, children.every.roots, atol=1e-6)
+    np.testing.assert_allclose(end, start @ MATRIX.T + SHIFT, atol=1e-7)
+
+
+def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, MATRIX)
+    vertices, triangles = sphere(1)
+    written(tmp_path / "b.obj", vertices, triangles)
+    with pytest.raises(UsageError, match=r"b\.obj: has 18 vertices, the mesh that it moves has 258"):
+        at_start(scene, emit(scene.emitter, scene.seed))
+    shape = f"kind: mesh, file: {tmp_path / 'a.obj'}, deform: "
+    for deform, words in (
+        (f"[{{time: 1, file: {tmp_path / 'a.obj'}}}, {{time: 0, file: {tmp_path / 'a.obj'}}}]", "forward in time"),
+        ("[{time: 0}]", "must be the path of a mesh"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            loads(f"emitter: {{shape: {{{shape}{deform}}}}}", rules=RULES, name="p.yaml")
