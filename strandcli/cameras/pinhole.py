@@ -42,6 +42,8 @@ class Pinhole:
     eye: Floats
     """(3,) metres."""
     perspective: bool = True
+    near: float | None = None
+    """Metres; of the near plane, where it is told."""
 
     def camera_points(self, points: ArrayLike) -> Floats:
         """(k, 3) points of the world along the camera's right, down and forward axes, metres."""
@@ -56,7 +58,9 @@ class Pinhole:
     def moved(self, turn: Floats, shift: Floats, factor: float = 1.0) -> Pinhole:
         """The same view of a world whose points p are at factor · turn · p + shift."""
         focal = self.focal if self.perspective else self.focal / factor
-        return replace(self, rotation=self.rotation @ turn.T, eye=factor * turn @ self.eye + shift, focal=focal)
+        near = None if self.near is None else factor * self.near
+        eye = factor * turn @ self.eye + shift
+        return replace(self, rotation=self.rotation @ turn.T, eye=eye, focal=focal, near=near)
 
     @property
     def matrix(self) -> Floats:
@@ -76,6 +80,7 @@ class Pinhole:
             "centre": list(self.centre),
             "rotation": self.rotation.tolist(),
             "eye": self.eye.tolist(),
+            **({} if self.near is None else {"near": self.near}),
         }
 
 
@@ -87,6 +92,7 @@ def from_dict(data: Mapping[str, Any]) -> Pinhole:
     return Pinhole(
         str(data["name"]), int(data["width"]), int(data["height"]), float(data["focal"]), (x, y),
         checked_rotation(rotation), np.array(data["eye"], np.float64).reshape(3), data["kind"] == "perspective",
+        float(data["near"]) if "near" in data else None,
     )  # fmt: skip
 
 
@@ -124,7 +130,7 @@ def of_camera(camera: Camera, name: str, width: int, height: int) -> Pinhole:
 
 
 def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
-    """A scene's camera of this view, with its near plane, that looks at a point so many metres ahead."""
+    """A scene's camera of this view, with its near plane or ``near``, that looks at a point so many metres ahead."""
     from ..scene.model import Camera
 
     axis_x, axis_y = view.centre[0] / view.width, view.centre[1] / view.height
@@ -138,7 +144,7 @@ def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
         height=Camera().height if view.perspective else view.height / view.focal,
         axis_x=axis_x,
         axis_y=axis_y,
-        near=near,
+        near=view.near or near,
     )
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import UsageError
-from . import colmap, neus, own, transforms
+from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
 from .pinhole import Pinhole
 
-KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, or dataset.json of strandcli"
+KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, dataset.json of strandcli, or USD"
 USD = (".usd", ".usda", ".usdc", ".usdz")
 MOST = 1_000_000
 """Views of a file."""
@@ -26,6 +26,10 @@ class Views:
     """Whether strandcli wrote it: its world is a scene's, in metres. Else it is that of the file of strands."""
     notes: tuple[str, ...] = ()
     """What a person should know, a line each."""
+    unit: float = 1.0
+    """Metres of a unit of the file's own coordinates, which are those of the file of strands; views are in metres."""
+    up: str = "y"
+    """Up axis of these; that of views is y."""
 
 
 def file_of(path: Path) -> Path:
@@ -47,25 +51,36 @@ def file_of(path: Path) -> Path:
 
 
 def views_of(
-    path: Path, size: tuple[int, int] | None = None, assumed: tuple[int, int] | None = None
+    path: Path, size: tuple[int, int] | None = None, assumed: tuple[int, int] | None = None, name: str = ""
 ) -> Views:  # fmt: skip
     """The views of a file or a folder; ``size``: width and height, which the file may tell too if it agrees;
-    ``assumed``: where it does not tell them. Raises `UsageError`, one line, for what cannot be read or drawn."""
+    ``assumed``: where it does not tell them; ``name``: of one of several cameras of USD. Raises `UsageError`, one line,
+    for what cannot be read or drawn."""
     notes: list[str] = []
     path = file_of(path)
     try:
-        views, ours = _read(path, size, notes)
+        found = _read(path, size, name, notes)
     except MissingSize:
         if assumed is None:
             raise
-        views, ours = _read(path, assumed, notes)
-    if len(views) > MOST:
-        raise UsageError(f"{path}: {len(views):,} views; {MOST:,} are read at the most")
-    return Views(views, ours, tuple(dict.fromkeys(notes)))
+        found = _read(path, assumed, name, notes)
+    if len(found.views) > MOST:
+        raise UsageError(f"{path}: {len(found.views):,} views; {MOST:,} are read at the most")
+    return replace(found, notes=tuple(dict.fromkeys(notes)))
 
 
-def _read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[Sequence[Pinhole], bool]:
-    """The views of a file by its kind, and whether strandcli wrote it."""
+def _read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) -> Views:
+    """The views of a file by its kind."""
+    if path.suffix.lower() in USD:
+        stage = usd.read(path, size, name, notes)
+        return Views(stage.views, stage.own, unit=stage.unit, up=stage.up)
+    if name:
+        raise UsageError(f"{path}: camera {name}: only files of USD have several cameras; leave out the name")
+    return Views(*_others(path, size, notes))
+
+
+def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[Sequence[Pinhole], bool]:
+    """The views of a file that is no USD, and whether strandcli wrote it."""
     if path.name in colmap.FILES and colmap.folder_of(path.parent) is not None:
         return colmap.read(path.parent, size, notes)
     if path.suffix.lower() == ".npz":
@@ -74,8 +89,6 @@ def _read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[S
         return own.read(path), True
     if path.suffix.lower() == ".json":
         return transforms.read(path, size, notes)
-    if path.suffix.lower() in USD:
-        raise UsageError(f"{path}: cameras of USD are not read; write them as transforms.json")
     raise UsageError(f"{path}: is no file of cameras that is known: {KINDS}")
 
 

@@ -7,30 +7,63 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..errors import UsageError
 from . import options
 
 if TYPE_CHECKING:
     from ..cameras.read import Views
 
-cameras = click.option(
+_file = click.option(
     "--cameras", type=options.PathType(), metavar="FILE",
-    help="Views of a file or folder: transforms.json, COLMAP text, cameras.npz, dataset.json.",
+    help="Views of a file or folder: transforms.json, COLMAP text, cameras.npz, dataset.json, USD.",
 )  # fmt: skip
 
-OWN_WORLD = ("emitter.groom.size=null", "emitter.groom.scale=1", "emitter.groom.place=file", "emitter.groom.up=y")
+cameras = options.together(
+    _file,
+    click.option("--camera", metavar="NAME", help="The camera that is meant, of several in a file of USD."),
+)
+
+PLACED = ("emitter.groom.size=null", "emitter.groom.place=file")
 """Strands where their file has them, which is where cameras from elsewhere look for them."""
+USD = (".usd", ".usda", ".usdc")
+"""Files of strands that tell their unit and up axis themselves."""
 
 
-def world(preset: str, found: Views) -> tuple[str, ...]:
+def world(preset: str, found: Views, path: Path | None) -> tuple[str, ...]:
     """What is set so that a scene is in the world of its cameras, as after --set: a file of strands is drawn where it
-    stands unless strandcli wrote the cameras, of a scene in metres."""
-    return OWN_WORLD if options.is_groom(preset) and not found.own else ()
+    stands unless strandcli wrote the cameras, of a scene in metres, into another file."""
+    if not options.is_groom(preset):
+        return ()
+    together = path is not None and path.absolute() == Path(preset).absolute()
+    if found.own and not together:
+        return ()
+    if Path(preset).suffix.lower() in USD and path is not None and path.suffix.lower() in USD and not together:
+        return (*PLACED, "emitter.groom.scale=null", "emitter.groom.up=auto")
+    return (*PLACED, f"emitter.groom.scale={found.unit!r}", f"emitter.groom.up={found.up}")
 
 
-def film(preset: str, path: Path, size: tuple[int, int] | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def views(path: Path, size: tuple[int, int] | None, name: str | None, assumed: tuple[int, int] | None = None) -> Views:
+    """The views of a file. Raises `UsageError` for one that cannot be read."""
+    from ..cameras.read import views_of
+
+    return views_of(path, size, assumed, name or "")
+
+
+def require_file(path: Path | None, name: str | None) -> None:
+    """Raise `UsageError` for the name of a camera without a file."""
+    if name is not None and path is None:
+        raise UsageError("--camera: names a camera of a file; add --cameras FILE")
+
+
+def film(
+    preset: str, path: Path, size: tuple[int, int] | None, name: str | None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """What is set for a film of the views of a file, and what a person should know of them. Raises `UsageError` for a
     file that cannot be drawn, and for a size that is not its own."""
-    from ..cameras.read import file_of, views_of
+    from ..cameras.read import file_of
 
-    found = views_of(path, size, assumed=(1, 1))
-    return (*world(preset, found), "camera.keys=[]", f"camera.file={file_of(path).absolute()}"), found.notes
+    found = views(path, size, name, assumed=(1, 1))
+    place = file_of(path).absolute()
+    return (
+        *world(preset, found, path), "camera.keys=[]", f"camera.file={place}", f'camera.name="{name or ""}"',
+    ), found.notes  # fmt: skip

@@ -56,6 +56,7 @@ def command(
     first: int,
     output: Path,
     cameras: Path | None,
+    camera: str | None,
     azimuth: tuple[float, float],
     elevation: tuple[float, float],
     light: str | None,
@@ -78,7 +79,8 @@ def command(
     """
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
-    from ..cameras.read import Views, views_of
+    camera_files.require_file(cameras, camera)
+    from ..cameras.read import Views
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
     from ..dataset.run import Order, Talk, make
     from ..dataset.views import EACH, ONE, Chance
@@ -86,12 +88,15 @@ def command(
 
     kind = layout_of(layout)
     usual = EACH if kind.own_light else ONE
-    found = Views((), True) if cameras is None else views_of(cameras, scene_settings["size"])
+    found = Views((), True) if cameras is None else camera_files.views(cameras, scene_settings["size"], camera)
     size = size_for(kind, scene_settings.pop("size"), found.views, cameras)
     numbers = numbers_for(views, first, found.views, cameras)
     made = []
     for groom, name in zip(grooms, names_of(grooms), strict=True):
-        given = {**scene_settings, "overrides": (*camera_files.world(groom, found), *scene_settings["overrides"])}
+        given = {
+            **scene_settings,
+            "overrides": (*camera_files.world(groom, found, cameras), *scene_settings["overrides"]),
+        }
         scene = scene_for(options.load_scene(groom, size=size, **given), kind, size, frame)
         require_memory(make_plan(scene, [frame]))
         folder = output / name if len(grooms) > 1 else output

@@ -17,6 +17,7 @@ from .say import say
 if TYPE_CHECKING:
     from ..exchange.strands import Strands, TimeSample
     from ..export import DrawnFrame
+    from ..scene.model import Scene
 
 LEVELS = {str(2**level): level for level in range(9)}
 
@@ -54,7 +55,8 @@ def command(
     """Write the strands that PRESET draws, children among them, as the file OUT, in the format that its name ends in.
 
     Points are in metres, y up, root to tip, in the order of emission; widths are those that are drawn. .abc and .usd
-    hold all frames, frame N at N / fps seconds; of other formats each frame is a file: OUT_0001.hair, ….
+    hold all frames, frame N at N / fps seconds; of other formats each frame is a file: OUT_0001.hair, …. Files of USD
+    have the preset's camera, too.
     """
     options.exclusive(quiet=quiet, verbose=verbose)
     from ..exchange import files
@@ -88,7 +90,7 @@ def command(
                 progress.step(f"frame {one.number}")
                 signals.check()
 
-        found = _write(stepped(), paths, moving and len(numbers) > 1, scene.time.fps, lost)
+        found = _write(stepped(), paths, moving and len(numbers) > 1, scene, lost)
     _tell(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), (as_json, quiet))
 
 
@@ -97,23 +99,29 @@ def _numbered(target: Path, number: int) -> Path:
 
 
 def _write(
-    found: Iterator[DrawnFrame], paths: dict[int, Path], moving: bool, fps: float, lost: dict[str, None]
+    found: Iterator[DrawnFrame], paths: dict[int, Path], moving: bool, scene: Scene, lost: dict[str, None]
 ) -> Strands:
     """Write the frames, all into one file or each into its own; returns the first one's strands."""
+    from ..cameras.of_scene import camera_layer
     from ..exchange import files
     from ..exchange.strands import TimeSample
 
     first = next(found)
+    if scene.emitter.groom is not None:
+        from ..groom_file import completed
+
+        scene = completed(scene)  # its camera may depend on the strands
 
     def samples() -> Iterator[TimeSample]:
         for one in chain([first], found):
-            yield TimeSample(one.number / fps, one.strands.points)
+            yield TimeSample(one.number / scene.time.fps, one.strands.points)
 
     if moving:
-        lost |= dict.fromkeys(files.write(paths[first.number], first.strands, samples()))
+        camera = camera_layer(scene, list(paths))
+        lost |= dict.fromkeys(files.write(paths[first.number], first.strands, samples(), camera))
         return first.strands
     for one in chain([first], found):
-        lost |= dict.fromkeys(files.write(paths[one.number], one.strands))
+        lost |= dict.fromkeys(files.write(paths[one.number], one.strands, beside=camera_layer(scene, [one.number])))
     return first.strands
 
 

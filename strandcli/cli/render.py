@@ -55,6 +55,7 @@ def command(
     aovs: tuple[str, ...] | None,
     exr: bool,
     cameras: Path | None,
+    camera: str | None,
     from_cache: Path | None,
     keep_going: bool,
     resume: bool,
@@ -76,9 +77,10 @@ def command(
     options.exclusive(overwrite=overwrite, resume=resume)
     options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
+    camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
-        changes, notes = camera_files.film(preset, cameras, scene_settings["size"])
+        changes, notes = camera_files.film(preset, cameras, scene_settings["size"], camera)
         scene_settings["overrides"] = (*changes, *scene_settings["overrides"])
         for words in () if quiet else notes:
             say(f"warning: {words}", err=True)

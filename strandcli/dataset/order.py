@@ -87,7 +87,7 @@ def scene_for(scene: Scene, layout: Layout, size: tuple[int, int], frame: int) -
     camera = replace(
         scene.camera, kind="perspective" if layout.perspective else "orthographic", position=now.position,
         target=now.target, aperture=0.0, shutter=0.0, keys=(), axis_x=0.5, axis_y=0.5,
-        file=None, views=(),
+        file=None, name="", views=(),
     )  # fmt: skip
     return replace(scene, camera=camera, image=replace(scene.image, size=size, crop=None, aovs=LAYERS))
 

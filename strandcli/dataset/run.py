@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..cameras import usd_text
 from ..cameras.pinhole import Pinhole, from_dict, of_camera, to_camera
 from ..output.claim import Claim
 from ..output.files import prepare_folder, refusal, require_own, write_json, write_pieces
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from .studio import Studio
 
 BYTES_A_PIXEL = 14
+CAMERAS = "cameras.usda"
 NEAR = 0.01
 """Near plane of cameras from files, as a share of their distance from the middle of the strands."""
 SMALLEST = 1e-6
@@ -161,9 +163,9 @@ def _write(order: Order, labels: Labels, entry: dict[str, Any]) -> str:
 
 
 def _write_index(order: Order, studio: Studio, entries: Sequence[dict[str, Any]]) -> None:
-    """Write the files of all views together."""
+    """Write the files of all views together, and their cameras for programs that read USD."""
     views = [from_dict(entry["camera"]) for entry in entries]
-    for path, pieces in order.layout.index(views, studio.cloud).items():
+    for path, pieces in {CAMERAS: [usd_text.written(views)], **order.layout.index(views, studio.cloud)}.items():
         prepare_folder((order.folder / path).parent, 0)
         write_pieces(order.folder / path, pieces)
     for link, target in order.layout.links().items():

@@ -20,7 +20,7 @@ from typing import Any
 from ..errors import UsageError
 from ..registry import Registry
 from .bounded import opened
-from .strands import Strands, TimeSample
+from .strands import Layer, Strands, TimeSample
 
 FORMATS = Registry(
     "format of strands", "strandcli.groom_formats", "exchange.formats", "hair", ("name", "suffixes", "sniff", "read")
@@ -59,14 +59,19 @@ def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iter
             return
 
 
-def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+def write(
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None
+) -> list[str]:
     """Write strands in the format that the name ends in, whole or not at all; returns a line for all that this format
-    does not hold. ``samples``: their points at several times."""
+    does not hold. ``samples``: their points at several times; ``beside``: what else goes into a stage of USD, and
+    nowhere else."""
     driver = writer_of(path)
     if samples is not None and not getattr(driver, "moving", False):
         moving = [one.name for one in drivers() if getattr(one, "moving", False)]
         where = f"; write {' or '.join(moving)}" if moving else ""
         raise UsageError(f"{path}: {driver.name} holds one moment only{where}")
+    if beside is not None and getattr(driver, "staged", False):
+        return list(driver.write(path, strands, samples, beside))
     return list(driver.write(path, strands, samples))
 
 

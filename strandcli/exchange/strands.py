@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -14,6 +14,8 @@ Offsets = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 Domain = Literal["point", "strand", "groom"]
 """What an attribute has a value for: each point, each strand, or all of it."""
+Layer = Callable[[float], str]
+"""Makes a layer in USD's own text, whose time codes are so many a second."""
 SHORTEST = 2
 """Points of a strand, at least; readers skip and count those that have fewer."""
 SHORT = "fewer than two points"

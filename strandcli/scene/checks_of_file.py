@@ -20,6 +20,8 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     given, fit = scene.emitter.groom, scene.camera.fit
     if scene.camera.file and scene.camera.keys:
         yield ("camera.file", "camera.keys"), "a camera with keys stands where they say; take one of the two out"
+    if scene.camera.name and not scene.camera.file:
+        yield ("camera.name", "camera.file"), "names a camera of camera.file; there is none: take it out"
     if given is None:
         if fit is not None:
             yield ("camera.fit", PLACE), f"fits strands of a file into the picture; there is no {PLACE}: take it out"

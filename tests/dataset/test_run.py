@@ -32,11 +32,11 @@ def groom(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """The files of all views, but for what tells of time."""
+    """The files of single views, but for what tells of time."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and not path.is_symlink() and path.suffix != ".json"
+        if path.is_file() and not path.is_symlink() and path.suffix not in (".json", ".usda")
     }
 
 

@@ -48,7 +48,7 @@ def test_every_setting_is_written_out() -> None:
     assert list(data) == [key for key in settings_of(Scene) if key != "panels"]
     lens = ["aperture", "focus", "shutter", "samples"]
     view = ["kind", "position", "target", "up", "fov", "height", "axis_x", "axis_y", "near", "fit"]
-    assert list(data["camera"]) == [*view, *lens, "keys", "file"]
+    assert list(data["camera"]) == [*view, *lens, "keys", "file", "name"]
     shadow = {"model": "minmax", "size": None, "layers": 31, "texel": None, "bias": 0.0, "parameters": None}
     assert data["lights"][0]["shadow"] == shadow
 

@@ -9,13 +9,13 @@ from typing import Any
 from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import joined
-from ..strands import Source, Strands, TimeSample, without_short
+from ..strands import Layer, Source, Strands, TimeSample, without_short
 from ..usd.curves import Reader, Stage
 from ..usd.export import write_stage
 
 name = ".usd"
 suffixes = (".usd", ".usda", ".usdc")
-moving = True
+moving = staged = True
 
 MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
 """How files begin."""
@@ -79,7 +79,9 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
     yield from reader.moments(reader.stage().curves)
 
 
-def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+def write(
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None
+) -> list[str]:
     """Write a file, text where its name ends in `.usda`: a stage of one prim of linear curves, its attributes, and the
-    points at several times."""
-    return write_stage(path, strands, samples)
+    points at several times; with the prims of another layer ``beside`` them."""
+    return write_stage(path, strands, samples, beside)

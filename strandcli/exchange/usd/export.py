@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import refusal, temporary_name
-from ..strands import CHUNK, Attribute, Domain, Points, Strands, TimeSample
+from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
 from .curves import NAMES
 from .messages import Message
 from .process import ask
@@ -31,9 +31,11 @@ NEAR = 1e-6
 """Time codes by which a moment may be off a whole one that is meant."""
 
 
-def write_stage(path: Path, strands: Strands, samples: Iterable[TimeSample] | None) -> list[str]:
-    """Write strands as linear curves; ``samples``: their points at several times, rising. Returns lines for what is
-    left out. Raises `RefusedError` where it cannot be written."""
+def write_stage(
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None
+) -> list[str]:
+    """Write strands as linear curves; ``samples``: their points at several times, rising; ``beside``: other prims.
+    Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
     temporary = temporary_name(path).with_suffix(".tmp.usd")
     attributes, lost = _attributes(strands)
     kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
@@ -41,7 +43,7 @@ def write_stage(path: Path, strands: Strands, samples: Iterable[TimeSample] | No
     try:
         temporary.write_bytes(b"")
         temporary.unlink()
-        for _ in ask(path, request, _messages(path, strands, attributes, samples)):
+        for _ in ask(path, request, _messages(path, strands, attributes, samples, beside)):
             pass
         os.replace(temporary, path)
     except OSError as error:
@@ -53,8 +55,9 @@ def write_stage(path: Path, strands: Strands, samples: Iterable[TimeSample] | No
 
 
 def _messages(
-    path: Path, strands: Strands, attributes: list[tuple[str, str, Any]], samples: Iterable[TimeSample] | None
-) -> Iterator[Message]:
+    path: Path, strands: Strands, attributes: list[tuple[str, str, Any]], samples: Iterable[TimeSample] | None,
+    beside: Layer | None = None,
+) -> Iterator[Message]:  # fmt: skip
     """What the worker is to write: all but points, then these at each time."""
     moments = _moments(path, strands, samples)
     first = next(moments)
@@ -67,6 +70,7 @@ def _messages(
     told = {
         "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": ["linear", "", "nonperiodic"],
         "attributes": [[name, interpolation] for name, interpolation, _ in attributes],
+        "beside": beside(rate or RATE) if beside else "",
     }  # fmt: skip
     yield told, [strands.counts().astype("<i4"), *(values for _, _, values in attributes)]
     widest = max((float(values.max(initial=0.0)) for name, _, values in attributes if name == "widths"), default=0.0)
@@ -102,11 +106,14 @@ def _rate(seconds: float) -> float:
     return float(whole) if whole and abs(found - whole) < 1e-4 * whole else float(f"{found:.12g}")
 
 
+def time_code(seconds: float, rate: float) -> float:
+    """The time code of a moment, of which ``rate`` are a second: a whole one where it is meant."""
+    code = seconds * rate
+    return float(round(code)) if abs(code - round(code)) < NEAR else code
+
+
 def _points(one: TimeSample, rate: float | None, widest: float) -> Message:
-    code = None
-    if rate is not None:
-        code = one.seconds * rate
-        code = float(round(code)) if abs(code - round(code)) < NEAR else code
+    code = None if rate is None else time_code(one.seconds, rate)
     return {"code": code, "extent": _extent(one.points, widest)}, [one.points.astype("<f4", copy=False)]
 
 

@@ -36,7 +36,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     stage = opened(request["path"])
     prims, told = curves_of(stage)
     times = times_of(prims)
-    rate = _rate(stage)
+    rate = rate_of(stage)
     yield {
         **told,
         "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
@@ -55,7 +55,7 @@ def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     """At each time the points of each prim of curves, and where they are put."""
     stage = opened(request["path"])
     prims, _ = curves_of(stage)
-    times, rate = times_of(prims), _rate(stage)
+    times, rate = times_of(prims), rate_of(stage)
     codes = [Usd.TimeCode(time) for time in times] or [Usd.TimeCode.Default()]
     first = [_counts(prim, codes[0]) for prim in prims]
     for moment in codes:
@@ -71,7 +71,8 @@ def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         yield {"seconds": seconds, "matrices": [_matrix(prim, places) for prim in prims]}, points
 
 
-def _rate(stage: Usd.Stage) -> float:
+def rate_of(stage: Usd.Stage) -> float:
+    """Time codes a second."""
     found = float(stage.GetTimeCodesPerSecond())
     return found if found > 0 else 24.0
 
@@ -111,16 +112,22 @@ def times_of(prims: list[Usd.Prim]) -> list[float]:
     """Time codes at which points change, or where they are put, rising."""
     found: set[float] = set()
     for prim in prims:
-        found.update(UsdGeom.BasisCurves(prim).GetPointsAttr().GetTimeSamples())
-        holder = prim
-        while holder and not holder.IsPseudoRoot():
-            if holder.IsA(UsdGeom.Xformable):
-                place = UsdGeom.Xformable(holder)
-                if place.TransformMightBeTimeVarying():
-                    found.update(place.GetTimeSamples())
-                if place.GetResetXformStack():
-                    break
-            holder = holder.GetParent()
+        found.update(times_along(prim, [UsdGeom.BasisCurves(prim).GetPointsAttr()]))
+    return sorted(found)
+
+
+def times_along(prim: Usd.Prim, attributes: list[Usd.Attribute]) -> list[float]:
+    """Time codes at which any of its attributes changes, or where it is put, rising."""
+    found = {time for one in attributes for time in one.GetTimeSamples()}
+    holder = prim
+    while holder and not holder.IsPseudoRoot():
+        if holder.IsA(UsdGeom.Xformable):
+            place = UsdGeom.Xformable(holder)
+            if place.TransformMightBeTimeVarying():
+                found.update(place.GetTimeSamples())
+            if place.GetResetXformStack():
+                break
+        holder = holder.GetParent()
     return sorted(found)
 
 

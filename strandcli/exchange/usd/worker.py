@@ -79,9 +79,12 @@ def _answer(request: dict[str, Any], fill: Fill, outgoing: BinaryIO) -> None:
 
 
 def _asked(request: dict[str, Any]) -> Callable[[dict[str, Any], Fill], Iterator[Message]]:
-    from . import read_stage, write_stage
+    from . import read_cameras, read_stage, write_stage
 
-    return {"read": read_stage.read, "moments": read_stage.moments, "write": write_stage.write}[request["do"]]
+    return {
+        "read": read_stage.read, "moments": read_stage.moments, "cameras": read_cameras.read,
+        "write": write_stage.write,
+    }[request["do"]]  # fmt: skip
 
 
 @cache

@@ -71,12 +71,25 @@ def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
     layer.Save()
 
 
+def _add(stage: Usd.Stage, text: str) -> None:
+    """Add the prims of a layer in USD's own text, and which render settings it names."""
+    layer, to = Sdf.Layer.CreateAnonymous(".usda"), stage.GetRootLayer()
+    layer.ImportFromString(text)
+    for prim in layer.rootPrims:
+        Sdf.CopySpec(layer, prim.path, to, prim.path)
+    settings = Usd.Stage.Open(layer).GetMetadata("renderSettingsPrimPath")
+    if settings:
+        stage.SetMetadata("renderSettingsPrimPath", settings)
+
+
 def _describe(stage: Usd.Stage, curves: UsdGeom.BasisCurves, told: dict[str, Any], arrays: list[Any]) -> None:
     """Write all but points."""
     stage.SetDefaultPrim(curves.GetPrim())
     UsdGeom.SetStageUpAxis(stage, told["up"])
     UsdGeom.SetStageMetersPerUnit(stage, told["unit"])
     stage.GetRootLayer().customLayerData = {"creator": "strandcli"}
+    if told["beside"]:
+        _add(stage, told["beside"])
     if told["rate"] is not None:
         stage.SetTimeCodesPerSecond(told["rate"])
         stage.SetFramesPerSecond(told["rate"])

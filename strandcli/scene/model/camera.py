@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Colour, Vector, choice, colour, file, integer, items, names, number, size, vector, window
+from ..fields import Colour, Vector, choice, colour, file, integer, items, names, number, size, text, vector, window
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -53,8 +53,9 @@ class Camera:
     file: str | None = file(
         None,
         doc="file of cameras, whose views are those of frames 1, 2, …, in the scene's world: transforms.json, COLMAP's "
-        "cameras.txt, cameras.npz, dataset.json; absent: none",
+        "cameras.txt, cameras.npz, dataset.json, USD; absent: none",
     )
+    name: str = text("", doc="of several cameras in a file of USD the one that is meant: its path, or the end of it")
     views: tuple[Camera, ...] = ()
     """Of ``file``; no setting of its own."""
 
