@@ -24,6 +24,7 @@ from .record import Anchors
 
 Floats = NDArray[np.float64]
 
+Y = 1
 GOLDEN = 0.6180339887498949  # the golden ratio's fraction
 SHORTEST = 0.02
 """Least factor of a strand's length."""
@@ -104,22 +105,27 @@ def at_anchors(mesh: TriangleMesh, anchors: Anchors) -> tuple[Floats, Floats]:
 def seedbed(shape: MeshShape) -> Seedbed:
     """Return a mesh as strands are spread over it, kept as long as its files stay. Raises `UsageError`."""
     picture = version(shape.density) if "." in shape.density else None
-    return _seedbed(version(shape.file), placing(shape), shape.density, picture)
+    return _seedbed(version(shape.file), placing(shape), shape.density, picture, shape.above)
 
 
 @functools.lru_cache(maxsize=KEPT)
-def _seedbed(file: Version, how: Any, density: str, picture: Version | None) -> Seedbed:
+def _seedbed(file: Version, how: Any, density: str, picture: Version | None, above: float | None) -> Seedbed:
     mesh = placed(file, how)
     found = pieces(mesh, density, Place(file.path, "emitter.shape.density"))
     corners = np.einsum("pck,pkd->pcd", found.corners, mesh.vertices[mesh.triangles[found.triangles]])
     areas = 0.5 * np.linalg.norm(face_vectors(corners), axis=1)
     values = np.maximum(found.values, 0.0)
+    if above is not None:
+        values = np.where(corners[:, :, Y] > above, values, 0.0)
     measure = areas * values.mean(axis=1)
     whole, most = float(measure.sum()), float(values.max())
     if not whole > 0:
         raise UsageError(
             f"{file.path}: emitter.shape.density: {density!r} is 0 all over the mesh, so that nothing grows; "
             "take another one, or mend it"
+            if above is None
+            else f"{file.path}: emitter.shape.above: nothing grows above {above:g} m, where no vertex has "
+            f"a density; it reaches from {corners[:, :, Y].min():.3g} to {corners[:, :, Y].max():.3g} m"
         )
     order = along_curve(corners.mean(axis=1), face_vectors(corners))
     order = order[measure[order] > 0]

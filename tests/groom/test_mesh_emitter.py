@@ -122,6 +122,15 @@ def test_nothing_grows_where_density_is_0(ball: str) -> None:
     assert bed.even <= bed.grown <= bed.area
 
 
+def test_strands_grow_above_a_height_alone(ball: str) -> None:
+    roots = grown(ball, above=0.3).roots
+    mesh = seedbed(MeshShape(file=ball)).mesh
+    crossing = mesh.vertices[mesh.triangles][(mesh.vertices[mesh.triangles][:, :, 1] > 0.3).any(axis=1)]
+    assert crossing[:, :, 1].min() <= roots[:, 1].min() < 0.3
+    with pytest.raises(UsageError, match="nothing grows above 2 m"):
+        grown(ball, above=2.0)
+
+
 def test_pictures_spread_and_shorten(tmp_path: Path) -> None:
     square = textured(tmp_path / "square.obj")
     picture = np.zeros((8, 8), np.uint8)

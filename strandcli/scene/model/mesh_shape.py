@@ -41,6 +41,11 @@ class MeshShape:
     density: str = surface_map(
         doc="attribute of vertices or picture by which roots are spread; nothing grows where it is 0. Absent: evenly"
     )
+    above: float | None = number(
+        None,
+        unit="m",
+        doc="height above which strands grow, for a mesh without a density; the rim follows its triangles. Absent: all",
+    )
     length: str = surface_map(
         doc="attribute of vertices or picture by which strands are shorter: a factor of `emitter.length` from 0 to 1, "
         "of which 0.02 is the least; absent: 1"
