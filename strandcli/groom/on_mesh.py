@@ -30,6 +30,8 @@ SHORTEST = 0.02
 """Least factor of a strand's length."""
 BITS = 16
 """Of a coordinate along Hilbert's curve."""
+OPEN = "open:"
+"""How notes on holes begin: strands need no inside."""
 LEAST_LENGTH, MOST_LENGTH = 1 / 1000, 10
 """Lengths of strands over the size of their mesh beyond which it is taken to be in another unit."""
 AT_ONCE = 1 << 18
@@ -194,7 +196,7 @@ def notes(emitter: Emitter) -> list[str]:
     shape, length = emitter.shape, emitter.length
     assert isinstance(shape, MeshShape)
     bed = seedbed(shape)
-    found = [f"{shape.file}: {words}" for words in bed.mesh.notes]
+    found = [f"{shape.file}: {words}" for words in bed.mesh.notes if not words.startswith(OPEN)]
     size = bed.mesh.size()
     if not LEAST_LENGTH * size <= length <= MOST_LENGTH * size:
         found.append(

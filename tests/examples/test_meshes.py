@@ -92,3 +92,21 @@ def test_the_wet_sheet_lies_on_the_fox_that_is_shipped(module: Any) -> None:
         np.testing.assert_allclose(sheet[axis], rows[axis] + eyes.ABOVE * rows["n" + axis], atol=1e-6)
     assert (rows["density"] < 0.7).all()
     assert (sheet["y"] > 0.3).all()
+
+
+def test_the_bob_grows_on_the_head_that_is_shipped(module: Any) -> None:
+    bob, ply = module("bob"), module("ply")
+    head, _ = ply.read(shipped("head"))
+    rows, _ = ply.read(shipped("bob"))
+    assert set(map(tuple, rows[["x", "y", "z"]].tolist())) <= set(map(tuple, head[["x", "y", "z"]].tolist()))
+    points, normals = (np.stack([rows[p + axis] for axis in "xyz"], 1).astype(float) for p in ("", "n"))
+    ways = np.stack([rows[f"comb_{axis}"] for axis in "xyz"], 1)
+    np.testing.assert_allclose(ways, bob.ways(points, normals), atol=1e-5)
+    np.testing.assert_allclose(rows["length"], np.clip(bob.lengths(points) / bob.LONGEST, 0.05, 1), atol=1e-5)
+    assert rows["length"].max() < 1
+
+
+def test_hair_of_a_bob_that_grows_low_reaches_the_line(module: Any) -> None:
+    bob = module("bob")
+    low = np.array([[0.075, -0.02, 0.0], [0, -0.05, -0.1], [-0.075, -0.06, -0.02]])
+    np.testing.assert_allclose(low[:, 1] - bob.lengths(low), [bob.LINE, bob.LINE_BEHIND, bob.LINE], atol=1e-9)
