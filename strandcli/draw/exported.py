@@ -23,7 +23,7 @@ def evenly_cut(curves: Curves, level: int | None = None) -> Curves:
     """Return curves of which every segment has as many pieces, 2 ** ``level``: by default what they have themselves, of
     adaptive ones at most `MOST_ADAPTIVE`."""
     if level is None:
-        level = {"off": 0, "fixed": curves.level, "adaptive": min(curves.level, MOST_ADAPTIVE)}[curves.mode]
+        level = {"fixed": curves.level, "adaptive": min(curves.level, MOST_ADAPTIVE)}.get(curves.mode, 0)
     return replace(curves, mode="fixed" if level else "off", level=level)
 
 

@@ -293,4 +293,4 @@ class Renderer:
 
 def shadows_of_any_view(scene: Scene) -> bool:
     """Return whether strands are the same lines, of the same width, in the shadow maps of every view."""
-    return scene.curves.mode != "adaptive" and scene.material.width > 0 and scene.detail is None
+    return scene.curves.mode not in ("adaptive", "thinned") and scene.material.width > 0 and scene.detail is None

@@ -105,9 +105,11 @@ class StrandBatches:
         """Return the polylines of the strands begin <= s < end."""
         blocks, level = slice(begin // W, -(-end // W)), self.level
         fade = None if level is None else level.fade[begin:end]
+        curves = self.scene.curves
+        if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
+            curves = replace(curves, mode="off")
         lines = flatten(
-            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin,
-            self.scene.curves, self.view, self.off_screen, self.scratch, fade,
+            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin, curves, self.view, self.off_screen, self.scratch, fade,
         )  # fmt: skip
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])

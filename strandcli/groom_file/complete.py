@@ -41,5 +41,5 @@ def completed(scene: Scene) -> Scene:
     if scene.guided:
         scene = with_followers(scene)
     if scene.curves.mode == "adaptive" and found.points > DENSE:
-        scene = replace(scene, curves=replace(scene.curves, mode="off"))
+        scene = replace(scene, curves=replace(scene.curves, mode="off" if scene.guided else "thinned"))
     return scene

@@ -66,7 +66,7 @@ def with_followers(scene: Scene) -> Scene:
     roots = found.groom.roots.astype(np.float64)
     low, high = roots.min(axis=0), roots.max(axis=0)
     middle = 0.5 * (low + high)
-    thinned = scene.curves.mode == "adaptive" and found.points > DENSE
+    thinned = scene.curves.mode in ("adaptive", "thinned") and found.points > DENSE
     pixels = scene.curves.tolerance if thinned else 0.0
     metres = pixels * metres_a_pixel(scene, found)
     strands = found.groom.strands

@@ -64,8 +64,10 @@ def _followers(followers: Followers, guides: int, particles: int) -> Iterator[De
 def _curves(scene: Scene) -> Iterator[Decision]:
     curves = scene.curves
     pieces = 2**curves.level
-    if curves.mode == "off":
+    if curves.mode in ("off", "thinned"):
         yield left_out("curves", "the preset draws straight segments")
+    if curves.mode == "thinned":
+        yield Decision("fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out")
     elif curves.mode == "fixed":
         yield Decision("curves", f"each segment becomes {pieces} pieces")
     else:

@@ -89,7 +89,7 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
 def _measure(plan: Plan, scene: Scene) -> None:
     """Set the numbers of line pieces, pixels and samples of a frame."""
     curves = scene.curves
-    pieces = 1 if curves.mode == "off" else 2**curves.level
+    pieces = 1 if curves.mode in ("off", "thinned") else 2**curves.level
     plan.segments_max = drawn_strands(plan, scene) * (drawn_particles(scene) - 1) * pieces
     width, height = scene.image.drawn
     plan.pixels = width * height

@@ -11,6 +11,7 @@ from ...scene.model import Curves
 from ..common.scratch import Scratch
 from ..view.camera import View
 from .kernels import curves as kernel
+from .kernels import thinning
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Polylines:
     world: NDArray[np.float32]
     """(V, 3) metres."""
     error: float | None = None
-    """Bound on the distance of the polyline from its curve, pixels; None if curves are not adaptive."""
+    """Bound on the distance of the polyline from its curve, pixels; None if curves are neither adaptive nor thinned."""
     per: int = 0
     """Vertices a strand if all strands have the same number, else 0."""
     segment: float = 0.0
@@ -33,6 +34,10 @@ class Polylines:
     """Only every stride-th vertex of a strand is lit: fine curves have `LIT_PIECES` lit vertices a segment."""
     scale: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
+    along: NDArray[np.float32] | None = None
+    """(V,) how far along its strand each vertex stands, 0 at the root to 1 at the tip; None: evenly."""
+    ways: NDArray[np.float32] | None = None
+    """(V, 3) along the strand at each vertex, root to tip, of any length; None: from the vertex before to that after."""
 
     @property
     def segments(self) -> int:
@@ -52,9 +57,13 @@ ALL_DRAWN = np.zeros(0, np.float32)
 """No strand is left out. Empty for the same reason."""
 
 
+STRAIGHT = ("off", "thinned")
+"""Modes in which segments are straight."""
+
+
 def greatest_pieces(curves: Curves) -> int:
     """Return the greatest number of pieces of a segment."""
-    return 1 if curves.mode == "off" else 2**curves.level
+    return 1 if curves.mode in STRAIGHT else 2**curves.level
 
 
 def flatten(
@@ -74,6 +83,8 @@ def flatten(
     particles. ``keep_off_screen``: keep strands off the screen, coarsely, because a shadow map needs them; otherwise
     adaptive curves leave them out. ``fade`` (strands,): strands with 0 are always left out.
     """
+    if curves.mode == "thinned":
+        return _thinned(positions, strands, curves, view, scratch, fade)
     n = positions.shape[1] - 1
     first = scratch.borrow("first", strands + 1, np.int64)
     first[0] = 0
@@ -104,3 +115,22 @@ def flatten(
         return Polylines(first, world, error)
     longest = kernel.longest_segment(positions) if lengths is None else lengths.max()
     return Polylines(first, world, None, (n - 1) * most + 1, float(longest), most, max(most // LIT_PIECES, 1))
+
+
+def _thinned(
+    positions: NDArray[np.float32], strands: int, curves: Curves, view: View, scratch: Scratch,
+    fade: NDArray[np.float32] | None,
+) -> Polylines:  # fmt: skip
+    """Return polylines of those particles alone that others are within the tolerance of; arguments as in `flatten`."""
+    rows = scratch.borrow("chosen_rows", (strands, positions.shape[1] - 1), np.uint16)
+    sizes, off = scratch.borrow("sizes", strands, np.int64), scratch.borrow("curve_error", strands, np.float32)
+    left = ALL_DRAWN if fade is None else fade
+    thinning.choose(positions, strands, view.pack(), np.float32(curves.tolerance), left, rows, sizes, off)
+    first = scratch.borrow("first", strands + 1, np.int64)
+    first[0] = 0
+    np.cumsum(sizes, out=first[1:])
+    world = scratch.borrow("world", (int(first[-1]), 3), np.float32)
+    along = scratch.borrow("along", int(first[-1]), np.float32)
+    ways = scratch.borrow("ways", world.shape, np.float32)
+    thinning.write(positions, rows, first, world, along, ways)
+    return Polylines(first, world, float(off.max()), along=along, ways=ways)

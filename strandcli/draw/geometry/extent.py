@@ -86,6 +86,6 @@ def widths_of(
     widths = scratch.borrow("widths", len(screen), np.float32)
     project.widths(
         lines.first, screen, packed, np.float32(material.width), np.float32(material.taper), scale, np.float32(1.0),
-        np.float32(least), widths,
+        np.float32(least), lines.along, widths,
     )  # fmt: skip
     return widths

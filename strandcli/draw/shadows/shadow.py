@@ -157,7 +157,7 @@ class ShadowMaps:
             return
         width, taper = np.float32(self.thickness.width), np.float32(self.thickness.taper)
         opacity_maps.draw(
-            opacity_maps.StrandsInMap(first, screen, width, taper, lines.scale), bands, size,
+            opacity_maps.StrandsInMap(first, screen, width, taper, lines.scale, lines.along), bands, size,
             opacity_maps.MapView(far, near, np.float32(view.focal)),
             opacity_maps.OpacityMap(self.extents[number], np.float32(self.over), layers, stack),
         )  # fmt: skip

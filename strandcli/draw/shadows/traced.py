@@ -175,7 +175,7 @@ def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scrat
     silhouette.move_ends(lines.first, lines.world, packed, width, taper, lines.scale, screen)
     widths = scratch.borrow("light_widths", len(screen), np.float32)
     project.widths(
-        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), widths
+        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), None, widths
     )  # fmt: skip
     out = np.empty((len(screen), 4), np.float32)
     out[:, :3] = screen

@@ -75,11 +75,12 @@ class Curves:
 
     mode: str = choice(
         "adaptive",
-        ("adaptive", "fixed", "off"),
-        doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight",
+        ("adaptive", "fixed", "off", "thinned"),
+        doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight; thinned: straight, without points that "
+        "make no difference",
     )
     level: int = integer(2, low=0, high=8, doc="each segment becomes 2 ** level pieces (fixed), at most (adaptive)")
-    tolerance: float = number(0.25, above=0, unit="px", doc="greatest distance of a piece from its curve (adaptive)")
+    tolerance: float = number(0.25, above=0, unit="px", doc="greatest distance of a piece from its curve, or of a point that is left out (adaptive, thinned)")
     tangents: str = choice(
         "difference",
         ("difference", "printed"),

@@ -19,6 +19,10 @@ class Vertices(NamedTuple):
     """(S + 1,) first vertex of each strand, and the number of vertices."""
     world: NDArray[np.float32]
     """(V, 3) metres."""
+    along: NDArray[np.float32]
+    """(V,) how far along its strand each vertex stands, 0 to 1; (0,): evenly."""
+    ways: NDArray[np.float32]
+    """(V, 3) along the strand at each vertex, of any length; (0, 3): from the vertex before to that after."""
     marks: NDArray[np.uint8]
     """(V,) non-zero for vertices to shade."""
     tones: NDArray[np.float32]

@@ -34,6 +34,8 @@ class StrandsInMap(NamedTuple):
     """float32, 0 to 1."""
     scale: NDArray[np.float32] | None
     """(S,) factor of each strand's width; None stands for 1."""
+    along: NDArray[np.float32] | None = None
+    """(V,) how far along its strand each vertex stands, 0 to 1; None: evenly."""
 
 
 class MapView(NamedTuple):
@@ -74,7 +76,7 @@ def draw(strands, bands, size, view, opacity_map):
             for m in range(bands.begin[b], bands.begin[b + 1]):
                 s = bands.members[m]
                 width = width_of(strands.width, strands.scale, s)
-                draw_strand(strands, s, width, window, view, opacity_map, opacity_map.stacks)
+                draw_strand(strands, s, width, window, view, opacity_map, opacity_map.stacks, strands.along)
 
 
 @device
@@ -84,8 +86,9 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(strands, s, width, window, view, opacity_map, stacks):
-    """Draw the part of strand s within the window; width: at its root, metres; stacks: those of the map."""
+def draw_strand(strands, s, width, window, view, opacity_map, stacks, along):
+    """Draw the part of strand s within the window; width: at its root, metres; stacks: those of the map; along: of
+    the strands."""
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a, end = strands.first[s], strands.first[s + 1]
     thin = width * strands.taper / np.float32(max(end - a - 1, 1))
@@ -108,7 +111,10 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks):
         d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
         d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        w = (width - thin * (np.float32(v - a) - HALF)) * scale
+        if along is None:
+            w = (width - thin * (np.float32(v - a) - HALF)) * scale
+        else:
+            w = width * (ONE - strands.taper * HALF * (along[v - 1] + along[v])) * scale
         if far <= ZERO:  # perspective widens strands away from the axis
             w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:

@@ -42,9 +42,9 @@ STRANDS = 64
 VERTICES = 64
 ROW = VERTICES + 16
 # Rows of numbers, one a vertex: screen position and depth number, including the vertices before and after a chunk;
-# width. Before projection the first three are view coordinates.
-X, Y, NUMBER, WIDE = (i * ROW for i in range(4))
-ROWS = 4
+# width; place along the strand. Before projection the first three are view coordinates.
+X, Y, NUMBER, WIDE, ALONG = (i * ROW for i in range(5))
+ROWS = 5
 
 
 @device
@@ -70,11 +70,12 @@ def to_view_number(x, y, z, views, number):
 
 
 @parallel
-def widths(first, screen, view, thickness, taper, scale, off_axis, least, out):
+def widths(first, screen, view, thickness, taper, scale, off_axis, least, along, out):
     """Write the widths of strands on the screen to out (V,) float32, pixels, at least `least`.
 
     thickness: metres at the root; taper: share by which it is smaller at the tip; scale (S,): factor of each strand's
-    width, or None; off_axis: 1 to apply `perspective_widening`, else 0; first, screen, view: as in `points`.
+    width, or None; off_axis: 1 to apply `perspective_widening`, else 0; along (V,): how far along its
+    strand each vertex stands, 0 to 1, or None: evenly; first, screen, view: as in `points`.
     """
     widened = view[PERSPECTIVE] * off_axis > ZERO
     strands = first.shape[0] - 1
@@ -87,8 +88,12 @@ def widths(first, screen, view, thickness, taper, scale, off_axis, least, out):
             for v in range(begin, end, VERTICES):
                 count = min(end - v, VERTICES)
                 load_with_neighbours(screen, begin, end, v, count, work)
+                if along is not None:
+                    for k in range(np.uint64(count)):
+                        work[np.uint64(ALONG) + k] = along[np.uint64(v) + k]
                 widen(
-                    work, count, v - begin, view, thickness, per, None if scale is None else scale[s], widened, least,
+                    work, count, v - begin, view, thickness, per if along is None else taper,
+                    None if scale is None else scale[s], widened, least, along,
                 )  # fmt: skip
                 for k in range(np.uint64(count)):
                     out[np.uint64(v) + k] = work[np.uint64(WIDE) + k]
@@ -107,14 +112,19 @@ def load_with_neighbours(screen, begin, end, v, count, work):
 
 
 @device
-def widen(work, count, past, view, thickness, per, scale, widened, least):
+def widen(work, count, past, view, thickness, per, scale, widened, least, along):
     """Store the widths of `count` vertices in the row `WIDE`; past: number of the first one within its strand; per:
-    taper a vertex; widened: whether to apply `perspective_widening`; else as in `widths`."""
+    taper a vertex, or from root to tip where the row `ALONG` tells how far along they stand; widened: whether to apply
+    `perspective_widening`; along: None if that row is not there; else as in `widths`."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
         x, y, q = load(rows, X + 1 + k), load(rows, Y + 1 + k), load(rows, NUMBER + 1 + k)
-        wide = thickness * (ONE - per * (steps + np.float32(past + k))) * view[FOCAL]
+        if along is None:
+            place = steps + np.float32(past + k)
+        else:
+            place = load(rows, ALONG + k)
+        wide = thickness * (ONE - per * place) * view[FOCAL]
         if scale is not None:
             wide *= scale
         if view[PERSPECTIVE] > ZERO:
