@@ -109,7 +109,8 @@ class StrandBatches:
         if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
             curves = replace(curves, mode="off")
         lines = flatten(
-            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin, curves, self.view, self.off_screen, self.scratch, fade,
+            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin, curves,
+            self.view, self.off_screen, self.scratch, fade,
         )  # fmt: skip
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])

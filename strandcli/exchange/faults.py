@@ -20,7 +20,10 @@ def not_finite(strands: Strands) -> Mask:
 
 def without_length(strands: Strands) -> Mask:
     """Strands (S,) whose points are all in one place."""
-    return strands.lengths() == 0
+    found: Mask = (strands.roots() == strands.tips()).all(axis=1)
+    if found.any():  # the others have a length for sure
+        found[found] = strands.select(found).lengths() == 0
+    return found
 
 
 def repeated(strands: Strands) -> Mask:

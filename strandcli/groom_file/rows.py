@@ -11,6 +11,7 @@ from ..blocks import aligned
 from ..constants import W
 from ..exchange.edit.resample import resampled
 from ..exchange.strands import Offsets, Points, Strands, offsets
+from .kernels import rows as kernel
 
 PADDED = 4
 """Points that all strands together may have in memory, over those of the file, where they are more than `ENOUGH`."""
@@ -49,6 +50,9 @@ def packed(first: Offsets, points: Points, order: NDArray[np.int32], most: int) 
     strands = order.shape[0]
     blocks = -(-strands // W)
     out = aligned((blocks, most + 1, 3 * W))
+    if (np.diff(first) == most).all():
+        kernel.pack(first, points, order, out)
+        return out
     for block in range(blocks):
         some = order[block * W : (block + 1) * W]
         here = filled(first, points, some, most)

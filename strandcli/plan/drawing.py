@@ -67,7 +67,9 @@ def _curves(scene: Scene) -> Iterator[Decision]:
     if curves.mode in ("off", "thinned"):
         yield left_out("curves", "the preset draws straight segments")
     if curves.mode == "thinned":
-        yield Decision("fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out")
+        yield Decision(
+            "fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out"
+        )
     elif curves.mode == "fixed":
         yield Decision("curves", f"each segment becomes {pieces} pieces")
     else:

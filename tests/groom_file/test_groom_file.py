@@ -96,6 +96,28 @@ def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> Non
     assert hashes == hashes[:1] * 3
 
 
+def test_dense_strands_are_drawn_without_points_that_make_no_difference(tmp_path: Path) -> None:
+    t = np.linspace(0, 1, 200)[:, None]
+    strands = [
+        (one[0] + 0.7 * (one[5] - one[0]) * t + 0.03 * np.sin(9 * t + one[0]) * t).astype(np.float32)
+        for one in hanging([6] * 400, seed=8)
+    ]
+    path = write(tmp_path / "a.data", strands)
+    settings = {"image__size": (160, 160), "image__aovs": ("linear", "mask"), "material__taper": 0.9}
+    few, every = (
+        next(iter(pipeline.render(scene(path, **settings, **more)))) for more in ({}, {"curves__mode": "off"})
+    )
+    assert few.report["counts"]["segments"] < 0.3 * every.report["counts"]["segments"]
+    assert every.report["counts"]["segments"] == 400 * 199
+    assert 0 < few.report["error"]["curve_px_max"] <= 0.1
+    assert every.report["error"]["curve_px_max"] is None
+    for name, most in (("linear", 0.02), ("mask", 0.02)):
+        one, other = few.aovs[name].astype(float), every.aovs[name].astype(float)
+        assert np.sqrt(((one - other) ** 2).mean()) < most * other.mean(), name
+        assert abs(one.mean() / other.mean() - 1) < most / 10, name
+    assert np.abs(few.image.astype(float) - every.image).mean() < 1
+
+
 @pytest.mark.parametrize(
     ("up", "turn"),
     [("y", "x y z"), ("z", "x z -y"), ("x", "-y x z"), ("-y", "")],

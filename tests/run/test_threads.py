@@ -83,7 +83,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
             "size": [draw(st.integers(1, 131)), draw(st.integers(1, 207))], "resolver": resolver,
             "supersample": draw(st.sampled_from([1, 2])), "aovs": draw(LAYERS),
         },
-        "curves": {"mode": draw(st.sampled_from(["off", "fixed", "adaptive"]))},
+        "curves": {"mode": draw(st.sampled_from(["off", "fixed", "adaptive", "thinned"]))},
         "material": {"width": wide, "model": "chiang", "pigment": "brown", "scatter": draw(SCATTER)},
         "lights": lights,
         "solids": draw(st.lists(st.sampled_from(SOLIDS), max_size=2, unique_by=lambda one: one["kind"])),

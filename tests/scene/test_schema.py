@@ -125,7 +125,9 @@ def test_every_setting_is_there_described_with_unit_range_and_options() -> None:
     assert emitter["length"]["description"] == "Mean strand length from root to tip. Unit: m."
     assert emitter["length"]["exclusiveMinimum"] == 0
     assert (emitter["strands"]["minimum"], emitter["strands"]["maximum"]) == (1, 100_000_000)
-    assert SCHEMA["$defs"]["Curves"]["properties"]["mode"]["anyOf"][0] == {"enum": ["adaptive", "fixed", "off"]}
+    assert SCHEMA["$defs"]["Curves"]["properties"]["mode"]["anyOf"][0] == {
+        "enum": ["adaptive", "fixed", "off", "thinned"]
+    }
     assert "Blows." in json.dumps(SCHEMA["properties"]["rules"])
     for name, part in SCHEMA["$defs"].items():
         assert part["additionalProperties"] is False

@@ -33,6 +33,8 @@ from .kernels.width_profiles import Profiles, add_to_fragments
 from .masks import half_planes
 
 TASKS_A_WORKER = 16
+UNSURE = 1.2
+"""Times what is estimated: a layer for which there is no room has to be drawn again, in parts."""
 NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_BITS = np.zeros(0, np.uint64)
@@ -87,7 +89,7 @@ class Coverage:
         self.opacity = np.float32(opacity)
         self.room = room
         self._rows = np.zeros(size[1])
-        """Number of fragments in each row of the last frame."""
+        """Number of fragments in each row of the last frame, or about how many there will be in the first."""
         self.fragments = 0
         """Number of fragments in the last frame."""
         self._tasks = TASKS_A_WORKER
@@ -141,6 +143,8 @@ class Coverage:
         extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
         strand_extents.find_extents(lines.first, screen, np.float32(margin), self.size[0], extents)
         picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, scratch)
+        if not self._rows.any():
+            self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
         while pending:
             top, bottom = pending.pop()
@@ -158,6 +162,12 @@ class Coverage:
                 lit = marks.copy()
             self.fragments += found
             yield layer
+
+    def _estimate(self, lines: ScreenLines, workers: int) -> None:
+        """Store about how many fragments each row of the picture will have."""
+        changes = np.zeros((TASKS_A_WORKER * workers, self.size[1] + 1))
+        strand_extents.estimate_rows(lines, self.size[0], changes)
+        self._rows = UNSURE * np.maximum(np.cumsum(changes.sum(0))[:-1], 0.0)
 
     def _require_time(self, lines: ScreenLines, widest: float) -> None:
         """Raise `RefusedError` if wide strands cover so many pixels that they would take minutes."""

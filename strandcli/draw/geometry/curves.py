@@ -37,7 +37,7 @@ class Polylines:
     along: NDArray[np.float32] | None = None
     """(V,) how far along its strand each vertex stands, 0 at the root to 1 at the tip; None: evenly."""
     ways: NDArray[np.float32] | None = None
-    """(V, 3) along the strand at each vertex, root to tip, of any length; None: from the vertex before to that after."""
+    """(V, 3) along the strand at each vertex, root to tip, of any length; None: from the vertex before to the next."""
 
     @property
     def segments(self) -> int:

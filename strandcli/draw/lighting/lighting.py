@@ -74,7 +74,9 @@ class Lighting:
         """
         p = self.palette
         shade_strands.strands(
-            Vertices(lines.first, lines.world, given(lines.along), given(lines.ways, 3), marks, tones, self.view.pack()),
+            Vertices(
+                lines.first, lines.world, given(lines.along), given(lines.ways, 3), marks, tones, self.view.pack()
+            ),
             StrandColour(p.colour, given(p.tint, 0, 6), p.diffuse), self._surround(), p.arrays, p.dual,
             self._lights(given(clear, 0)), map_arrays(self.maps), self.solids or NONE,
             None if body is None else WidthProfiles(body.slots, p.columns, body.profile), colours,

@@ -122,8 +122,12 @@ def _gather(
     while at < begins.size:  # some strands at once: an index for each number would take more than the file
         stop = max(at + 1, int(np.searchsorted(first, first[at] + AT_ONCE, side="right")) - 1)
         low, high = int(first[at]), int(first[stop])
+        step = int(begins[at + 1] - begins[at]) if stop > at + 1 else 0
         if stop == at + 1:
             rows = numbers[begins[at] : begins[at] + width * (high - low)]
+        elif (np.diff(begins[at:stop]) == step).all() and high - low == (step - 1) // width * (stop - at):
+            heads = numbers[begins[at] - 1 : begins[at] - 1 + step * (stop - at)]  # all with as many points
+            rows = heads.reshape(stop - at, step)[:, 1:]
         else:
             shift = begins[at:stop] - width * first[at:stop]
             places_in = np.arange(width * low, width * high)

@@ -1,11 +1,34 @@
-"""Which points of strands are drawn, and how far along the strand each is."""
+"""Points of strands in rows: packed in blocks; which of them are drawn, and how far along the strand each is."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ...constants import W
 from ...exchange.kernels.along import distance
 from ...jit import device, parallel, prange
+
+
+@parallel
+def pack(first, points, order, out):
+    """Write strands in an ``order`` (S,) to blocks out (blocks, n + 1, 3 W), as `strandcli.blocks` has them; first
+    (S + 1,) of points (P, 3), of which each strand has n."""
+    for block in prange(out.shape[0]):
+        begins = np.empty(W, np.int64)
+        for k in range(W):
+            begins[k] = first[order[min(np.int64(block) * W + k, order.shape[0] - 1)]]
+        pack_block(begins, points, out[block])
+
+
+@device
+def pack_block(begins, points, out):
+    """`pack` of the block out (n + 1, 3 W) of strands whose first points are ``begins`` (W,)."""
+    for i in range(out.shape[0] - 1):
+        for k in range(W):
+            for c in range(3):
+                out[i + 1, c * W + k] = points[begins[k] + i, c]
+    for k in range(3 * W):
+        out[0, k] = np.float32(2.0) * out[1, k] - out[2, k]
 
 
 @parallel

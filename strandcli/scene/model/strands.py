@@ -76,11 +76,14 @@ class Curves:
     mode: str = choice(
         "adaptive",
         ("adaptive", "fixed", "off", "thinned"),
-        doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight; thinned: straight, without points that "
-        "make no difference",
+        doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight; thinned: straight, without "
+        "points that make no difference",
     )
     level: int = integer(2, low=0, high=8, doc="each segment becomes 2 ** level pieces (fixed), at most (adaptive)")
-    tolerance: float = number(0.25, above=0, unit="px", doc="greatest distance of a piece from its curve, or of a point that is left out (adaptive, thinned)")
+    tolerance: float = number(
+        0.25, above=0, unit="px",
+        doc="greatest distance of a piece from its curve (adaptive), of a point that is left out (thinned)",
+    )  # fmt: skip
     tangents: str = choice(
         "difference",
         ("difference", "printed"),

@@ -394,3 +394,22 @@ def test_slivers_and_points_cover_no_more_than_their_length(
     image = white([line], [np.full(len(line), wide)], (12, 12))
     assert np.isfinite(image).all()
     assert image.sum() <= 1.1 * length * wide + 2e-5
+
+
+@pytest.mark.parametrize("wide", [0.05, 0.3, 1.0, 3.0])
+def test_how_many_fragments_a_row_has_is_known_before(wide: float) -> None:
+    rng = np.random.default_rng(7)
+    strands = [bent(rng, 96, 80, 0.3) for _ in range(300)]
+    first = np.cumsum([0, *map(len, strands)])
+    screen = np.ascontiguousarray(np.concatenate(strands), np.float32)
+    widths = np.full(len(screen), wide, np.float32)
+    changes = np.zeros((3, 129))
+    strand_extents.estimate_rows(ScreenLines(first, screen, widths), 128, changes)
+    found = np.cumsum(changes.sum(0))
+    coverage = Coverage((128, 128), 1.0)
+    for _ in coverage.layers(Polylines(first, screen), screen, widths, None, 1, Scratch()):
+        pass
+    assert abs(found[-1]) < 1e-6 * found.sum()
+    assert 0.8 < found.sum() / coverage.fragments < 1.5
+    for low in range(0, 128, 32):
+        assert 0.75 < found[low : low + 32].sum() / coverage._rows[low : low + 32].sum() < 1.6

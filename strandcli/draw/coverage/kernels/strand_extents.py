@@ -11,6 +11,10 @@ from .segments import POINT, WIDE
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+RISE = np.float32(1.5)
+"""Rows across that a cell of a strand of no width touches, on average over all slopes, about: one more where it crosses
+a border of rows, half the time."""
 LEAST_Y, GREATEST_Y = 0, 1
 """Columns of the extents of strands."""
 
@@ -60,6 +64,37 @@ def count_wide_pixels(lines, width, height, out):
                 down = inside(screen[v - 1, 1], screen[v, 1], HALF * w * dx / size, np.float32(height))
                 total += min(across, w * size / dy) * down if dx < dy else across * min(down, w * size / dx)
         out[s] = total
+
+
+@parallel
+def estimate_rows(lines, width, changes):
+    """Add about how many fragments each row of a picture has to changes (tasks, height + 1) float64, as differences
+    from row to row; each task has a share of the strands. lines: `ScreenLines`; width: of the picture."""
+    tasks = changes.shape[0]
+    strands = lines.first.shape[0] - 1
+    for one in prange(tasks):
+        task = np.int64(one)
+        for s in range(task * strands // tasks, (task + 1) * strands // tasks):
+            for v in range(lines.first[s] + 1, lines.first[s + 1]):
+                wide = ONE if lines.widths is None else HALF * (lines.widths[v - 1] + lines.widths[v])
+                estimate_segment(lines.screen, v, wide, np.float32(width), changes[task])
+
+
+@device
+def estimate_segment(screen, v, wide, width, changes):
+    """`estimate_rows` of the segment from vertex v − 1 to v, so wide; changes (height + 1,)."""
+    x0, y0, x1, y1 = screen[v - 1, 0], screen[v - 1, 1], screen[v, 0], screen[v, 1]
+    tall = changes.shape[0] - 1
+    seen = screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO
+    if not seen or max(x0, x1) < ZERO or min(x0, x1) > width or max(y0, y1) < ZERO or min(y0, y1) >= np.float32(tall):
+        return
+    down = abs(y1 - y0)
+    cells = max(inside(x0, x1, ZERO, width), inside(y0, y1, ZERO, np.float32(tall))) * (wide + RISE)
+    low = np.int64(max(min(y0, y1), ZERO))
+    high = min(np.int64(min(y0, y1) + down), tall - 1)
+    each = cells / np.float32(high - low + 1)
+    changes[low] += each
+    changes[high + 1] -= each
 
 
 @device

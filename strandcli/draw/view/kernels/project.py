@@ -120,10 +120,7 @@ def widen(work, count, past, view, thickness, per, scale, widened, least, along)
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
         x, y, q = load(rows, X + 1 + k), load(rows, Y + 1 + k), load(rows, NUMBER + 1 + k)
-        if along is None:
-            place = steps + np.float32(past + k)
-        else:
-            place = load(rows, ALONG + k)
+        place = steps + np.float32(past + k) if along is None else load(rows, ALONG + k)
         wide = thickness * (ONE - per * place) * view[FOCAL]
         if scale is not None:
             wide *= scale
