@@ -61,7 +61,7 @@ def test_every_point_is_within_the_tolerance_on_the_screen(name: str, jagged: fl
         worst = max(worst, float(exact.off_the_line(whole, few).max()))
     assert worst < lines.error * 1.001 + 1e-3
     assert worst > 0.3 * tolerance
-    assert lines.segments < (0.6 if jagged == 0 or tolerance == 1 else 0.98) * 150 * 89
+    assert lines.segments < (0.6 if tolerance == 1 else 0.98) * 150 * 89
 
 
 def test_vertices_know_where_on_the_strand_they_stand() -> None:

@@ -75,26 +75,28 @@ def estimate_rows(lines, width, changes):
     for one in prange(tasks):
         task = np.int64(one)
         for s in range(task * strands // tasks, (task + 1) * strands // tasks):
-            for v in range(lines.first[s] + 1, lines.first[s + 1]):
-                wide = ONE if lines.widths is None else HALF * (lines.widths[v - 1] + lines.widths[v])
-                estimate_segment(lines.screen, v, wide, np.float32(width), changes[task])
+            estimate_strand(lines.screen, lines.widths, lines.first[s], lines.first[s + 1], width, changes[task])
 
 
 @device
-def estimate_segment(screen, v, wide, width, changes):
-    """`estimate_rows` of the segment from vertex v − 1 to v, so wide; changes (height + 1,)."""
-    x0, y0, x1, y1 = screen[v - 1, 0], screen[v - 1, 1], screen[v, 0], screen[v, 1]
-    tall = changes.shape[0] - 1
-    seen = screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO
-    if not seen or max(x0, x1) < ZERO or min(x0, x1) > width or max(y0, y1) < ZERO or min(y0, y1) >= np.float32(tall):
-        return
-    down = abs(y1 - y0)
-    cells = max(inside(x0, x1, ZERO, width), inside(y0, y1, ZERO, np.float32(tall))) * (wide + RISE)
-    low = np.int64(max(min(y0, y1), ZERO))
-    high = min(np.int64(min(y0, y1) + down), tall - 1)
-    each = cells / np.float32(high - low + 1)
-    changes[low] += each
-    changes[high + 1] -= each
+def estimate_strand(screen, widths, begin, end, width, changes):
+    """`estimate_rows` of the strand of the vertices begin … end − 1; changes (height + 1,)."""
+    wide, tall = np.float32(width), np.float32(changes.shape[0] - 1)
+    for v in range(begin + 1, end):
+        x0, y0, x1, y1 = screen[v - 1, 0], screen[v - 1, 1], screen[v, 0], screen[v, 1]
+        across = inside(x0, x1, ZERO, wide)
+        down = inside(y0, y1, ZERO, tall)
+        low = min(y0, y1)
+        if screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO and across + down > ZERO and low < tall:
+            w = ONE if widths is None else HALF * (widths[v - 1] + widths[v])
+            cells = max(across, down)
+            each = cells * (w + RISE)
+            if widths is not None and w > WIDE:  # a ribbon has fragments of its own wherever it touches a pixel
+                each = (cells + ONE) * (w + ONE)
+            top = np.int64(max(low, ZERO))
+            rows = min(np.int64(down) + 1, changes.shape[0] - 1 - top)
+            changes[top] += each / np.float32(rows)
+            changes[top + rows] -= each / np.float32(rows)
 
 
 @device

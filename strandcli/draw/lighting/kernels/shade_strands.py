@@ -94,7 +94,8 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
                 if vertices.marks[v] == 0:
                     continue
                 load_vertex(vertices.world, vertices.ways, v, begin, end, work, n)
-                load_colour(paint, place_of(vertices.along, v, begin, per), vertices.tones[s], work, n)
+                place = np.float32(v - begin) * per if vertices.along.shape[0] == 0 else vertices.along[v]
+                load_colour(paint, place, vertices.tones[s], work, n)
                 if wide is not None:
                     start_profile(wide, v)
                 which[n] = v
@@ -114,22 +115,11 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
 @device
 def load_vertex(world, ways, v, begin, end, work, k):
     """Store position and tangent, not normalised, of vertex v of the strand begin … end − 1 as item k of a batch."""
-    if ways.shape[0] > 0:
-        for c in range(3):
-            work[X + c * W + k] = world[v, c]
-            work[TX + c * W + k] = ways[v, c]
-        return
     low = max(v - 1, begin)
     high = min(v + 1, end - 1)
     for c in range(3):
         work[X + c * W + k] = world[v, c]
-        work[TX + c * W + k] = world[high, c] - world[low, c]
-
-
-@device
-def place_of(along, v, begin, per):
-    """Return how far along its strand, which begins at `begin`, vertex v stands, 0 to 1; per: from vertex to vertex."""
-    return np.float32(v - begin) * per if along.shape[0] == 0 else along[v]
+        work[TX + c * W + k] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
 
 
 @device
