@@ -56,7 +56,6 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates; of panels with their labels."""
     from ..groom.emit import emit
-    from ..groom_file import from_scene
     from ..plan import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
@@ -64,6 +63,8 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     found = []
     for one in scene.panels or (scene,):
         if one.emitter.groom is not None:
+            from ..groom_file import from_scene  # Numba comes with it
+
             lines = list(from_scene(one).notes)
         else:
             lines = [] if not isinstance(one.emitter.shape, MeshShape) else _of_mesh(one.emitter)

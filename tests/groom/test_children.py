@@ -307,7 +307,7 @@ def test_a_run_goes_on_with_the_children_that_are_left() -> None:
     lost[:] = np.nan
     lost[200] = before.positions[200]
     scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=LOCKS))
-    with pytest.raises(SimulationError, match="follows one that is lost"):
+    with pytest.raises(SimulationError, match="every child has a guide that is not finite"):
         frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
 
 
