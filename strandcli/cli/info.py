@@ -1,12 +1,18 @@
-"""`strandcli info`: what is in files of strands."""
+"""`strandcli info`: what is in files of strands and of meshes."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from . import options, strand_files
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
 
 
 @click.command()
@@ -22,13 +28,17 @@ def command(
     file: Path, stride: int | None, array: str | None, picture: Path | None, overwrite: bool, as_json: bool
 ) -> None:
     """Tell what is in a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults,
-    with the option of 'convert' that mends each."""
+    with the option of 'convert' that mends each. Of a mesh (.obj, .ply with faces, .stl, .glb, .gltf): counts, box,
+    area, volume, attributes, faults."""
     from ..exchange.facts import facts_of_file
     from ..exchange.files import ReadOptions
 
     if picture is not None:
         options.require_png(picture, "--picture")
         options.refuse_existing(picture, overwrite)
+    if _mesh(file):
+        _tell_mesh(file, picture, as_json)
+        return
     found = facts_of_file(file, ReadOptions(stride, array))
     if as_json:
         options.print_json(found.as_dict())
@@ -42,13 +52,41 @@ def _draw(file: Path, stride: int | None, array: str | None, picture: Path) -> N
     """Write a picture of a file of strands, by the preset for them."""
     import strandcli
 
+    settings = {"emitter.groom.file": str(file), "emitter.groom.stride": stride, "emitter.groom.array": array}
+    scene = strandcli.load(options.GROOM, settings={key: one for key, one in settings.items() if one is not None})
+    _write(scene, picture)
+
+
+def _mesh(file: Path) -> bool:
+    """Whether a file is one of a mesh, by its name or, of .ply, its header; meshes take Numba."""
+    if file.suffix.lower() not in MESHES:
+        return False
+    from ..meshes.facts import is_mesh
+
+    return is_mesh(file)
+
+
+def _tell_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
+    """Say what is in a file of a mesh, and draw it."""
+    from ..meshes.facts import facts_of_file
+    from . import mesh_info
+
+    data, mesh = facts_of_file(file)
+    if as_json:
+        options.print_json(data)
+    else:
+        mesh_info.say_facts(data)
+    if picture is not None:
+        _write(mesh_info.scene_of(file, mesh, data["guess"]["up"] or "y"), picture)
+
+
+def _write(scene: Scene, picture: Path) -> None:
+    """Draw the first frame of a scene into a PNG."""
     from .. import pipeline
     from ..output.files import write_pieces
     from ..output.png import encode
     from ..plan import make_plan, require_memory
 
-    settings = {"emitter.groom.file": str(file), "emitter.groom.stride": stride, "emitter.groom.array": array}
-    scene = strandcli.load(options.GROOM, settings={key: one for key, one in settings.items() if one is not None})
     require_memory(make_plan(scene, [1]))
     (frame,) = pipeline.render(scene, [1])
     assert frame.image is not None

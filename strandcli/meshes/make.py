@@ -85,7 +85,7 @@ def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
         None if uv is None else np.ascontiguousarray(uv, np.float32),
         None if raw.colours is None else np.ascontiguousarray(raw.colours[used], np.float32),
         {name: np.ascontiguousarray(values[used], np.float32) for name, values in raw.attributes.items()},
-        raw.texture, closed, facts, (*raw.notes, *notes, *sentences(facts, found.shape[0])), merge,
+        raw.texture, closed, facts, (*raw.notes, *notes, *sentences(facts, found.shape[0]).values()), merge,
     )  # fmt: skip
 
 
@@ -249,18 +249,18 @@ def _balanced(triangles: Indices, vertices: int) -> bool:
     return not np.bincount(row, np.where(forward, 1.0, -1.0)).any()
 
 
-def sentences(facts: MeshFacts, triangles: int) -> tuple[str, ...]:
-    """What was found, and what it means, a sentence each."""
-    found = (
-        (facts.no_area, "{:,} triangles without area: left out"),
-        (facts.repeated, "{:,} triangles that repeat another: left out"),
-        (facts.unused, "{:,} vertices of no triangle: left out"),
-        (facts.turned, f"{{:,}} of {triangles:,} triangles were wound the other way: turned"),
-        (facts.twisted, "{:,} edges whose triangles cannot agree on an outside; mend the mesh there"),
-        (facts.crowded, "{:,} edges of three triangles or more; what is inside is doubtful there"),
-        (
-            facts.boundary,
-            f"open: {facts.holes:,} holes of {{:,}} edges; inside is where the surface goes more than half around",
-        ),
-    )
-    return tuple(text.format(number) for number, text in found if number)
+def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:
+    """What was found, by its name among the facts, and what it means in a sentence."""
+    turned = f"{{:,}} of {triangles:,} triangles were wound the other way: turned"
+    holes = f"open: {facts.holes:,} holes of {{:,}} edges; inside is where the surface goes more than half around"
+    found = {
+        "no_area": "{:,} triangles without area: left out",
+        "repeated": "{:,} triangles that repeat another: left out",
+        "unused": "{:,} vertices of no triangle: left out",
+        "turned": turned,
+        "twisted": "{:,} edges whose triangles cannot agree on an outside; mend the mesh there",
+        "crowded": "{:,} edges of three triangles or more; what is inside is doubtful there",
+        "boundary": holes,
+    }
+    counts = {name: getattr(facts, name) for name in found}
+    return {name: text.format(counts[name]) for name, text in found.items() if counts[name]}
