@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import MeshShape
+from ..scene.motion import roots_deform
 from .record import Groom
 
 if TYPE_CHECKING:
@@ -63,21 +64,15 @@ def frames(corners: Floats) -> Floats:
     return np.stack([edge, np.cross(normal, edge), normal], axis=2)
 
 
-def deforms(scene: Scene) -> bool:
-    """Return whether the roots of a scene stand on a mesh that deforms."""
-    shape = scene.emitter.shape
-    return scene.emitter.groom is None and isinstance(shape, MeshShape) and len(shape.deform) > 0
-
-
 def deforming(scene: Scene, groom: Groom) -> Deforming | None:
     """Return the moving roots of a groom, None where they do not move in the emitter's frame."""
     carried = any(use.name == "emitter_motion" for use in scene.rules)
-    return Deforming(scene, groom) if carried and deforms(scene) else None
+    return Deforming(scene, groom) if carried and roots_deform(scene.emitter) else None
 
 
 def at_start(scene: Scene, groom: Groom) -> Groom:
     """Return a groom with roots and directions as they are at the start."""
-    if not deforms(scene):
+    if not roots_deform(scene.emitter):
         return groom
     roots, directions = Deforming(scene, groom, emitted=True).at(0.0)
     return replace(groom, roots=roots, directions=directions)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..decision import Decision, left_out
-from ..groom.deforming import deforms
+from ..scene.motion import roots_deform
 from ..scene.rule_type import OWN_OF
 from ..simulate.rules import idle, registry
 
@@ -29,7 +29,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
     for name in registry():
         if name not in listed:
             yield left_out(f"rule {name}", "the preset does not list it")
-    if "emitter_motion" not in listed and (len(emitter.keys) > 1 or deforms(scene)):
+    if "emitter_motion" not in listed and (len(emitter.keys) > 1 or roots_deform(scene.emitter)):
         yield left_out(
             "emitter keys" if emitter.keys else "emitter.shape.deform", "no rule emitter_motion carries the roots along"
         )

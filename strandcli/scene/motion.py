@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol, TypeVar
 
 from .fields import Vector
-from .model import Camera, CameraKey, Emitter, PoseKey, Solid
+from .model import Camera, CameraKey, Emitter, MeshShape, PoseKey, Solid
 
 Matrix = tuple[Vector, Vector, Vector]
 """Three rows."""
@@ -46,6 +46,11 @@ class _Key(Protocol):
 
 
 Key = TypeVar("Key", bound=_Key)
+
+
+def roots_deform(emitter: Emitter) -> bool:
+    """Whether strands stand on a mesh that deforms."""
+    return emitter.groom is None and isinstance(emitter.shape, MeshShape) and len(emitter.shape.deform) > 0
 
 
 def emitter_pose(emitter: Emitter, time: float) -> Pose:
