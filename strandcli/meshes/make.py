@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ..errors import UsageError, one_line
 from .kernels.topology import join, orient
-from .mesh import Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, smooth_normals, unit
+from .mesh import Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices, smooth_normals, unit
 
 FLAT = 0.01
 """A part whose volume is less than this times the power 3/2 of its area is a sheet, without an outside; of a sphere it
@@ -153,14 +153,17 @@ def places(vertices: Vectors) -> npt.NDArray[np.int64]:
 
 def _with_area(vertices: Vectors, corners: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
     """Which triangles have an area."""
-    distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
-    points = vertices[corners]
-    longest = np.zeros(corners.shape[0])
-    for k in range(3):
-        edge = points[:, (k + 1) % 3] - points[:, k]
-        longest = np.maximum(longest, np.einsum("ij,ij->i", edge, edge))
-    area = np.linalg.norm(face_vectors(points), axis=1)
-    return distinct & (area > NO_AREA * longest)
+    found = np.empty(corners.shape[0], np.bool_)
+    for rows in slices(corners.shape[0]):
+        some = corners[rows]
+        points = vertices[some]
+        longest = np.zeros(some.shape[0])
+        for k in range(3):
+            edge = points[:, (k + 1) % 3] - points[:, k]
+            longest = np.maximum(longest, np.einsum("ij,ij->i", edge, edge))
+        area = np.linalg.norm(face_vectors(points), axis=1)
+        found[rows] = (some != np.roll(some, 1, axis=1)).all(axis=1) & (area > NO_AREA * longest)
+    return found
 
 
 def _first_of_each(corners: npt.NDArray[np.int64], kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
@@ -191,11 +194,13 @@ def oriented(vertices: Vectors, triangles: Indices) -> tuple[npt.NDArray[np.bool
     part = np.full(count, -1, np.int32)
     turned, queue = np.zeros(count, np.bool_), np.empty(count, np.int32)
     parts = orient(neighbours, opposed, part, turned, queue)
-    corners = vertices[triangles]
-    vectors = 0.5 * face_vectors(corners) * np.where(turned, -1.0, 1.0)[:, None]
+    vectors, centres = np.empty((count, 3)), np.empty((count, 3))
+    for rows in slices(count):
+        corners = vertices[triangles[rows]]
+        vectors[rows] = 0.5 * face_vectors(corners) * np.where(turned[rows], -1.0, 1.0)[:, None]
+        centres[rows] = corners.mean(axis=1)
     area = np.linalg.norm(vectors, axis=1)
     whole = np.bincount(part, area, parts)
-    centres = corners.mean(axis=1)
     middle = np.stack([np.bincount(part, area * centres[:, k], parts) / whole for k in range(3)], axis=1)
     volume = np.bincount(part, np.einsum("ij,ij->i", centres - middle[part], vectors), parts) / 3.0
     against = np.bincount(part, turned, parts) * 2 > np.bincount(part, minlength=parts)
@@ -220,14 +225,15 @@ def _across_edges(triangles: Indices, vertices: int) -> tuple[Indices, npt.NDArr
     edges of three or more."""
     number, forward = _half_edges(triangles, vertices)
     order = np.argsort(number, kind="stable")
-    begin = np.flatnonzero(np.append(True, number[order][1:] != number[order][:-1]))
+    number = number[order]
+    begin = np.flatnonzero(np.append(True, number[1:] != number[:-1]))
     count = np.diff(np.append(begin, order.size))
     neighbours = np.full(order.size, -1, np.int32)
     opposed = np.zeros(order.size, np.bool_)
     one, other = order[begin[count == 2]], order[begin[count == 2] + 1]
     neighbours[one], neighbours[other] = other // 3, one // 3
     opposed[one] = opposed[other] = forward[one] == forward[other]
-    alone = number[order[begin[count == 1]]]
+    alone = number[begin[count == 1]]
     boundary = np.stack([alone // vertices, alone % vertices], axis=1).astype(np.int32)
     return neighbours.reshape(-1, 3), opposed.reshape(-1, 3), boundary, int(np.count_nonzero(count > 2))
 
@@ -245,8 +251,7 @@ def _rings(boundary: Indices) -> int:
 def _balanced(triangles: Indices, vertices: int) -> bool:
     """Whether every edge is gone along as often in one direction as in the other."""
     number, forward = _half_edges(triangles, vertices)
-    _, row = np.unique(number, return_inverse=True)
-    return not np.bincount(row, np.where(forward, 1.0, -1.0)).any()
+    return np.array_equal(np.sort(number[forward]), np.sort(number[~forward]))
 
 
 def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:

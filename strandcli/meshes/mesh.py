@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 Vectors = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int32]
+SLICE = 1 << 16
+"""Triangles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +109,12 @@ class TriangleMesh:
         )  # fmt: skip
 
 
+def slices(count: int) -> Iterator[slice]:
+    """Rows that are computed at once, so that what is computed on the way takes little memory."""
+    for begin in range(0, count, SLICE):
+        yield slice(begin, min(begin + SLICE, count))
+
+
 def unit(vectors: npt.NDArray[Any]) -> Vectors:
     """Vectors of length 1, along the last axis; those of length 0 stay."""
     found = np.asarray(vectors, np.float64)
@@ -123,13 +131,16 @@ def face_vectors(corners: Vectors) -> Vectors:
 
 def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
     """Normals (V, 3) of vertices: those of their triangles, weighted by the angle there (Thürmer & Wüthrich 1998)."""
-    corners = vertices[triangles]
-    faces = unit(face_vectors(corners))
+    count = triangles.shape[0]
+    faces, angle = np.empty((count, 3)), np.empty(count)
+    for rows in slices(count):
+        faces[rows] = unit(face_vectors(vertices[triangles[rows]]))
     found = np.zeros_like(vertices)
     for k in range(3):
-        a = unit(corners[:, (k + 1) % 3] - corners[:, k])
-        b = unit(corners[:, (k + 2) % 3] - corners[:, k])
-        angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+        for rows in slices(count):
+            here, one, other = (vertices[triangles[rows, (k + step) % 3]] for step in range(3))
+            a, b = unit(one - here), unit(other - here)
+            angle[rows] = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
         for axis in range(3):
             found[:, axis] += np.bincount(triangles[:, k], angle * faces[:, axis], vertices.shape[0])
     return unit(found)
