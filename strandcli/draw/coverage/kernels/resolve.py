@@ -38,7 +38,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         fragments = np.empty(room * NUMBERS, np.int32)
         counts, starts = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
         depths, ranks = np.empty(0, np.float32), np.empty(RUN, np.float32)
-        indices, order, spare = np.empty(0, np.uint32), np.empty(0, np.uint32), np.empty(0, np.uint32)
+        listed, order, spare = np.empty(0, np.int32), np.empty(0, np.uint32), np.empty(0, np.uint32)
         occlusion = np.zeros(PIXELS, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
@@ -63,15 +63,15 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
                 set_empty(out, number)
                 continue
             if depths.shape[0] < room + RUN:
-                depths, indices = np.empty(room + RUN, np.float32), np.empty(room + RUN, np.uint32)
+                depths, listed = np.empty(room + RUN, np.float32), np.empty(room * NUMBERS, np.int32)
                 order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
             set_begin(out, number, o)
-            list_by_pixel(fragments, n, counts, starts, depths, indices)
-            sort_pixels(fragments, counts, starts, depths, indices, ranks, spare, order)
+            list_by_pixel(fragments, n, counts, starts, depths, listed)
+            sort_pixels(listed, counts, starts, depths, ranks, spare, order)
             if table is None:
-                o = composite(fragments, counts, order, lines.screen.shape[0], number, o, out, marks)
+                o = composite(listed, counts, order, lines.screen.shape[0], number, o, out, marks)
             else:
-                o = composite_masked(fragments, counts, order, lines, table, tile, o, out, marks)
+                o = composite_masked(listed, counts, order, lines, table, tile, o, out, marks)
 
 
 # Functions of their own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code.

@@ -25,11 +25,12 @@ ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 
 
 @device
-def list_by_pixel(fragments, n, counts, starts, depths, indices):
-    """List the indices of a tile's n fragments by pixel.
+def list_by_pixel(fragments, n, counts, starts, depths, listed):
+    """List a tile's n fragments by pixel, so that a pixel's are together in memory: those of a crowded tile do not fit
+    into a core's own cache.
 
     fragments: columns of `tiles`; counts (PIXELS,): length of each pixel's list; starts (PIXELS,): written, index of
-    the end of each list; depths, indices: written, depth numbers and indices of the fragments, list after list.
+    the end of each list; depths, listed: written, depth numbers and the fragments themselves, list after list.
     """
     total = np.int64(0)
     for p in range(PIXELS):
@@ -40,14 +41,15 @@ def list_by_pixel(fragments, n, counts, starts, depths, indices):
         at = np.uint64(starts[p])
         starts[p] += 1
         depths[at] = np.int32(fragments[i * FOUR + AT_DEPTH]).view(np.float32)
-        indices[at] = np.uint32(i)
+        for column in range(FOUR):
+            listed[at * FOUR + column] = fragments[i * FOUR + column]
 
 
 @device
-def sort_pixels(fragments, counts, ends, depths, indices, ranks, spare, order):
-    """Write the lists in `indices` to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
+def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
+    """Write the indices of listed fragments to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
 
-    fragments, counts, ends, depths, indices: from `list_by_pixel`; ranks (RUN,) float32, spare: scratch.
+    fragments, counts, ends, depths: `listed` and others of `list_by_pixel`; ranks (RUN,) float32, spare: scratch.
 
     The rank of a fragment is the number of nearer ones. To count them takes more comparisons than other methods, but
     no branch that has to be predicted, and is vector code. Long lists are sorted in runs of `RUN` that are merged.
@@ -57,13 +59,13 @@ def sort_pixels(fragments, counts, ends, depths, indices, ranks, spare, order):
         first = np.int64(ends[p]) - n
         if n <= NARROW_LANES:
             rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
-            if sort_few(rows, steps, first, n, NARROW_LANES, indices, order):
-                insertion_sort(fragments, indices, first, n, order)
+            if sort_few(rows, steps, first, n, NARROW_LANES, order):
+                insertion_sort(fragments, first, n, order)
             continue
         if n <= WIDE_LANES:
             wide_rows, wide_steps = pointer(depths), load(pointer(STEPS), 0)
-            if sort_few(wide_rows, wide_steps, first, n, WIDE_LANES, indices, order):
-                insertion_sort(fragments, indices, first, n, order)
+            if sort_few(wide_rows, wide_steps, first, n, WIDE_LANES, order):
+                insertion_sort(fragments, first, n, order)
             continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
@@ -72,15 +74,15 @@ def sort_pixels(fragments, counts, ends, depths, indices, ranks, spare, order):
             for i in range(np.uint64(size)):
                 o = np.int64(ranks[i])
                 total += o
-                order[np.uint64(low + o)] = indices[np.uint64(low) + i]
+                order[np.uint64(low + o)] = np.uint32(np.uint64(low) + i)
             if total != size * (size - 1) // 2:  # equal depths have the same rank
-                insertion_sort(fragments, indices, low, size, order)
+                insertion_sort(fragments, low, size, order)
         if n > RUN:
             merge_runs(fragments, first, n, order, spare)
 
 
 @inlined
-def sort_few(rows, steps, low, n, lanes, indices, order):
+def sort_few(rows, steps, low, n, lanes, order):
     """Sort the list of n <= lanes depths from index `low` on; return whether any two are equal.
 
     The loop always runs over all lanes, because the end of a short loop cannot be predicted. Lanes beyond the list are
@@ -90,7 +92,7 @@ def sort_few(rows, steps, low, n, lanes, indices, order):
     taken = np.uint64(0)
     for i in range(lanes):
         o = count_true((own > rows[low + i]) & valid) if i < n else np.uint64(lanes)
-        order[np.uint64(low) + o] = indices[np.uint64(low + i)]
+        order[np.uint64(low) + o] = np.uint32(low + i)
         taken |= ONE_BIT << o
     return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))
 
@@ -116,10 +118,10 @@ def precedes(fragments, i, j):
 
 
 @device
-def insertion_sort(fragments, indices, first, n, order):
+def insertion_sort(fragments, first, n, order):
     """Sort the list of n fragments from index `first` on by insertion."""
     for i in range(first, first + n):
-        new = indices[i]
+        new = np.uint32(i)
         j = i
         while j > first and precedes(fragments, new, order[j - 1]):
             order[j] = order[j - 1]
