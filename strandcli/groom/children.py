@@ -267,7 +267,7 @@ def _places(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
     roots = every.roots
     apart = 10.0 * float(np.abs(roots).max())
     found: list[NDArray[Any]] = [roots, apart * sides(emitter, roots)]
-    if isinstance(emitter.shape, MeshShape) and every.anchors is not None:
+    if isinstance(emitter.shape, MeshShape) and every.anchors is not None and emitter.tie is None:
         from .on_mesh import at_anchors, seedbed
 
         normals = at_anchors(seedbed(emitter.shape).mesh, every.anchors)[1]

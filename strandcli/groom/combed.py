@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .. import solids
 from ..blocks import pack
 from ..constants import W
+from ..scene.model import MeshShape
 from ..scene.motion import Pose, emitter_pose, solid_pose
 from ..solids.shapes import capsule, sphere
 from .emit import stream
@@ -108,9 +109,11 @@ class Combed:
 
 
 class _Over:
-    """Lifts points out of the solids that combed strands lie over, with their poses at time 0."""
+    """Lifts points out of the solids that combed strands lie over, with their poses at time 0, and of the mesh that
+    they grow on."""
 
     def __init__(self, scene: Scene, tie: Tie) -> None:
+        self.shape = scene.emitter.shape
         # only spheres and capsules: checked with the scene
         named: list[Any] = [solid for solid in scene.solids if solid.name and solid.name in tie.over]
         named.sort(key=lambda solid: solid.kind != "sphere")  # the first blended one gives the distance
@@ -136,4 +139,8 @@ class _Over:
             from .kernels import combed as kernel
 
             kernel.lift(points, np.ascontiguousarray(normals), self.rows, self.blended, float(self.distance), out)
+        if isinstance(self.shape, MeshShape):
+            from .off_mesh import rise
+
+            out = np.maximum(out, rise(self.shape, points, normals))
         return out

@@ -57,7 +57,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
         given = np.array(emitter.direction, np.float64)
         directions = np.broadcast_to(given / np.linalg.norm(given), normals.shape)
     combed = None if ground is None else ground.ways
-    if emitter.comb is not None or combed is not None:
+    if emitter.tie is None and (emitter.comb is not None or combed is not None):
         directions = _combed(emitter, roots, normals, combed)
     if emitter.jitter > 0:
         directions = _tilt(directions, np.radians(emitter.jitter), stream(seed, 2, count), stream(seed, 3, count))

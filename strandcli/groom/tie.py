@@ -9,12 +9,15 @@ it uniformly, neighbours stay neighbours, and those from the hairline are outerm
 thickness of the hair that crosses the arc at d; a strand lies on all strands rooted between d and itself:
 
     h(d) = ρ² / 2 · (A(D) − A(d)) / (A(D_rim) c(d)).
+
+A mesh has the coordinates of a sphere about the emitter's origin, from which its surface is seen: ways are great
+circles of the sphere, led out of the mesh.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +25,7 @@ from numpy.typing import NDArray
 
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape, SphereShape
 from ..scene.model.emitter import TIED
+from .record import frame
 
 if TYPE_CHECKING:
     from .record import Groom
@@ -35,19 +39,27 @@ TURN = 1.2
 """Distance from the bundle at which strands turn up, in heights of the tie."""
 NEAR = 1e-9
 """Distance from the tie, metres, below which a root has no direction."""
+SECTORS = 72
+"""Directions about the tie in which the rim of the roots on a mesh is known."""
+RIM = 0.2
+"""Density on a mesh, as a share of the greatest, at which the rim of the roots is."""
+BELOW = 0.9
+"""Radius of the sphere below a mesh, as a share of the least distance of a root from the emitter's origin."""
 
 
 @dataclass(frozen=True)
 class Chart:
     """Geodesic polar coordinates of an emitter's surface around the point below its tie, the foot."""
 
-    shape: SphereShape | DiscShape | PlaneShape
+    shape: SphereShape | DiscShape | PlaneShape | MeshShape
     foot: Floats
     """(3,) metres."""
     normal: Floats
     """(3,)"""
     radius: float
     """Radius of curvature, metres; infinite for a flat surface."""
+    reach: Floats | None = None
+    """(SECTORS,) of a mesh: the greatest polar angle of roots, radians, in equal sectors about the normal."""
 
     def polar(self, points: Floats) -> tuple[Floats, Floats]:
         """Return the distances (N,) of points (N, 3) of the surface from the foot along it, and the unit directions
@@ -85,12 +97,16 @@ class Chart:
     def rim(self, ways: Floats) -> Floats:
         """Return D_rim (N,), the greatest distance of roots on paths with the directions ``ways`` at the foot."""
         shape, x, z = self.shape, ways[:, 0], ways[:, 2]
+        if self.reach is not None:
+            every = np.arange(SECTORS + 1)
+            return self.radius * np.interp(_sectors(self.normal, ways), every, np.append(self.reach, self.reach[0]))
         if isinstance(shape, SphereShape):  # the polar angle θ along a path: cos θ = a cos(d − δ)
             a = np.hypot(self.normal[1], ways[:, 1])
             middle = np.arctan2(ways[:, 1], self.normal[1])
             open_ = np.arccos(np.clip(np.cos(np.radians(shape.cap)) / np.maximum(a, 1e-12), -1.0, 1.0))
             # a circle entirely within the cap is followed as far as it is a shortest path
             return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
+        assert not isinstance(shape, MeshShape)
         u, w = self.foot[0], self.foot[2]
         if isinstance(shape, DiscShape):
             along = u * x + w * z
@@ -110,8 +126,36 @@ def chart_of(emitter: Emitter) -> Chart:
     if isinstance(emitter.shape, SphereShape):
         normal = at / np.linalg.norm(at)
         return Chart(emitter.shape, emitter.shape.radius * normal, normal, emitter.shape.radius)
-    assert not isinstance(emitter.shape, MeshShape)
+    if isinstance(emitter.shape, MeshShape):
+        return _chart_of_mesh(emitter.shape, at / np.linalg.norm(at))
     return Chart(emitter.shape, at * [1.0, 0.0, 1.0], np.array([0.0, 1.0, 0.0]), np.inf)
+
+
+def _chart_of_mesh(shape: MeshShape, normal: Floats) -> Chart:
+    """Return the chart of a mesh: of the greatest sphere about the origin that is well below its roots."""
+    from .off_mesh import rise
+    from .on_mesh import seedbed
+
+    bed = seedbed(shape)
+    places = bed.corners[bed.pieces.values >= RIM * bed.pieces.values.max()]
+    far = np.linalg.norm(places, axis=1)
+    radius = BELOW * max(float(far.min()), NEAR)
+    foot = radius * normal[None]
+    chart = Chart(shape, (foot + rise(shape, foot, normal[None])[:, None] * normal)[0], normal, radius)
+    d, ways = chart.polar(places)
+    reach = np.zeros(SECTORS)
+    np.maximum.at(reach, np.rint(_sectors(normal, ways)).astype(int) % SECTORS, d / radius)
+    some = np.flatnonzero(reach)
+    reach = np.interp(np.arange(SECTORS), some, reach[some], period=SECTORS)
+    smooth = np.mean([np.roll(reach, k) for k in range(-2, 3)], axis=0)
+    return replace(chart, reach=smooth)
+
+
+def _sectors(normal: Floats, ways: Floats) -> Floats:
+    """Return where unit vectors (N, 3) perpendicular to the normal lie about it, in sectors from 0 to `SECTORS`."""
+    first, second = frame(normal[None])
+    turn = np.arctan2(ways @ second[0], ways @ first[0])
+    return np.asarray(turn / (2 * np.pi) % 1.0 * SECTORS)
 
 
 def bind(emitter: Emitter, roots: Floats) -> tuple[Floats, Floats]:

@@ -114,7 +114,7 @@ def prepared(key: Key) -> Prepared:
         colours = np.ascontiguousarray(mesh.colours[mesh.triangles[order]], np.float32)
     normals = np.ascontiguousarray(shading_normals(mesh, key.crease)[order], np.float32)
     faces = mesh.face_normals().astype(np.float32)
-    grid = _grid(key.file, key.placing, key.resolution) if key.moment is None else _grid_between(key, key.moment)
+    grid = distances(key.file, key.placing, key.resolution) if key.moment is None else _grid_between(key, key.moment)
     return Prepared(bvh, grid, faces, normals, colours, uv, density, texture)
 
 
@@ -125,7 +125,8 @@ def _bvh(file: Version, how: Placing) -> Bvh:
 
 
 @functools.lru_cache(maxsize=KEPT)
-def _grid(file: Version, how: Placing, resolution: int) -> DistanceGrid:
+def distances(file: Version, how: Placing, resolution: int) -> DistanceGrid:
+    """The grid of distances from the mesh of a file."""
     return make_distance_grid(_bvh(file, how), placed(file, how).closed, resolution)
 
 

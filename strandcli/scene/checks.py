@@ -96,16 +96,15 @@ def _mesh(emitter: Emitter) -> Iterator[Finding]:
         path = f"emitter.shape.deform.{index}"
         if not key.file:
             yield Finding((f"{path}.file", path), "must be the path of a mesh", (path,))
-    if emitter.tie is not None:
-        places = ("emitter.tie", "emitter.shape")
-        message = "a tie combs strands over a sphere, a disc or a plane, not over a mesh; take one of the two out"
-        yield Finding(places, message, places)
+    if emitter.tie is not None and emitter.shape.comb:
+        places = ("emitter.shape.comb", "emitter.tie")
+        yield Finding(places, "strands that are tied are combed to their tie; take one of the two out", places)
 
 
 def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
     """Strands can be combed to the tie: it is above the surface that bears them, and nothing else leads them."""
     tie = emitter.tie
-    if tie is None or isinstance(emitter.shape, MeshShape):
+    if tie is None:
         return
     own = ("emitter.tie.position", "emitter.tie", "emitter.shape")
     normal = _normal(tie, emitter)
@@ -132,13 +131,16 @@ def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
 def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
     """The emitter's normal below the tie; None where no strands grow there."""
     shape, (x, y, z) = emitter.shape, tie.position
-    assert not isinstance(shape, MeshShape)
     if isinstance(shape, DiscShape):
         return (0.0, 1.0, 0.0) if math.hypot(x, z) < shape.radius else None
     if isinstance(shape, PlaneShape):
         return (0.0, 1.0, 0.0) if abs(x) < shape.width / 2 and abs(z) < shape.depth / 2 else None
     away = math.hypot(x, y, z)
-    beyond = shape.cap < 180 and math.atan2(math.hypot(x, z), y) >= math.radians(shape.cap)
+    beyond = (
+        isinstance(shape, SphereShape)
+        and shape.cap < 180
+        and math.atan2(math.hypot(x, z), y) >= math.radians(shape.cap)
+    )
     return None if beyond or away < SMALLEST else (x / away, y / away, z / away)
 
 

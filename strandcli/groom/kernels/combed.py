@@ -8,6 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
+from ...meshes.kernels.distance import distance as grid_distance
 from ...solids.shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, PER_SQUARE, RADIUS, X, Y, Z
 
 STEPS = 128
@@ -34,6 +35,23 @@ def lift(points, normals, capsules, blended, k, out):
             if away >= -ENOUGH:
                 break
             up -= away
+        out[i] = up
+
+
+@parallel
+def lift_off_mesh(points, normals, grid, clear, out):
+    """Write to out (N,) how far points (N, 3) must move along unit normals (N, 3) to be ``clear`` metres outside of a
+    mesh, of which grid is the `meshes.kernels.distance.DistanceGrid`."""
+    for i in prange(points.shape[0]):
+        up = 0.0
+        for _ in range(STEPS):
+            away = grid_distance(
+                grid, points[i, 0] + up * normals[i, 0], points[i, 1] + up * normals[i, 1],
+                points[i, 2] + up * normals[i, 2],
+            )  # fmt: skip
+            if away >= clear - ENOUGH:
+                break
+            up += clear - away
         out[i] = up
 
 
