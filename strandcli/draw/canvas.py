@@ -23,6 +23,7 @@ from .film.kernels import film
 from .geometry.curves import Polylines
 from .lighting.lighting import NO_SPOTS, Lighting
 from .shadows.vertex_shadows import VertexShadows
+from .solids import triangles
 from .solids.edges import find_edges
 from .solids.kernels import rasterise
 from .solids.solids import frames_of
@@ -194,7 +195,13 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
         keys.fill(EMPTY)
     else:
         view = lighting.view
-        rasterise.draw(lighting.solids, frames_of(lighting.solids, view), view.pack(), *size, keys)
+        frames = frames_of(lighting.solids, view)
+        found = triangles.surfaces(lighting.solids, view)
+        by_rays = frames.copy()
+        by_rays[[one.number for one in found]] = 0
+        rasterise.draw(lighting.solids, by_rays, view.pack(), *size, keys)
+        for one in found:
+            triangles.draw(one, frames[one.number], view, size, keys)
 
 
 def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:

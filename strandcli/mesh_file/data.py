@@ -44,6 +44,12 @@ def _together(keys: tuple[Key, ...]) -> Data:
     )  # fmt: skip
 
 
+def triangles(numbers: NDArray[Any], data: Data) -> NDArray[np.float64]:
+    """(T, 3, 3) the corners of the mesh of a solid that has these numbers."""
+    row = data.table[int(numbers[0])]
+    return data.corners[row[at.TRIANGLES] : row[at.TRIANGLES_END]]
+
+
 def table(meshes: Sequence[Prepared]) -> NDArray[np.int64]:
     """(meshes, `arrays.SIZE`) where the parts of each begin and end, when they stand one after the other."""
     out = np.zeros((len(meshes), at.SIZE), np.int64)

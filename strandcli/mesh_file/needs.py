@@ -47,7 +47,7 @@ def described(settings: Any) -> str:
     inside = "" if mesh.closed else ", open"
     return (
         f"{len(mesh.triangles):,} triangles{inside}; a grid of {x} × {y} × {z} distances, "
-        f"{grid_bytes(settings) / 1e6:.1f} MB, for contact, ambient occlusion and soft shadows"
+        f"{grid_bytes(settings) / 1e6:.1f} MB, for contact and soft shadows"
     )
 
 

@@ -39,6 +39,9 @@ class SolidShape(Protocol):
       list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked
       for at every frame and step, and should return the same arrays until they change. The functions above then take
       it as one more argument, and the last of their ``numbers`` is the solid's place in the list.
+    * ``triangles(numbers, data)``: (T, 3, 3) float64, the corners of the triangles that are all of its surface, for a
+      shape with data; not compiled. A pixel then looks at the triangles that may cover it. `meet` has to be the nearest
+      of them, as `strandcli.meshes.kernels.rays.first_hit` gives it.
     * ``convex = True``: it is convex, and so is its distance along every line. The deepest place of a segment is then
       searched for; else segments are looked at in a few places.
 

@@ -88,13 +88,14 @@ Solids = {name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.detailed = {detailed}
+Solids.kinds = {kinds}
 
 
 @function
-def distances(p, points, out):
-    """The distances (k,) of points (k, 3) from the first of these solids."""
+def distances(p, m, points, out):
+    """The distances (k,) of points (k, 3) from solid m."""
     for k in range(points.shape[0]):
-        out[k] = distance(p, 0, points[k, 0], points[k, 1], points[k, 2])
+        out[k] = distance(p, m, points[k, 0], points[k, 1], points[k, 2])
 
 
 def collide(x, parent, grandparent, root, length, p, i, n):
@@ -157,7 +158,7 @@ def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], tim
         found = outside.copy()
         near = np.flatnonzero(outside <= 0)
         away = np.zeros(len(near))
-        module_for([solid]).distances(together([solid], row[None], time), np.ascontiguousarray(points[near]), away)
+        module_for([solid]).distances(together([solid], row[None], time), 0, np.ascontiguousarray(points[near]), away)
         found[near] = away
         return -found
     given = tuple(row[NUMBERS:].tolist())
@@ -197,8 +198,11 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
     }
     # kernels are kept by the name of the type, which therefore tells of all that it stands for
     name = f"Solids_{hashlib.sha256((imports + str(parts)).encode()).hexdigest()[:16]}"
-    title = ", ".join(one.shape.kind for one in kinds)
-    return module_of(MODULE.format(title=title, name=name, imports=imports, **parts), "solids", runtime.cache_folder())
+    names = tuple(one.shape.kind for one in kinds)
+    title = ", ".join(names)
+    return module_of(
+        MODULE.format(title=title, kinds=names, name=name, imports=imports, **parts), "solids", runtime.cache_folder()
+    )
 
 
 def fields_of(kinds: Sequence[Kind]) -> list[str]:
