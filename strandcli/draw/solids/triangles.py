@@ -38,7 +38,7 @@ def surfaces(solids: Solids, view: View) -> list[Surface]:
     kinds = getattr(type(solids), "kinds", ())
     first = sum(len(one) for one in solids[:4])
     found = []
-    rows = solids[4] if kinds else ()
+    rows = getattr(solids, "others", ())
     for m, row in enumerate(rows):
         place = int(row[other.KIND])
         shape: Any = shape_of(kinds[place])
