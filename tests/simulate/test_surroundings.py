@@ -85,7 +85,7 @@ def test_gusts_that_travel_are_refused_beside_another_wind(other: dict[str, Any]
     """Its strength would come and go with theirs."""
     travelling = {"wind": {"strength": 3.0, "gust": 1.0, "wavelength": 0.5}}
     for winds in ([travelling, {"wind": other}], [{"wind": other}, travelling]):
-        with pytest.raises(UsageError, match=r"rule wind: of 2 winds, .* the solver rod lets gusts travel where"):
+        with pytest.raises(UsageError, match=r"rule wind: of 2 winds, .* solver rod supports travelling gusts only"):
             around("collision", *winds)
     still = {"wind": {"strength": 0.0, **other}}
     assert around("collision", travelling, still).gust(0.3, np.zeros((1, 3, 3 * W))) is not None

@@ -13,7 +13,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import mesh_kit
+import ball_kit
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
@@ -42,7 +42,7 @@ AT = (0.2, -0.1, 0.3)
 def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     """Files of balls of radius .5 by how often they are refined."""
     folder = tmp_path_factory.mktemp("balls")
-    return {n: mesh_kit.write(folder / f"ball_{n}.obj", *mesh_kit.ball(n, R)) for n in (3, 4, 5)}
+    return {n: ball_kit.write(folder / f"ball_{n}.obj", *ball_kit.ball(n, R)) for n in (3, 4, 5)}
 
 
 def settings(path: Path, **more: Any) -> Settings:
@@ -182,15 +182,15 @@ def test_the_data_is_made_once_and_follows_the_file(balls: dict[int, Path], tmp_
     assert len(made.triangle) == len(mesh_of(one).triangles)  # once for both
     both = mesh_data.data([one, settings(balls[4])], 0.0)
     assert len(both.triangle) == len(made.triangle) * 5
-    path = mesh_kit.write(tmp_path / "one.obj", *mesh_kit.ball(2))
+    path = ball_kit.write(tmp_path / "one.obj", *ball_kit.ball(2))
     before = mesh_data.data([settings(path)], 0.0)
-    mesh_kit.write(path, *mesh_kit.ball(3))
+    ball_kit.write(path, *ball_kit.ball(3))
     os.utime(path, ns=(1, 1))
     assert len(mesh_data.data([settings(path)], 0.0).triangle) == 4 * len(before.triangle)
 
 
 def test_several_meshes_are_met_by_themselves(balls: dict[int, Path], tmp_path: Path) -> None:
-    cube = mesh_kit.write(tmp_path / "cube.obj", *cube_of(0.4))
+    cube = ball_kit.write(tmp_path / "cube.obj", *cube_of(0.4))
     solids = packed(settings(cube, position=(-2.0, 0.0, 0.0)), settings(balls[4], position=(2.0, 0.0, 0.0)))
     for x, m, half in ((-2.0, 0, 0.4), (2.0, 1, R)):
         ray = (np.float32(x), np.float32(0.1), np.float32(5), *np.array([0, 0, -1], np.float32))
@@ -217,8 +217,8 @@ def test_keys_move_it(balls: dict[int, Path]) -> None:
 
 
 def test_place_size_scale_and_up_are_those_of_grooms(tmp_path: Path) -> None:
-    vertices, triangles = mesh_kit.ball(2)
-    path = mesh_kit.write(tmp_path / "high.obj", vertices * (1, 2, 3) + (5, 6, 7), triangles)
+    vertices, triangles = ball_kit.ball(2)
+    path = ball_kit.write(tmp_path / "high.obj", vertices * (1, 2, 3) + (5, 6, 7), triangles)
     box = np.array(mesh_of(settings(path)).box())
     np.testing.assert_allclose(np.ptp(box, axis=0) / np.ptp(vertices, axis=0), (1, 2, 3))
     turned = np.array(mesh_of(settings(path, up="z", scale=0.5)).box())
@@ -235,7 +235,7 @@ def test_creases_are_kept_and_facets_are_not() -> None:
     np.testing.assert_allclose(shading_normals(cube, 60.0), np.repeat(cube.face_normals()[:, None], 3, 1), atol=1e-12)
     corner = shading_normals(cube, 100.0)
     np.testing.assert_allclose(np.abs(corner), 1 / np.sqrt(3), atol=0.2)
-    vertices, triangles = mesh_kit.ball(3)
+    vertices, triangles = ball_kit.ball(3)
     ball = make_mesh(vertices, triangles)
     np.testing.assert_allclose(shading_normals(ball, 60.0), shading_normals(ball, 180.0), atol=1e-12)
     flat = make_mesh(vertices, triangles)
@@ -260,10 +260,10 @@ def test_levels_of_a_texture_keep_its_light() -> None:
 
 
 def test_which_colour_is_drawn(tmp_path: Path) -> None:
-    vertices, triangles = mesh_kit.ball(1)
-    plain = mesh_kit.write(tmp_path / "plain.obj", vertices, triangles)
-    coloured = mesh_kit.write(tmp_path / "coloured.obj", vertices, triangles, colours=np.abs(vertices) / 2)
-    pictured = mesh_kit.write(tmp_path / "pictured.obj", vertices, triangles, uv=np.abs(vertices[:, :2]))
+    vertices, triangles = ball_kit.ball(1)
+    plain = ball_kit.write(tmp_path / "plain.obj", vertices, triangles)
+    coloured = ball_kit.write(tmp_path / "coloured.obj", vertices, triangles, colours=np.abs(vertices) / 2)
+    pictured = ball_kit.write(tmp_path / "pictured.obj", vertices, triangles, uv=np.abs(vertices[:, :2]))
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "black.png")
     black = str(tmp_path / "black.png")
 
@@ -288,7 +288,7 @@ def test_bad_input_is_told(tmp_path: Path) -> None:
             loads(f"solids: [{solid}]", rules=registry())
         return str(caught.value)
 
-    path = mesh_kit.write(tmp_path / "ball.obj", *mesh_kit.ball(1))
+    path = ball_kit.write(tmp_path / "ball.obj", *ball_kit.ball(1))
     assert "must be the path of a mesh" in faults("{kind: mesh}")
     assert "there is no file" in faults(f"{{kind: mesh, file: {tmp_path}/none.obj}}")
     assert "clashes with solids.0.size" in faults(f"{{kind: mesh, file: {path}, size: 1, scale: 2}}")
@@ -298,8 +298,8 @@ def test_bad_input_is_told(tmp_path: Path) -> None:
 
 
 def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
-    vertices, triangles = mesh_kit.ball(3)
-    path = mesh_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
+    vertices, triangles = ball_kit.ball(3)
+    path = ball_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
     text = STRANDS.format(solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {path}}}")
     scene = loads(text, rules=registry())
     told = "\n".join(advice.warnings(scene, emit(scene.emitter, scene.seed)))
@@ -311,9 +311,9 @@ def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
 
 def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
     """A ball that moves and grows: rays, distances and strands follow; halfway it is the mean of both."""
-    vertices, triangles = mesh_kit.ball(4, R)
-    small = mesh_kit.write(tmp_path / "small.obj", vertices * 0.9, triangles)
-    large = mesh_kit.write(tmp_path / "large.obj", vertices * 1.1 + (0.1, 0, 0), triangles)
+    vertices, triangles = ball_kit.ball(4, R)
+    small = ball_kit.write(tmp_path / "small.obj", vertices * 0.9, triangles)
+    large = ball_kit.write(tmp_path / "large.obj", vertices * 1.1 + (0.1, 0, 0), triangles)
     keys = (MeshKey(time=0.0, file=str(small)), MeshKey(time=1.0, file=str(large)))
     one = settings(small, deform=keys)
     for time, middle, radius in (
@@ -344,6 +344,6 @@ def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
     assert (away < 0.56).sum() > 20
     with pytest.raises(SceneError, match="forward in time"):
         loads(text.replace("time: 0.6", "time: 0"), rules=registry())
-    other = mesh_kit.write(tmp_path / "other.obj", *mesh_kit.ball(3))
+    other = ball_kit.write(tmp_path / "other.obj", *ball_kit.ball(3))
     with pytest.raises(UsageError, match="vertices"):
         pack_all([settings(small, deform=(keys[0], MeshKey(time=1.0, file=str(other))))], STILL, 0.0)

@@ -13,7 +13,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "solids"))
 
-import mesh_kit
+import ball_kit
 from strand_kit import frames_of, scene_of
 
 R = 0.5
@@ -46,7 +46,7 @@ def light(
 @pytest.fixture(scope="session")
 def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("balls")
-    return {n: mesh_kit.write(folder / f"ball_{n}.obj", *mesh_kit.ball(n, R)) for n in (3, 5)}
+    return {n: ball_kit.write(folder / f"ball_{n}.obj", *ball_kit.ball(n, R)) for n in (3, 5)}
 
 
 @pytest.mark.parametrize("more", [
@@ -79,9 +79,9 @@ def test_bits_do_not_depend_on_threads(balls: dict[int, Path], size: tuple[int, 
 
 def test_edges_within_its_outline_are_antialiased(tmp_path: Path) -> None:
     """Two balls in one mesh, one before the other, against very many samples."""
-    vertices, triangles = mesh_kit.ball(4, R)
+    vertices, triangles = ball_kit.ball(4, R)
     both = np.concatenate([vertices, 0.5 * vertices + (0.1, 0.15, 0.8)])
-    path = mesh_kit.write(tmp_path / "two.obj", both, np.concatenate([triangles, triangles + len(vertices)]))
+    path = ball_kit.write(tmp_path / "two.obj", both, np.concatenate([triangles, triangles + len(vertices)]))
     exact = light(mesh(path, mottle=0), samples=8)
     got, aliased = light(mesh(path, mottle=0), resolver="sorted"), light(mesh(path, mottle=0))
     inside = np.zeros(exact.shape[:2], bool)
@@ -93,14 +93,14 @@ def test_edges_within_its_outline_are_antialiased(tmp_path: Path) -> None:
 
 def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
     """Each octant in its own colour: by vertices, and by a texture over (x, y)."""
-    vertices, triangles = mesh_kit.ball(4, R)
+    vertices, triangles = ball_kit.ball(4, R)
     middles = vertices[triangles].mean(1)
     corners = vertices[triangles].reshape(-1, 3)
     shades = np.repeat((middles > 0) * 0.8 + 0.1, 3, 0)
     split = np.arange(len(corners)).reshape(-1, 3)
-    plain = light(mesh(mesh_kit.write(tmp_path / "a.obj", vertices, triangles), mottle=0, coat=0, colour="[1, 1, 1]"))
+    plain = light(mesh(ball_kit.write(tmp_path / "a.obj", vertices, triangles), mottle=0, coat=0, colour="[1, 1, 1]"))
     coloured = light(
-        mesh(mesh_kit.write(tmp_path / "b.obj", corners, split, colours=shades), mottle=0, coat=0, colour_from="file")
+        mesh(ball_kit.write(tmp_path / "b.obj", corners, split, colours=shades), mottle=0, coat=0, colour_from="file")
     )
     face = plain[40, 40:56].mean(0) > 0
     assert face.all()
@@ -114,7 +114,7 @@ def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
     uv = vertices[:, :2] / (2.2 * R) + 0.5
     textured = light(
         mesh(
-            mesh_kit.write(tmp_path / "c.obj", vertices, triangles, uv=uv), mottle=0, coat=0, colour_from="file",
+            ball_kit.write(tmp_path / "c.obj", vertices, triangles, uv=uv), mottle=0, coat=0, colour_from="file",
             texture=tmp_path / "map.png",
         )
     )  # fmt: skip
@@ -129,12 +129,12 @@ def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
 
 def test_a_fine_texture_does_not_alias(tmp_path: Path) -> None:
     """A chequer far finer than a pixel is drawn as its mean, whatever the pixels' phase."""
-    vertices, triangles = mesh_kit.ball(4, R)
+    vertices, triangles = ball_kit.ball(4, R)
     image = np.zeros((1024, 1024, 3), np.uint8)
     image[(np.add.outer(np.arange(1024), np.arange(1024)) % 2) == 0] = 255
     Image.fromarray(image).save(tmp_path / "fine.png")
     uv = vertices[:, :2] / (2.2 * R) + 0.5
-    path = mesh_kit.write(tmp_path / "d.obj", vertices, triangles, uv=uv)
+    path = ball_kit.write(tmp_path / "d.obj", vertices, triangles, uv=uv)
     plain = light(mesh(path, mottle=0, coat=0, colour="[1, 1, 1]", colour_from="colour"))
     fine = light(mesh(path, mottle=0, coat=0, colour_from="file", texture=tmp_path / "fine.png"))
     share = fine[22:48, 33:63] / plain[22:48, 33:63]

@@ -93,6 +93,7 @@ def estimate_strand(screen, widths, begin, end, width, changes):
             each = cells * (w + RISE)
             if widths is not None and w > WIDE:  # a ribbon has fragments of its own wherever it touches a pixel
                 each = (cells + ONE) * (w + ONE)
+            each = min(each, wide * tall)  # a segment has one fragment a pixel
             top = np.int64(max(low, ZERO))
             rows = min(np.int64(down) + 1, changes.shape[0] - 1 - top)
             changes[top] += each / np.float32(rows)
