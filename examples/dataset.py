@@ -42,10 +42,8 @@ GUIDES = 20
 """Strands that are drawn for each that is simulated."""
 WIDTH, USUAL = 0.00026, 20_000
 """Metres, of so many strands; fewer are wider, more are thinner."""
-ENDS = ((-0.18, -0.5, -0.036), (0.18, -0.5, -0.036), (0.0, -0.5, 0.0))
-"""Metres; where arms and chest of the bust have begun to round off below."""
-SKIN = ("skull", "face", "neck")
-CLOTHES = ("left_shoulder", "right_shoulder", "left_arm", "right_arm", "back")
+ENDS = ((-0.21, -0.43, -0.03), (0.21, -0.43, -0.03), (0.0, -0.43, 0.069), (0.0, -0.43, -0.12))
+"""Metres; where arms, chest and back of the bust have begun to round off below."""
 
 
 def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> Scene:
@@ -68,20 +66,17 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
     pigment, grey = str(rng.choice(PIGMENTS)), max(between(-0.5, 0.5), 0.0)
     lights = random_lights(azimuth, 1 - (0.45 if pigment in PALE else 0.5 * grey), between)
     tone = between(0.06, 0.55)
-    skin, cloth = [tone, 0.68 * tone, 0.54 * tone], [between(0.01, 0.4) for _ in range(3)]
     settings: dict[str, Any] = {
         "title": f"sample {index} of the data set with seed {seed}",
         "seed": int(rng.integers(2**31)),
         "time.frames": 1,
         "emitter.keys": [],
-        "emitter.rotation": [-36, 0, 0],
         "emitter.strands": -(-strands // GUIDES),
-        "emitter.shape.cap": between(96, 108),
         "emitter.length": length,
         "emitter.length_variation": between(0.0, 0.3),
         "emitter.comb": [between(0.2, 1.0), between(-0.6, 0.2), between(-1.0, 0.4)],
         "emitter.parting": between(-0.05, 0.05) if rng.random() < 0.6 else None,
-        "emitter.lift": between(15, 50),
+        "emitter.lift": between(8, 35),
         "emitter.jitter": between(4, 20),
         "children": {
             "count": GUIDES,
@@ -98,8 +93,7 @@ def random_scene(seed: int, index: int, size: tuple[int, int], strands: int) -> 
         "rod.radius": between(1.2e-4, 3e-4),
         "wind.strength": between(0, 1.5),
         "wind.direction": [between(-1, 1), between(-0.2, 0.3), between(-1, 1)],
-        **{f"solids.{name}.colour": skin for name in SKIN},
-        **{f"solids.{name}.colour": cloth for name in CLOTHES},
+        "solids.head.colour": [tone, 0.68 * tone, 0.54 * tone],
         "camera": {"position": eye, "target": target, "fov": min(between(22, 32) + 16 * length, widest(eye, target))},
         "image.size": list(size),
         "image.background": [between(0.02, 0.45) for _ in range(3)],

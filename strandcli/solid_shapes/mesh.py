@@ -44,7 +44,7 @@ class Settings(SolidSettings):
         ("auto", "file", "colour"),
         doc="file: its texture, else its vertices' colours; colour: `colour`; auto: the file's, unless `colour` is set",
     )
-    texture: str = fields.file(doc="picture for its uv, in place of the file's own; absent: the file's")
+    texture: str | None = fields.file(None, doc="picture for its uv, in place of the file's own; absent: the file's")
     deform: tuple[MeshKey, ...] = items(
         MeshKey,
         doc="files between which its vertices move in straight lines; `file` tells triangles, colours and its placing",

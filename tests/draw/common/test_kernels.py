@@ -63,7 +63,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "third coefficient": (curves.third_coefficient, (ONE, ONE, ONE)),
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
-    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE)),
+    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE, None)),
     "line": (raster.draw_line, (*[ONE] * 6, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
     "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS)),

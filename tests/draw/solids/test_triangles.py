@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "solids"))
 
-import mesh_kit
+import ball_kit
 from strand_kit import scene_of
 from strandcli.draw import canvas
 from strandcli.draw.common.kernels.keys import EMPTY
@@ -45,7 +45,7 @@ CAMERAS = {
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Path]]:
     """A fine ball and a coarse one, and triangles in all directions, among which slivers and very large ones."""
     folder = tmp_path_factory.mktemp("triangles")
-    balls = [mesh_kit.write(folder / f"{n}.obj", *mesh_kit.ball(n, 0.5)) for n in (5, 1)]
+    balls = [ball_kit.write(folder / f"{n}.obj", *ball_kit.ball(n, 0.5)) for n in (5, 1)]
     random = np.random.default_rng(4)
     soups = []
     for n in (30, 400):
@@ -53,7 +53,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Pat
             0.001, 0.5, (n, 1, 1)
         )
         corners[::3, 2] = corners[::3, 1] + 1e-3 * random.normal(size=corners[::3, 2].shape)
-        soups.append(mesh_kit.write(folder / f"soup_{n}.obj", corners.reshape(-1, 3), np.arange(3 * n).reshape(-1, 3)))
+        soups.append(ball_kit.write(folder / f"soup_{n}.obj", corners.reshape(-1, 3), np.arange(3 * n).reshape(-1, 3)))
     return {"balls": (balls[0], balls[1]), "soup": (soups[0], soups[1])}
 
 
