@@ -96,7 +96,7 @@ class Lighting:
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots), self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
-            map_arrays(self.maps), self.solids, Coating(paint, given(coats_of(seen), 4)), image,
+            map_arrays(self.maps), self.solids, Coating(paint, given(coats_of(seen), 7)), image,
         )  # fmt: skip
 
     def _surround(self) -> Surround:

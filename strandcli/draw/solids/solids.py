@@ -105,9 +105,10 @@ def paint_of(solids: Sequence[Any], emitter: Any, time: float) -> NDArray[np.flo
 
 
 def coats_of(solids: Sequence[Any]) -> NDArray[np.float32] | None:
-    """Return (m, 4) the columns of `kernels.coat`, in the order of `COLUMNS`: reflectance of the coat at normal
-    incidence, its roughness, amplitude of the patches, width of the largest; None if no solid has a coat or patches."""
-    if not any(solid.coat > 0 or solid.mottle > 0 for solid in solids):
+    """Return (m, 7) the columns of `kernels.coat`, in the order of `COLUMNS`: reflectance of the coat at normal
+    incidence, its roughness, amplitude of the patches, width of the largest, subsurface scattering of red, green and
+    blue; None if no solid has any of them."""
+    if not any(solid.coat > 0 or solid.mottle > 0 or any(solid.subsurface) for solid in solids):
         return None
-    rows = [[solid.coat, solid.roughness, solid.mottle, solid.grain] for solid in in_order(solids)]
+    rows = [[one.coat, one.roughness, one.mottle, one.grain, *one.subsurface] for one in in_order(solids)]
     return np.array(rows, np.float32)

@@ -31,6 +31,13 @@ class SolidSettings:
     roughness: float = number(0.3, low=0.05, high=1, doc="of the coat; 0.1 is polished, 0.5 satin")
     mottle: float = number(0.0, low=0, high=1, doc="spread of brightness from patch to patch")
     grain: float = number(0.1, above=0, unit="m", doc="width of the largest patches")
+    subsurface: Vector = vector(
+        (0.0, 0.0, 0.0),
+        low=0,
+        high=1,
+        doc="how far light of red, green and blue goes on under the surface, past where it grazes it; skin is about "
+        "[.4, .2, .12]; 0: opaque",
+    )
     visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
 
 

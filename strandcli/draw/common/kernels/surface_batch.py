@@ -16,10 +16,12 @@ UNDER = layout.allocate_row("share under the coat", surfaces="ambient:out")
 # Where shadow rays begin, from the point, and the colour: of solids that have a look of their own, else 0 and theirs.
 LIFT = layout.allocate("lift of the point", 3, surfaces="ambient:out")[0]
 ALBEDO = layout.allocate("colour of the surface", 3, surfaces="ambient:out")[0]
-# Of the current light: position of the point itself, because `X` is offset above the surface; cosine of incidence; and
-# in red, green and blue the transmittance of strands and the irradiance.
+# Of the current light: position of the point itself, because `X` is offset above the surface; cosine of incidence; unit
+# direction to it, where shadow rays take another; and in red, green and blue the transmittance of strands and the
+# irradiance.
 PX = layout.allocate("place on the surface", 3, surfaces="light:soft")[0]
 COSINE = layout.allocate_row("cosine", surfaces="light:reflect")
+TRUE_X, TRUE_Y, TRUE_Z = layout.allocate("light, unbent", 3, surfaces="light:soft")
 LEFT = layout.allocate("share that strands leave", 3, surfaces="maps:reflect")[0]
 ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
 # Filter window of a point in a map: radius, texels, and its inverse; first and last column and row; sums of the weights

@@ -97,7 +97,7 @@ class Coating(NamedTuple):
     paint: NDArray[np.float32]
     """(m, 8) colour, then `FADE` and the centre of the fading, and an unused column."""
     coats: NDArray[np.float32]
-    """(m, 4) columns of `strandcli.draw.solids.kernels.coat`; no rows without coats and patches."""
+    """(m, 7) columns of `strandcli.draw.solids.kernels.coat`; no rows without coats, patches and subsurface."""
 
 
 class StrandLight(NamedTuple):

@@ -13,16 +13,13 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....solids.kernels import other, sphere
-from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
-from ...common.kernels.light_columns import KIND, LIGHT_SIZE, MAP_LAYERS, POWER_R
+from ...common.kernels.batch import ARRIVES, EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.light_columns import MAP_LAYERS
 from ...common.kernels.surface_batch import (
     ALBEDO,
-    ARRIVED,
     COAT,
-    COSINE,
     DISTANCE,
     LEFT,
-    LIFT,
     NX,
     NY,
     NZ,
@@ -42,6 +39,7 @@ from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
 from .light import around
+from .reflection import bend, deepest, gleam, lift, reflect, reflect_from_below, rise, unbend
 from .shade_strands import aim, past_solids
 
 ZERO = np.float32(0.0)
@@ -54,7 +52,7 @@ PIXELS = 4096
 
 @parallel
 def surfaces(screen, surround, strands, lights, shadows, solids, coating, image):
-    """Composite the visible solids, Lambertian with an optional coat, over image (height, width, 3).
+    """Composite the visible solids, with what is on and under their surface, over image (height, width, 3).
 
     screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
@@ -95,27 +93,31 @@ def surroundings(surround, x, y, z):
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
-    if other.has_look(solids):
+    depth = deepest(coats, which)
+    if other.has_look(solids) or depth > ZERO:
         appearance.plain(work, n, paint, which)
     face(work, n, solids, which)
-    light_around(work, n, surround, strands.bounce)
+    light_around(work, n, surround, strands.bounce, depth)
     fade(work, n, paint, which)
     if coats.shape[0] > 0:
         cover(work, n, surround, coats, which)
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
-        rise(work, n, lights.skin)
+        rise(work, n, lights.skin, depth)
         if other.has_look(solids):
             lift(work, n)
+        if depth > ZERO:
+            bend(work, n, rows, i)
         past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
         for k in range(3 * W):
             work[X + k] = work[PX + k]
+        if depth > ZERO:
+            unbend(work, n)
         past_strands(work, n, rows, i, shadows, strands.loss)
-        for c in range(3):
-            for k in range(n):
-                arrived = work[ARRIVES + k] * work[COSINE + k] * rows[i, POWER_R + c] * work[LEFT + c * W + k]
-                work[ARRIVED + c * W + k] = arrived
-                work[RADIANCE + c * W + k] += INV_PI * arrived
+        if depth > ZERO:
+            reflect_from_below(work, n, rows, i, coats, which)
+        else:
+            reflect(work, n, rows, i)
         if coats.shape[0] > 0:
             gleam(work, n, rows, i, coats, which)
     for c in range(3):
@@ -191,8 +193,9 @@ def face(work, n, solids, which):
 
 
 @device
-def light_around(work, n, surround, bounce):
-    """Set the radiance to that in ambient light, occluded by strands and solids; bounce: colour of the strands."""
+def light_around(work, n, surround, bounce, depth):
+    """Set the radiance to that in ambient light, occluded by strands and solids. What occludes it is as light as the
+    strands, ``bounce`` (3,); for a solid with subsurface scattering (depth > 0), whose own folds do, as the solid."""
     for k in range(n):
         r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
         work[RADIANCE + k] = r
@@ -211,7 +214,8 @@ def light_around(work, n, surround, bounce):
                 work[NZ + k],
             )
             for c in range(3):
-                work[RADIANCE + c * W + k] *= share / max(ONE - bounce[c] * (ONE - share), TINY)
+                tone = work[ALBEDO + c * W + k] if depth > ZERO else bounce[c]
+                work[RADIANCE + c * W + k] *= share / max(ONE - tone * (ONE - share), TINY)
 
 
 @device
@@ -258,41 +262,3 @@ def cover(work, n, surround, coats, which):
         work[COAT + k] = r
         work[COAT + W + k] = g
         work[COAT + 2 * W + k] = b
-
-
-@device
-def rise(work, n, skin):
-    """Move points above the surface, store the cosine to the light, and stop light from behind the surface."""
-    for k in range(3 * W):
-        work[PX + k] = work[X + k]
-    for k in range(n):
-        cosine = work[NX + k] * work[LX + k] + work[NY + k] * work[LY + k] + work[NZ + k] * work[LZ + k]
-        work[COSINE + k] = cosine
-        work[ARRIVES + k] = ZERO if cosine <= ZERO else work[ARRIVES + k]
-        work[X + k] += work[NX + k] * skin
-        work[Y + k] += work[NY + k] * skin
-        work[Z + k] += work[NZ + k] * skin
-
-
-@device
-def lift(work, n):
-    """Move points, which `rise` has moved, on to where shadow rays begin."""
-    for k in range(3 * W):
-        work[X + k] += work[LIFT + k]
-
-
-@device
-def gleam(work, n, lights, i, coats, which):
-    """Add the light of light number i that a coat mirrors."""
-    if coats[which, coat.COAT] <= ZERO:
-        return
-    for k in range(n):
-        if work[ARRIVES + k] == ZERO:
-            continue
-        angle = lights[i, LIGHT_SIZE] if lights[i, KIND] == ZERO else min(lights[i, LIGHT_SIZE] / work[REACH + k], ONE)
-        share = coat.gleam(
-            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, (work[NX + k], work[NY + k], work[NZ + k]),
-            (work[LX + k], work[LY + k], work[LZ + k]), (work[EX + k], work[EY + k], work[EZ + k]),
-        )  # fmt: skip
-        for c in range(3):
-            work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]

@@ -29,7 +29,8 @@ INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
 BITS = np.float32(2.0**-24)
 COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
-"""Columns of `strandcli.draw.solids.solids.coats_of`."""
+SUBSURFACE = 4
+"""Columns of `strandcli.draw.solids.solids.coats_of`; the last one is followed by those of green and blue."""
 
 
 @device

@@ -1,0 +1,136 @@
+"""What solids reflect of one light, for batches of points of `shade_surfaces`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device
+from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
+from ...common.kernels.light_columns import KIND, LIGHT_SIZE, POWER_R
+from ...common.kernels.surface_batch import (
+    ARRIVED,
+    COAT,
+    COSINE,
+    LEFT,
+    LIFT,
+    NX,
+    NY,
+    NZ,
+    PX,
+    TRUE_X,
+    TRUE_Y,
+    TRUE_Z,
+)  # fmt: skip
+from ...solids.kernels import coat
+from ...solids.kernels.coat import SUBSURFACE
+from ...solids.kernels.subsurface import scattered
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-6)
+INV_PI = np.float32(1 / math.pi)
+
+
+@device
+def rise(work, n, skin, depth):
+    """Move points above the surface, store the cosine to the light, and stop light from behind the surface; depth: the
+    least cosine that counts as in front is minus this."""
+    for k in range(3 * W):
+        work[PX + k] = work[X + k]
+    for k in range(n):
+        cosine = work[NX + k] * work[LX + k] + work[NY + k] * work[LY + k] + work[NZ + k] * work[LZ + k]
+        work[COSINE + k] = cosine
+        work[ARRIVES + k] = ZERO if cosine <= -depth else work[ARRIVES + k]
+        work[X + k] += work[NX + k] * skin
+        work[Y + k] += work[NY + k] * skin
+        work[Z + k] += work[NZ + k] * skin
+
+
+@device
+def lift(work, n):
+    """Move points, which `rise` has moved, on to where shadow rays begin."""
+    for k in range(3 * W):
+        work[X + k] += work[LIFT + k]
+
+
+@device
+def deepest(coats, which):
+    """Return the greatest width of subsurface scattering of solid number `which`; 0 for an opaque one."""
+    if coats.shape[0] == 0:
+        return ZERO
+    red, green, blue = coats[which, SUBSURFACE], coats[which, SUBSURFACE + 1], coats[which, SUBSURFACE + 2]
+    return max(red, max(green, blue))
+
+
+@device
+def bend(work, n, lights, i):
+    """Raise the directions to light number i until all of it stands above the surface's tangent plane, for shadow rays
+    of light that enters a surface beside the point and leaves it here; `unbend` puts them back."""
+    for k in range(n):
+        x, y, z = work[LX + k], work[LY + k], work[LZ + k]
+        work[TRUE_X + k] = x
+        work[TRUE_Y + k] = y
+        work[TRUE_Z + k] = z
+        more = max(angle_of(work, k, lights, i) - work[COSINE + k], ZERO)
+        x += more * work[NX + k]
+        y += more * work[NY + k]
+        z += more * work[NZ + k]
+        per = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+        work[LX + k] = x * per
+        work[LY + k] = y * per
+        work[LZ + k] = z * per
+
+
+@device
+def unbend(work, n):
+    """Store the directions to the light again that `bend` has changed."""
+    for k in range(3 * W):
+        work[LX + k] = work[TRUE_X + k]
+
+
+@device
+def reflect(work, n, lights, i):
+    """Store the irradiance of light number i, and add what a white Lambertian surface reflects of it."""
+    for c in range(3):
+        for k in range(n):
+            arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
+            work[ARRIVED + c * W + k] = arrived
+            work[RADIANCE + c * W + k] += INV_PI * arrived
+
+
+@device
+def reflect_from_below(work, n, lights, i, coats, which):
+    """As `reflect`, of a surface under which light spreads (`strandcli.draw.solids.kernels.subsurface`)."""
+    for c in range(3):
+        width = coats[which, SUBSURFACE + c]
+        for k in range(n):
+            cosine = work[COSINE + k]
+            power = work[ARRIVES + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
+            work[ARRIVED + c * W + k] = power * max(cosine, ZERO)
+            work[RADIANCE + c * W + k] += INV_PI * power * scattered(cosine, width)
+
+
+@device
+def angle_of(work, k, lights, i):
+    """Return the sine of the angular radius of light number i at point number k."""
+    return lights[i, LIGHT_SIZE] if lights[i, KIND] == ZERO else min(lights[i, LIGHT_SIZE] / work[REACH + k], ONE)
+
+
+@device
+def gleam(work, n, lights, i, coats, which):
+    """Add the light of light number i that a coat mirrors."""
+    if coats[which, coat.COAT] <= ZERO:
+        return
+    for k in range(n):
+        if work[ARRIVES + k] == ZERO:
+            continue
+        angle = angle_of(work, k, lights, i)
+        share = coat.gleam(
+            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, (work[NX + k], work[NY + k], work[NZ + k]),
+            (work[LX + k], work[LY + k], work[LZ + k]), (work[EX + k], work[EY + k], work[EZ + k]),
+        )  # fmt: skip
+        for c in range(3):
+            work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]
