@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 Vectors = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int32]
-SLICE = 1 << 16
+SLICE = 1 << 14
 """Triangles."""
 
 
@@ -131,16 +131,19 @@ def face_vectors(corners: Vectors) -> Vectors:
 
 def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
     """Normals (V, 3) of vertices: those of their triangles, weighted by the angle there (Thürmer & Wüthrich 1998)."""
-    count = triangles.shape[0]
-    faces, angle = np.empty((count, 3)), np.empty(count)
-    for rows in slices(count):
-        faces[rows] = unit(face_vectors(vertices[triangles[rows]]))
     found = np.zeros_like(vertices)
+    sums = np.empty((3, vertices.shape[0]))
     for k in range(3):
-        for rows in slices(count):
-            here, one, other = (vertices[triangles[rows, (k + step) % 3]] for step in range(3))
+        sums[:] = 0.0
+        for rows in slices(triangles.shape[0]):
+            corners = vertices[triangles[rows]]
+            faces = unit(face_vectors(corners))
+            here, one, other = (corners[:, (k + step) % 3] for step in range(3))
             a, b = unit(one - here), unit(other - here)
-            angle[rows] = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
-        for axis in range(3):
-            found[:, axis] += np.bincount(triangles[:, k], angle * faces[:, axis], vertices.shape[0])
-    return unit(found)
+            angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+            for axis in range(3):
+                np.add.at(sums[axis], triangles[rows, k], angle * faces[:, axis])
+        found += sums.T
+    for rows in slices(found.shape[0]):
+        found[rows] = unit(found[rows])
+    return found

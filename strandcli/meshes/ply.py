@@ -18,7 +18,7 @@ import numpy.typing as npt
 from ..exchange.bounded import Bounded, opened
 from ..exchange.ply_header import Element, read_header
 from .files import Beside, picture
-from .kernels.lists import walk, walk_text
+from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
 from .polygons import fans_of_lists, linear
 
@@ -95,9 +95,9 @@ def _lists(file: Bounded, element: Element, order: str) -> Rows:
     file.seek(element.name, begin + size)
     items = {}
     for k, (name, kind, _) in enumerate(element.columns):
-        width = np.dtype(kind).itemsize
-        places = _runs(begins[:, k], lengths[:, k], width)
-        items[name] = data[places[:, None] + np.arange(width)].reshape(-1).view(order + kind)
+        values = np.empty(int(lengths[:, k].sum()), order + kind)
+        gather(data, begins[:, k], lengths[:, k], values.itemsize, values.view(np.uint8))
+        items[name] = values
     return _rows(element, items, lengths)
 
 
@@ -124,14 +124,6 @@ def _layout(element: Element) -> npt.NDArray[np.int64]:
     ], np.int64)  # fmt: skip
 
 
-def _runs(begins: npt.NDArray[np.int64], lengths: npt.NDArray[np.int64], step: int) -> npt.NDArray[np.int64]:
-    """The places of all items of runs."""
-    first = np.cumsum(lengths) - lengths
-    found = np.repeat(begins - first * step, lengths)
-    found += np.arange(found.size) * step
-    return found
-
-
 def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     """The elements of a text."""
     for one in elements.values():
@@ -140,7 +132,7 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            numbers = np.fromstring(file.take("content", file.left).decode("ascii"), np.float64, sep=" ")
+            numbers = np.fromstring(file.take("content", file.left), np.float64, sep=" ")
         except (ValueError, DeprecationWarning):
             raise file.damaged("is not numbers alone, as its header tells", begin) from None
     found: dict[str, Rows] = {}
@@ -154,7 +146,8 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
             raise file.damaged(f"element {one.name}: row {-1 - size:,} goes beyond the end of the file", one.at)
         items = {}
         for k, (name, kind, _) in enumerate(one.columns):
-            values = numbers[at:][_runs(begins[:, k], lengths[:, k], 1)]
+            values = np.empty(int(lengths[:, k].sum()))
+            gather(numbers[at:], begins[:, k], lengths[:, k], 1, values)
             if kind[0] != "f" and not np.isfinite(values).all():
                 raise file.damaged(f"element {one.name}: {name} is not a number everywhere", one.at)
             items[name] = values if kind[0] == "f" else _whole(values, kind)
@@ -175,14 +168,12 @@ def _mesh(vertex: Rows, face: Rows, texture: npt.NDArray[np.uint8] | None) -> Ra
     """Vertices and faces as a mesh."""
     name = next(name for name in FACES if name in face.lengths)
     lengths = face.lengths[name]
-    indices = face.items[name].astype(np.int64)
-    corners = fans_of_lists(lengths)
-    triangles = indices[corners]
+    triangles = fans_of_lists(lengths, face.items[name])
     uv = None
     of_vertex = next((names for names in UV if set(names) <= vertex.items.keys()), None)
     of_corner = face.lengths.get("texcoord")
     if of_corner is not None and np.array_equal(of_corner, 2 * lengths):
-        uv = face.items["texcoord"].reshape(-1, 2)[corners]
+        uv = fans_of_lists(lengths, face.items["texcoord"].reshape(-1, 2))
     elif of_vertex is not None and not ((triangles < 0) | (triangles >= vertex.count)).any():
         uv = _columns(vertex, of_vertex)[triangles]
     known = {*XYZ, *NORMAL, *RGB, "alpha", *(of_vertex or ())}
@@ -194,5 +185,9 @@ def _mesh(vertex: Rows, face: Rows, texture: npt.NDArray[np.uint8] | None) -> Ra
     )  # fmt: skip
 
 
-def _columns(rows: Rows, names: tuple[str, ...]) -> npt.NDArray[np.float64]:
-    return np.stack([rows.items[name] for name in names], axis=1).astype(np.float64)
+def _columns(rows: Rows, names: tuple[str, ...]) -> Numbers:
+    """Numbers (n, k) of so many properties, in a type that holds them all."""
+    found = np.empty((rows.count, len(names)), np.result_type(*(rows.items[name].dtype for name in names)))
+    for k, name in enumerate(names):
+        found[:, k] = rows.items[name]
+    return found

@@ -16,14 +16,22 @@ def fans(faces: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     return np.stack([faces[:, (0, k, k + 1)] for k in range(1, count - 1)], axis=1).reshape(-1, 3).astype(np.int64)
 
 
-def fans_of_lists(lengths: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Triangles (T, 3) of polygons that stand one after the other, of so many corners each, as places of corners; none
-    of those of fewer than three."""
-    begins = np.cumsum(lengths) - lengths
+def fans_of_lists(lengths: npt.NDArray[np.integer[Any]], values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Values (T, 3, …) at the corners of triangles; values: (n, …) of corners of polygons that stand one after the
+    other, of so many corners each. Those of fewer than three make no triangle."""
+    if (lengths == 3).all():
+        return values.reshape(-1, 3, *values.shape[1:])
+    kind: Any = np.int32 if values.shape[0] < 2**31 else np.int64
     many = np.maximum(lengths - 2, 0)
-    first = np.repeat(begins, many)
-    turn = np.arange(first.size) - np.repeat(np.cumsum(many) - many, many)
-    return np.stack([first, first + turn + 1, first + turn + 2], axis=1)
+    first: npt.NDArray[Any] = np.repeat((np.cumsum(lengths) - lengths).astype(kind), many)
+    turn: npt.NDArray[Any] = np.arange(1, 1 + first.size, dtype=kind)
+    turn -= np.repeat((np.cumsum(many) - many).astype(kind), many)
+    turn += first
+    found = np.empty((first.size, 3, *values.shape[1:]), values.dtype)
+    found[:, 0], found[:, 1] = values[first], values[turn]
+    turn += 1
+    found[:, 2] = values[turn]
+    return found
 
 
 def linear(colours: npt.NDArray[Any]) -> npt.NDArray[np.float32]:

@@ -39,8 +39,9 @@ def read_mesh(path: Path, like: TriangleMesh | None = None) -> TriangleMesh:
     ``like``: an earlier mesh of a sequence, whose triangles, uv and attributes are kept; only the places of the
     vertices are read, which have to be as many in the file, in the same order.
     """
-    raw = _raw(Path(path))
-    return mesh_of(raw, str(path)) if like is None else _moved(raw, like, path)
+    if like is None:
+        return mesh_of(_raw(Path(path)), str(path))  # which alone has it, and lets go what it is done with
+    return _moved(_raw(Path(path)), like, path)
 
 
 def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:

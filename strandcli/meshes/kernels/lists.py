@@ -61,3 +61,17 @@ def walk_text(numbers, layout, begins, lengths):
             lengths[row, k] = count
             at += count
     return at
+
+
+@function
+def gather(data, begins, lengths, step, out):
+    """Write the items of runs one after the other.
+
+    data: (n,), bytes or numbers; begins, lengths: (rows,) int64, where runs begin, in entries of `data`, and how many
+    items they have, of ``step`` entries each; out: (entries of all runs,).
+    """
+    at = 0
+    for row in range(begins.shape[0]):
+        for k in range(begins[row], begins[row] + lengths[row] * step):
+            out[at] = data[k]
+            at += 1

@@ -58,3 +58,92 @@ def orient(neighbours, opposed, part, turned, queue):
                     end += 1
         parts += 1
     return parts
+
+
+@device
+def lower_end(triangles, half):
+    """The lower vertex of a half edge, which goes from corner half % 3 of triangle half // 3 to the next corner."""
+    return min(triangles[half // 3, half % 3], triangles[half // 3, (half + 1) % 3])
+
+
+@device
+def upper_end(triangles, half):
+    """The higher vertex of a half edge."""
+    return max(triangles[half // 3, half % 3], triangles[half // 3, (half + 1) % 3])
+
+
+@device
+def forward(triangles, half):
+    """Whether a half edge goes from its lower vertex."""
+    return triangles[half // 3, half % 3] < triangles[half // 3, (half + 1) % 3]
+
+
+@device
+def end_of_edge(triangles, order, begin):
+    """Where the half edges of an edge end, which begin there in their order."""
+    low, high = lower_end(triangles, order[begin]), upper_end(triangles, order[begin])
+    end = begin + 1
+    while end < order.shape[0] and lower_end(triangles, order[end]) == low and upper_end(triangles, order[end]) == high:
+        end += 1
+    return end
+
+
+@function
+def order_edges(triangles, begins, scratch, order):
+    """Write the half edges (3 T,) int32 in the order of their edges: by the lower vertex, then by the higher, then as
+    they are. Two sorts by counting, which keep what the first one ordered.
+
+    triangles: (T, 3) int32; begins: (V + 1,) int32 scratch; scratch: (3 T,) int32.
+    """
+    for key in range(2):
+        begins[:] = 0
+        for half in range(order.shape[0]):
+            begins[1 + (upper_end(triangles, half) if key == 0 else lower_end(triangles, half))] += 1
+        for vertex in range(begins.shape[0] - 1):
+            begins[vertex + 1] += begins[vertex]
+        for k in range(order.shape[0]):
+            half = k if key == 0 else scratch[k]
+            vertex = upper_end(triangles, half) if key == 0 else lower_end(triangles, half)
+            if key == 0:
+                scratch[begins[vertex]] = half
+            else:
+                order[begins[vertex]] = half
+            begins[vertex] += 1
+
+
+@function
+def meet(triangles, order, neighbours, opposed, alone):
+    """The number of edges of three triangles or more. Writes who meets across edges of two.
+
+    triangles: (T, 3) int32; order: (3 T,) int32, as of `order_edges`; neighbours: (T, 3) int32, the triangle across
+    each edge, or -1; opposed: (T, 3) bool, whether it is wound the other way; alone: (T, 3) bool, whether there is
+    none.
+    """
+    crowded, begin = 0, 0
+    while begin < order.shape[0]:
+        end = end_of_edge(triangles, order, begin)
+        for k in range(begin, end):
+            t, side = order[k] // 3, order[k] % 3
+            neighbours[t, side], opposed[t, side], alone[t, side] = -1, False, end - begin == 1
+            if end - begin == 2:
+                other = order[begin + end - 1 - k]
+                neighbours[t, side] = other // 3
+                opposed[t, side] = forward(triangles, order[k]) == forward(triangles, other)
+        crowded += end - begin > 2
+        begin = end
+    return crowded
+
+
+@function
+def balanced(triangles, order, turned):
+    """Whether every edge is gone along as often in one direction as in the other; arguments as of `meet`, and
+    turned: (T,) bool, triangles that are wound the other way than they stand there."""
+    begin = 0
+    while begin < order.shape[0]:
+        end, sum = end_of_edge(triangles, order, begin), 0
+        for k in range(begin, end):
+            sum += 1 if forward(triangles, order[k]) != turned[order[k] // 3] else -1
+        if sum != 0:
+            return False
+        begin = end
+    return True

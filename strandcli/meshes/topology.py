@@ -1,0 +1,96 @@
+"""Which triangles of a mesh meet at edges, which way round they have to be, and whether they close it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .kernels.topology import balanced, join, meet, order_edges, orient
+from .mesh import Indices, Vectors, face_vectors, slices
+
+FLAT = 0.01
+"""A part whose volume is less than this times the power 3/2 of its area is a sheet, without an outside; of a sphere it
+is .094."""
+
+
+def oriented(vertices: Vectors, triangles: Indices) -> tuple[npt.NDArray[np.bool_], dict[str, int], bool]:
+    """Which triangles (T,) have to be turned so that neighbours agree and parts are wound outward; facts about edges;
+    and whether the mesh is closed then."""
+    order = edges_in_order(triangles, vertices.shape[0])
+    neighbours, opposed, boundary, crowded = across_edges(triangles, order)
+    count = triangles.shape[0]
+    part = np.full(count, -1, np.int32)
+    turned = np.zeros(count, np.bool_)
+    parts = orient(neighbours, opposed, part, turned, np.empty(count, np.int32))
+    turned ^= _inward(vertices, triangles, part, turned, parts)[part]
+    twisted = 0
+    for rows in slices(count):
+        agree = (neighbours[rows] < 0) | (turned[rows, None] ^ turned[neighbours[rows]] == opposed[rows])
+        twisted += agree.size - int(np.count_nonzero(agree))
+    facts = {
+        "boundary": boundary.shape[0], "holes": rings(boundary), "crowded": int(crowded), "twisted": twisted // 2,
+        "parts": parts,
+    }  # fmt: skip
+    return turned, facts, bool(balanced(triangles, order, turned))
+
+
+def _inward(
+    vertices: Vectors, triangles: Indices, part: Indices, turned: npt.NDArray[np.bool_], parts: int
+) -> npt.NDArray[np.bool_]:
+    """Which parts (parts,) have to be turned as a whole: those that are wound inward, and sheets that are wound against
+    most of their triangles."""
+
+    def sums(values: Any) -> npt.NDArray[np.float64]:
+        """Sums (parts,) over triangles of what a function returns for rows of them."""
+        found = np.zeros(parts)
+        for rows in slices(part.size):
+            np.add.at(found, part[rows], values(rows))
+        return found
+
+    def vectors(rows: slice) -> Vectors:
+        return 0.5 * face_vectors(vertices[triangles[rows]]) * np.where(turned[rows], -1.0, 1.0)[:, None]
+
+    def area(rows: slice) -> Vectors:
+        found: Vectors = np.linalg.norm(vectors(rows), axis=1)
+        return found
+
+    def centres(rows: slice) -> Vectors:
+        found: Vectors = vertices[triangles[rows]].mean(axis=1)
+        return found
+
+    whole = sums(area)
+    middle = np.stack([sums(lambda rows, k=k: area(rows) * centres(rows)[:, k]) / whole for k in range(3)], axis=1)
+    volume = sums(lambda rows: np.einsum("ij,ij->i", centres(rows) - middle[part[rows]], vectors(rows))) / 3.0
+    against = np.bincount(part, turned, parts) * 2 > np.bincount(part, minlength=parts)
+    found: npt.NDArray[np.bool_] = np.where(np.abs(volume) > FLAT * whole**1.5, volume < 0, against)
+    return found
+
+
+def edges_in_order(triangles: Indices, vertices: int) -> Indices:
+    """The half edges (3 T,) in the order of their edges: half edge 3 t + k goes from corner k of triangle t to the
+    next one."""
+    order, scratch = (np.empty(triangles.size, np.int32) for _ in range(2))
+    order_edges(triangles, np.empty(vertices + 1, np.int32), scratch, order)
+    return order
+
+
+def across_edges(triangles: Indices, order: Indices) -> tuple[Indices, npt.NDArray[np.bool_], Indices, int]:
+    """Neighbours (T, 3), whether they are wound the other way, edges of one triangle alone (B, 2), and the number of
+    edges of three or more."""
+    neighbours = np.empty(triangles.shape, np.int32)
+    opposed, alone = (np.empty(triangles.shape, np.bool_) for _ in range(2))
+    crowded = meet(triangles, order, neighbours, opposed, alone)
+    t, k = np.nonzero(alone)
+    return neighbours, opposed, np.stack([triangles[t, k], triangles[t, (k + 1) % 3]], axis=1), crowded
+
+
+def rings(boundary: Indices) -> int:
+    """Rings that boundary edges (B, 2) make."""
+    if not boundary.size:
+        return 0
+    vertices, row = np.unique(boundary, return_inverse=True)
+    parent = np.empty(vertices.size, np.int32)
+    join(row.reshape(-1, 2).astype(np.int32), parent)
+    return int(np.unique(parent).size)
