@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["__version__", "load", "render"]
 
+FILE = "emitter.groom.file"
+
 
 def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None) -> Scene:
     """A preset, by path or shipped name, as a validated scene.
@@ -33,8 +35,10 @@ def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any]
     parts = scene.panels or (scene,)
     if any(one.emitter.groom is not None for one in parts):
         from .groom_file import completed
+        from .scene.named_files import naming_files
 
-        scene = completed(scene)
+        with naming_files(None if FILE in (settings or {}) else scene):  # a file that is drawn by itself has no key
+            scene = completed(scene)
     if any(one.camera.file for one in parts):
         from .cameras.of_scene import with_views
 

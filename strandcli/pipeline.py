@@ -12,6 +12,7 @@ from .frame import Frame
 from .ordered_map import ordered_map, worker_count
 from .plan import pictures_that_fit
 from .scene.model import Scene
+from .scene.named_files import naming_files
 from .stages import FrameRenderer, Notify, Positions, RunOptions, SimulationStage
 
 Item = TypeVar("Item")
@@ -52,7 +53,8 @@ def render(
 
         scene = completed(scene)
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))
-    yield from _with_threads(count, _rendered(scene, wanted, positions, options))
+    with naming_files(scene):
+        yield from _with_threads(count, _rendered(scene, wanted, positions, options))
 
 
 def _with_threads(count: int, items: Iterator[Item]) -> Iterator[Item]:

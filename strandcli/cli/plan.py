@@ -29,14 +29,17 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
+    from ..scene.named_files import naming_files
 
     for drawn in scene.panels or (scene,):
         if drawn.environment is not None:
             from ..draw.lighting.environment import read
 
-            read(drawn.environment.image)
+            with naming_files(scene):
+                read(drawn.environment.image)
     plan = make_plan(scene, numbers)
-    warnings = [*_warnings(scene, numbers), *plan.warnings]
+    with naming_files(scene):
+        warnings = [*_warnings(scene, numbers), *plan.warnings]
     if as_json:
         options.print_json({**dataclasses.asdict(plan), "warnings": warnings})
         return

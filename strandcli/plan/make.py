@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..scene.detail import strands_needed
+from ..scene.named_files import naming_files
 from .drawing import drawing_decisions
 from .free import available_memory
 from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
@@ -59,6 +60,11 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
     """Return the plan for some frames, numbered from 1; that of panels is their sum."""
     if scene.panels:
         return _of_panels(scene, frames, draw)
+    with naming_files(scene):
+        return _of_scene(scene, frames, draw)
+
+
+def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     plan = Plan(frames=len(frames), of_file=scene.emitter.groom is not None)
     plan.strands = needed_strands(scene, frames) if draw else scene.emitter.strands
     plan.particles = plan.strands * scene.emitter.particles

@@ -7,8 +7,9 @@ from typing import Any
 
 from .faults import hint, shown
 from .fields import settings_of
-from .model import Emitter, Scene
+from .model import Emitter, MeshShape, Scene
 from .model.emitter import FILE_LEAVES, GUIDED_LEAVES, HEADS
+from .model.placed_file import both_sizes
 
 PLACE = "emitter.groom"
 Clash = tuple[tuple[str, ...], str]
@@ -42,8 +43,7 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         )
     if scene.children is not None:
         yield ("children", PLACE), "grow about strands of the emitter, not those of a file; take one of the two out"
-    if given.size is not None and given.scale is not None:
-        yield (f"{PLACE}.scale", f"{PLACE}.size"), f"clashes with {PLACE}.size, which tells the same; set one to null"
+    yield from both_sizes(PLACE, given)
     if given.on:
         yield from _head(given.on, scene)
     if fit is not None and scene.camera.keys:
@@ -61,7 +61,9 @@ def _head(name: str, scene: Scene) -> Iterator[Clash]:
 
 
 def mesh_clashes(scene: Scene) -> Iterator[Clash]:
-    """All that solids that are meshes lack or have twice."""
+    """All that solids and emitters that are meshes lack or have twice."""
+    if isinstance(scene.emitter.shape, MeshShape):
+        yield from both_sizes("emitter.shape", scene.emitter.shape)
     for index, solid in enumerate(scene.solids):
         place = f"solids.{index}"
         if solid.kind != "mesh":
@@ -72,11 +74,7 @@ def mesh_clashes(scene: Scene) -> Iterator[Clash]:
         for key, one in enumerate(settings.deform):
             if not one.file:
                 yield (f"{place}.deform.{key}.file", f"{place}.deform.{key}"), "must be the path of a mesh"
-        if settings.size is not None and settings.scale is not None:
-            yield (
-                (f"{place}.scale", f"{place}.size"),
-                f"clashes with {place}.size, which tells the same; set one to null",
-            )
+        yield from both_sizes(place, settings)
 
 
 def grown(scene: Scene) -> list[str]:

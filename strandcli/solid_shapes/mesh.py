@@ -10,6 +10,7 @@ from typing import Any
 
 from ..scene import fields
 from ..scene.fields import choice, integer, items, number
+from ..scene.model import placed_file
 from ..scene.model.mesh_shape import MeshKey
 from ..scene.model.solids import SolidSettings
 
@@ -28,17 +29,10 @@ class Settings(SolidSettings):
 
     kind: str = choice("mesh", ("mesh",))
     file: str = fields.file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
-    up: str = choice("y", ("x", "y", "z", "-x", "-y", "-z"), doc="up axis of the file, which becomes y")
-    scale: float | None = number(None, above=0, unit="1", doc="metres a unit of the file; absent: 1")
-    size: float | None = number(
-        None, above=0, unit="m", doc="longest side of its box, in place of `scale`; absent: by scale"
-    )
-    place: str = choice(
-        "file",
-        ("file", "origin", "ground"),
-        doc="file: where it is in the file; origin: the middle of its box at the origin; ground: above it, the lowest "
-        "point at y = 0",
-    )
+    up: str = placed_file.up()
+    scale: float | None = placed_file.scale()
+    size: float | None = placed_file.size()
+    place: str = placed_file.place()
     colour_from: str = choice(
         "auto",
         ("auto", "file", "colour"),

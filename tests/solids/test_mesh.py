@@ -292,6 +292,8 @@ def test_bad_input_is_told(tmp_path: Path) -> None:
     assert "must be the path of a mesh" in faults("{kind: mesh}")
     assert "there is no file" in faults(f"{{kind: mesh, file: {tmp_path}/none.obj}}")
     assert "clashes with solids.0.size" in faults(f"{{kind: mesh, file: {path}, size: 1, scale: 2}}")
+    with pytest.raises(SceneError, match=r"clashes with emitter\.shape\.size"):
+        loads(f"emitter: {{shape: {{kind: mesh, file: {path}, size: 1, scale: 2}}}}", rules=registry())
     (tmp_path / "not.obj").write_text("hello")
     with pytest.raises(UsageError, match="no triangles"):
         mesh_of(settings(tmp_path / "not.obj"))

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..fields import Vector, boolean, choice, file, integer, items, names, number, optional, text, union, vector
+from . import placed_file
 from .mesh_shape import MeshShape
 from .pose import PoseKey
 
@@ -77,11 +78,7 @@ class GroomFile:
     strands, some of the file's are simulated as guides, and all follow these."""
 
     file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
-    up: str = choice(
-        "auto",
-        ("auto", "x", "y", "z", "-x", "-y", "-z"),
-        doc="up axis of the file, which becomes y. auto: as the file says, or a clear guess, else y",
-    )
+    up: str = placed_file.up(auto="as the file says, or a clear guess, else y")
     root: str = choice(
         "auto",
         ("auto", "first", "last"),
@@ -92,18 +89,9 @@ class GroomFile:
         doc="leave out strands that are not finite, have no length or repeat another. false: what cannot be drawn is "
         "refused",
     )
-    scale: float | None = number(
-        None, above=0, unit="1", doc="metres a unit of the file; absent: as the file says, else 1"
-    )
-    size: float | None = number(
-        None, above=0, unit="m", doc="longest side of the box about all strands, in place of `scale`; absent: by scale"
-    )
-    place: str = choice(
-        "file",
-        ("file", "origin", "ground"),
-        doc="file: where they are in the file; origin: the middle of their box at the origin; ground: above it, the "
-        "lowest point at y = 0",
-    )
+    scale: float | None = placed_file.scale(absent="as the file says, else 1")
+    size: float | None = placed_file.size(box="the box about all strands")
+    place: str = placed_file.place(where="they are", box="their box")
     colours: str = choice(
         "file",
         ("file", "none"),

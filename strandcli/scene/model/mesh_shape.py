@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..fields import choice, file, items, number, surface_map, text
+from . import placed_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,17 +23,10 @@ class MeshShape:
 
     kind: str = choice("mesh", ("mesh",))
     file: str = file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
-    up: str = choice("y", ("x", "y", "z", "-x", "-y", "-z"), doc="up axis of the file, which becomes y")
-    scale: float | None = number(None, above=0, unit="1", doc="metres a unit of the file; absent: 1")
-    size: float | None = number(
-        None, above=0, unit="m", doc="longest side of its box, in place of `scale`; absent: by scale"
-    )
-    place: str = choice(
-        "file",
-        ("file", "origin", "ground"),
-        doc="file: where it is in the file; origin: the middle of its box at the origin; ground: above it, the lowest "
-        "point at y = 0",
-    )
+    up: str = placed_file.up()
+    scale: float | None = placed_file.scale()
+    size: float | None = placed_file.size()
+    place: str = placed_file.place()
     deform: tuple[MeshKey, ...] = items(
         MeshKey,
         doc="files between which its vertices move in straight lines; with the rule emitter_motion roots follow their "

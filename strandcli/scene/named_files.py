@@ -1,0 +1,41 @@
+"""Files that a scene names: which setting names each, for messages of those that read them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..errors import RefusedError, UsageError
+from .specs import FileSpec, MapSpec
+
+
+def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
+    """Yield the key and the path of every file that a scene, or a part of it at a place, names."""
+    if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        for field in dataclasses.fields(thing):
+            value, spec = getattr(thing, field.name), field.metadata.get("spec")
+            if not isinstance(spec, FileSpec | MapSpec):
+                yield from files_of(value, (*place, field.name))
+            elif value:
+                yield ".".join((*place, field.name)), value
+    elif isinstance(thing, tuple | list):
+        for number, one in enumerate(thing):
+            yield from files_of(one, (*place, str(number)))
+
+
+@contextmanager
+def naming_files(scene: Any) -> Iterator[None]:
+    """Put the key of a file before the message of an error that begins with the file's path; a message that names a
+    key itself stays."""
+    try:
+        yield
+    except (UsageError, RefusedError) as error:
+        text = str(error)
+        for key, path in files_of(scene):
+            start = next((one for one in (f"{path}: ", f"{Path(path)}: ") if text.startswith(one)), None)
+            if start is not None and not text[len(start) :].startswith(("emitter.", "solids.")):
+                raise type(error)(f"{key}: {text}") from None
+        raise

@@ -1,0 +1,76 @@
+"""Errors of files name the key that names the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mesh_kit as kit
+import strandcli
+from strandcli.errors import UsageError
+from strandcli.meshes.make import RawMesh, mesh_of
+from strandcli.plan import make_plan
+from strandcli.scene.named_files import files_of, naming_files
+
+HEAD = "{kind: sphere, radius: 0.1}, {kind: mesh, size: 0.2, file: "
+CASES = {
+    "solids.1.file": f"solids: [{HEAD}bad.ply}}]",
+    "solids.1.deform.1.file": f"solids: [{HEAD}ball.obj, deform: [{{file: ball.obj}}, {{time: 1, file: bad.ply}}]}}]",
+    "solids.1.texture": f"solids: [{HEAD}ball.obj, texture: bad.png}}]",
+    "solids.0.file": "emitter: {groom: {file: hair.hair, on: head}}\nsolids: [{kind: mesh, name: head, file: bad.ply}]",
+    "emitter.shape.file": "emitter: {shape: {kind: mesh, file: bad.ply}}",
+    "emitter.shape.density": "emitter: {shape: {kind: mesh, file: ball.obj, density: bad.png}}",
+    "emitter.groom.file": "emitter: {groom: {file: bad.hair}}",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a mesh, strands, and a damaged file of each kind."""
+    from strandcli.exchange.files import write
+    from strandcli.exchange.strands import Strands
+
+    found = tmp_path_factory.mktemp("files")
+    ball = kit.mesh("ball")
+    uv = np.zeros((*ball.triangles.shape, 2), np.float32)
+    (found / "ball.obj").write_bytes(kit.obj(mesh_of(RawMesh(ball.vertices, ball.triangles, uv=uv), "ball")))
+    (found / "bad.ply").write_bytes(kit.ply(ball)[:-3])
+    for name in ("bad.png", "bad.hair"):
+        (found / name).write_bytes(b"none")
+    points = np.array([[0, 0.1, 0], [0, 0.2, 0]], np.float32)
+    write(found / "hair.hair", Strands(np.array([0, 2]), points))
+    return found
+
+
+def draw(preset: Path, settings: dict[str, int]) -> None:
+    """Do all that reads a scene's files."""
+    scene = strandcli.load(str(preset), settings=settings)
+    make_plan(scene, [1])
+    next(strandcli.render(scene, [1]))
+
+
+@pytest.mark.parametrize("key", CASES)
+def test_the_key_of_a_file_stands_before_what_is_wrong_with_it(key: str, folder: Path) -> None:
+    preset = folder / "preset.yaml"
+    preset.write_text(f"quality: draft\nimage: {{size: 16x16}}\n{CASES[key]}\n")
+    with pytest.raises(UsageError) as told:
+        draw(preset, {} if "groom" in CASES[key] else {"emitter.strands": 4})
+    assert str(told.value).startswith(f"{key}: {folder}/bad."), told.value
+
+
+def test_every_file_of_a_scene_has_its_key() -> None:
+    scene = strandcli.load("fox")
+    keys = dict(files_of(scene))
+    assert {"emitter.shape.file", "solids.0.file"} <= keys.keys()
+    assert all("fox" in path or "." not in path for path in keys.values())
+
+
+def test_messages_that_name_a_key_stay() -> None:
+    scene = strandcli.load("fox")
+    path = scene.emitter.shape.file
+    for text in (f"{path}: emitter.shape.density: is 0", "other.ply: is damaged"):
+        with pytest.raises(UsageError) as told, naming_files(scene):
+            raise UsageError(text)
+        assert str(told.value) == text
