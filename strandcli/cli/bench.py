@@ -62,7 +62,6 @@ def command(
 
     Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
     """
-    options.exclusive(quiet=quiet, verbose=verbose)
     for text in overrides:
         path = text.partition("=")[0].strip()
         if path in OWN:

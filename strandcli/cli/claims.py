@@ -20,7 +20,6 @@ HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_progress: bool) -> None:
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
-    options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
 
     with Progress(1, "claims", hidden=no_progress or quiet, verbose=verbose) as progress:

@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from ..registry import LAYOUTS
-from . import camera_files, options, signals
-from .progress import Progress
+from . import camera_files, options
+from .progress import Progress, stepper, warner
 from .say import say
-
-
-class SpanType(click.ParamType):
-    """Two angles in degrees, the lesser first: ``-30,45``."""
-
-    name = "A,B"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
-        if isinstance(value, tuple):
-            return value
-        try:
-            low, high = (float(one) for one in str(value).split(","))
-        except ValueError:
-            low, high = 1.0, 0.0
-        if not -360 <= low <= high <= 360:
-            self.fail(f"'{value}' is not two angles in degrees, the lesser first, such as -30,45", param, ctx)
-        return low, high
+from .values import SpanType
 
 
 @click.command()
@@ -46,8 +29,7 @@ class SpanType(click.ParamType):
 @options.scene_options
 @options.quality
 @options.threads
-@options.resume
-@options.overwrite
+@options.resume_or_overwrite
 @options.talk_options
 def command(
     grooms: tuple[str, ...],
@@ -77,8 +59,6 @@ def command(
     View k depends on --seed and k alone. Whatever ends the run, views that are done stay and are whole, and --resume
     goes on from them.
     """
-    options.exclusive(overwrite=overwrite, resume=resume)
-    options.exclusive(quiet=quiet, verbose=verbose)
     camera_files.require_file(cameras, camera)
     from ..cameras.read import Views
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
@@ -105,31 +85,12 @@ def command(
         with Progress(
             len(numbers), options.preset_name(groom), hidden=no_progress or quiet, verbose=verbose, each="view"
         ) as progress:
-            data = make(order, threads, Talk(progress.note, _warner(progress, quiet, found.notes), _stepper(progress)))
+            warn = warner(progress, quiet)
+            for note in found.notes:
+                warn(note)
+            data = make(order, threads, Talk(progress.note, warn, stepper(progress)))
         made.append({"folder": str(folder), **data})
         if not quiet:
             say(f"{folder}: {len(data['views'])} views in the layout {kind.name}", err=True)
     if as_json:
         options.print_json(made)
-
-
-def _warner(progress: Progress, quiet: bool, notes: Sequence[str]) -> Callable[[str], None]:
-    """What warnings are handed to; says the notes at once."""
-
-    def warn(text: str) -> None:
-        if not quiet:
-            progress.line(f"warning: {text}")
-
-    for note in notes:
-        warn(note)
-    return warn
-
-
-def _stepper(progress: Progress) -> Callable[[str], None]:
-    """What is called when a view is done."""
-
-    def step(text: str) -> None:
-        progress.step(text)
-        signals.check()
-
-    return step

@@ -11,7 +11,7 @@ import click
 
 from . import options, signals
 from .frame_range import FrameRange
-from .progress import Progress
+from .progress import Progress, warner
 from .say import say
 
 if TYPE_CHECKING:
@@ -58,7 +58,6 @@ def command(
     hold all frames, frame N at N / fps seconds; of other formats each frame is a file: OUT_0001.hair, …. Files of USD
     have the preset's camera, too.
     """
-    options.exclusive(quiet=quiet, verbose=verbose)
     from ..exchange import files
 
     moving = bool(getattr(files.writer_of(target), "moving", False))
@@ -84,7 +83,7 @@ def command(
             for one in drawn_strands(
                 scene, numbers, level=None if pieces is None else LEVELS[pieces], threads=threads,
                 positions=positions, keep_going=keep_going, notify=progress.note,
-                warn=None if quiet else lambda message: progress.line(f"warning: {message}"),
+                warn=warner(progress, quiet),
             ):  # fmt: skip
                 yield one
                 progress.step(f"frame {one.number}")

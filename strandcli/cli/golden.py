@@ -44,7 +44,6 @@ def check(
     no_progress: bool,
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
-    options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
     from ..study import golden, golden_list
 
@@ -84,7 +83,6 @@ def update(
     no_progress: bool,
 ) -> None:
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
-    options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
     from ..output.files import prepare_folder
     from ..study import golden, golden_list

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..errors import UsageError
 from . import options, strand_files
+from .say import say
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -21,11 +23,21 @@ MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
 @click.option(
     "--picture", type=options.PathType(), metavar="FILE", help="Also draw them into a PNG, as 'strandcli render' does."
 )
+@click.option(
+    "--on", type=options.PathType(), metavar="MESH",
+    help="Also tell whether strands fit this head in unit and up axis, and the option that mends it.",
+)  # fmt: skip
 @options.overwrite
 @options.as_json
 @options.debug
 def command(
-    file: Path, stride: int | None, array: str | None, picture: Path | None, overwrite: bool, as_json: bool
+    file: Path,
+    stride: int | None,
+    array: str | None,
+    picture: Path | None,
+    on: Path | None,
+    overwrite: bool,
+    as_json: bool,
 ) -> None:
     """Tell what is in a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults,
     with the option of 'convert' that mends each. Of a mesh (.obj, .ply with faces, .stl, .glb, .gltf): counts, box,
@@ -37,13 +49,22 @@ def command(
         options.require_png(picture, "--picture")
         options.refuse_existing(picture, overwrite)
     if _mesh(file):
+        if on is not None:
+            raise UsageError(f"--on: {file} is a mesh itself; name a file of strands, and the mesh after --on")
         _tell_mesh(file, picture, as_json)
         return
     found = facts_of_file(file, ReadOptions(stride, array))
+    fit = None
+    if on is not None:
+        from ..groom_file import fits  # Numba comes with it
+
+        fit = fits.facts_on(file, ReadOptions(stride, array, lenient=True), on)
     if as_json:
-        options.print_json(found.as_dict())
+        options.print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:
         strand_files.say_facts(found)
+        if fit is not None:
+            say(f"  on mesh    {fit['mesh']}: {fits.said(fit)}")
     if picture is not None:
         _draw(file, stride, array, picture)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -14,31 +15,13 @@ from ..errors import UsageError
 from .frame_range import FrameRange, FrameRangeType
 from .main import set_debug
 from .say import json_text, say
+from .values import SizeType
 
 if TYPE_CHECKING:
     from ..output.positions import PositionCache
     from ..scene.model import Scene
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-MOST_PIXELS = 32_768
-
-
-class SizeType(click.ParamType):
-    """A picture's size, ``800x600``, as (width, height)."""
-
-    name = "WxH"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        if isinstance(value, tuple):
-            return value
-        match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", str(value), re.ASCII)
-        if match is None:
-            self.fail(f"'{value}' is not a width and a height in pixels, such as 800x600", param, ctx)
-        width, height = int(match[1]), int(match[2])
-        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
-            self.fail(f"'{value}': width and height are from 1 to {MOST_PIXELS} pixels", param, ctx)
-        return width, height
 
 
 class Whole(click.IntRange):
@@ -143,13 +126,28 @@ def together(*decorators: Callable[[Any], Any]) -> Callable[[F], F]:
     return apply
 
 
+def alone(*names: str) -> Callable[[F], F]:
+    """Let at most one of some options be given; raises ``UsageError`` for more, before the command begins."""
+
+    def decorate(function: F) -> F:
+        @functools.wraps(function)
+        def checked(*args: Any, **given: Any) -> Any:
+            exclusive(**{name: given[name] for name in names})
+            return function(*args, **given)
+
+        return checked  # type: ignore[return-value]
+
+    return decorate
+
+
+resume_or_overwrite = together(alone("overwrite", "resume"), resume, overwrite)
 scene_options = together(size, strands, particles, seed, overrides)
 
 
 def talk(more: str) -> Callable[[F], F]:
     """How much a command says; ``more`` is what it does with --verbose."""
     verbose = click.option("-v", "--verbose", is_flag=True, help=more)
-    return together(as_json, quiet, verbose, no_progress, debug)
+    return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, debug)
 
 
 talk_options = talk("Say what happens for every frame.")

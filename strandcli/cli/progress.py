@@ -8,9 +8,11 @@ import shutil
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self, TextIO
 
+from . import signals
 from .say import printable, say
 
 _TICK = 0.2
@@ -135,6 +137,37 @@ class Progress:
             return ""
         each, rest = elapsed / self.done, self.total - self.done
         return f", {duration(rest * each - min(now - self._stepped, each if rest else 0.0))} left"
+
+
+def beginner(progress: Progress) -> Callable[[int], None]:
+    """Tells a progress line how many runs there will be."""
+
+    def begin(runs: int) -> None:
+        progress.total, progress.done = max(1, runs), 0
+
+    return begin
+
+
+def stepper(progress: Progress) -> Callable[[str], None]:
+    """Tells it of each run; stops here if the user wants so."""
+
+    def step(text: str) -> None:
+        progress.step(text)
+        signals.check()
+
+    return step
+
+
+def warner(progress: Progress, quiet: bool, *more: Callable[[str], None]) -> Callable[[str], None]:
+    """Says warnings above a progress line, unless all is quiet, and hands them on."""
+
+    def warn(text: str) -> None:
+        for hear in more:
+            hear(text)
+        if not quiet:
+            progress.line(f"warning: {text}")
+
+    return warn
 
 
 def pace(done: int, seconds: float, each: str = "frame") -> str:

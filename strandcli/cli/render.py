@@ -12,10 +12,9 @@ import click
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, options, signals
 from .frame_range import FrameRange
-from .progress import Progress
+from .progress import Progress, beginner, stepper, warner
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
-from .study import beginner, stepper
 from .study import max_error as max_error_option
 from .values import KindsType, LayersType
 
@@ -42,8 +41,7 @@ if TYPE_CHECKING:
 @camera_files.cameras
 @options.from_cache
 @options.keep_going
-@options.resume
-@options.overwrite
+@options.resume_or_overwrite
 @options.talk_options
 def command(
     preset: str,
@@ -74,8 +72,6 @@ def command(
     length (thesis), or the solver's iterations leave it off by its whole length. With --max-error
     substeps, iterations and particles are the cheapest that a study finds to keep under it; those set by hand stay.
     """
-    options.exclusive(overwrite=overwrite, resume=resume)
-    options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
@@ -177,13 +173,9 @@ def _run(
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
 
-    def warn(message: str) -> None:
-        report.warn(message)
-        if not quiet:
-            progress.line(f"warning: {message}")
-
     from .. import compile_ahead, runtime
 
+    warn = warner(progress, quiet, report.warn)
     _warn_of_others(writer, warn)
     for words in report.plan_warnings:
         warn(words)

@@ -10,7 +10,7 @@ import click
 from ..errors import UsageError
 from . import options, signals
 from .frame_range import FrameRange
-from .progress import Progress
+from .progress import Progress, warner
 from .say import say
 
 
@@ -21,8 +21,7 @@ from .say import say
 @options.scene_options
 @options.threads
 @options.keep_going
-@options.resume
-@options.overwrite
+@options.resume_or_overwrite
 @options.talk_options
 def command(
     preset: str,
@@ -42,8 +41,6 @@ def command(
 
     'strandcli render --from-cache DIR' draws them.
     """
-    options.exclusive(overwrite=overwrite, resume=resume)
-    options.exclusive(quiet=quiet, verbose=verbose)
     scene = options.load_scene(preset, **scene_settings)
     if scene.panels:
         raise UsageError(f"{preset}: draws several panels, each with positions of its own; simulate them one by one")
@@ -75,7 +72,7 @@ def command(
                     keep_positions=True,
                     keep_going=keep_going,
                     notify=progress.note,
-                    warn=None if quiet else lambda message: progress.line(f"warning: {message}"),
+                    warn=warner(progress, quiet),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions, frame.report["error"])

@@ -52,7 +52,6 @@ def command(
     are told and not judged, for only who wrote it knows which of them are meant to overlap. Exit code 3 where a case
     fails that was not expected to; each can be run again by its name with --case.
     """
-    options.exclusive(quiet=quiet, verbose=verbose)
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
     if accept and (case or pattern or preset or solver == "rod"):

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import MismatchError, UsageError
-from . import options, signals
-from .progress import Progress
+from . import options
+from .progress import Progress, beginner, stepper
 from .say import say
 from .values import ErrorType, ListType, count, integrator, step, word
 
@@ -85,7 +84,6 @@ def command(
     setting under an error. A solver that cannot represent something is told as not represented. Exit code 3: no setting
     keeps under --max-error.
     """
-    options.exclusive(quiet=quiet, verbose=verbose)
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     from ..study.registry import find
 
@@ -184,25 +182,6 @@ def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
         if wishes.get(name) is not None:
             what = "use --set for the preset's own settings" if axis.pictures else "name an --axis of pictures with it"
             raise UsageError(f"{option} does not go with axis {axis.name}; {what}")
-
-
-def beginner(progress: Progress) -> Callable[[int], None]:
-    """Tells a progress line how many runs there will be."""
-
-    def begin(runs: int) -> None:
-        progress.total, progress.done = max(1, runs), 0
-
-    return begin
-
-
-def stepper(progress: Progress) -> Callable[[str], None]:
-    """Tells it of each run; stops here if the user wants so."""
-
-    def step(text: str) -> None:
-        progress.step(text)
-        signals.check()
-
-    return step
 
 
 def file_name(name: str, axis: str | None = None) -> str:

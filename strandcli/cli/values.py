@@ -1,4 +1,4 @@
-"""Types of options: errors, steps, lists, kinds of animation and layers."""
+"""Types of options: errors, steps, lists, kinds of animation and layers, angles, sizes of pictures."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import click
+
+MOST_PIXELS = 32_768
+"""Along a side of a picture."""
 
 
 class ErrorType(click.ParamType):
@@ -115,3 +118,37 @@ def word(text: str) -> str:
     if not text:
         raise ValueError("an empty name")
     return text
+
+
+class SpanType(click.ParamType):
+    """Two angles in degrees, the lesser first: ``-30,45``."""
+
+    name = "A,B"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
+        if isinstance(value, tuple):
+            return value
+        try:
+            low, high = (float(one) for one in str(value).split(","))
+        except ValueError:
+            low, high = 1.0, 0.0
+        if not -360 <= low <= high <= 360:
+            self.fail(f"'{value}' is not two angles in degrees, the lesser first, such as -30,45", param, ctx)
+        return low, high
+
+
+class SizeType(click.ParamType):
+    """A picture's size, ``800x600``, as (width, height)."""
+
+    name = "WxH"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", str(value), re.ASCII)
+        if match is None:
+            self.fail(f"'{value}' is not a width and a height in pixels, such as 800x600", param, ctx)
+        width, height = int(match[1]), int(match[2])
+        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+            self.fail(f"'{value}': width and height are from 1 to {MOST_PIXELS} pixels", param, ctx)
+        return width, height

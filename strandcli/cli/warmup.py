@@ -31,7 +31,6 @@ def command(
     no_progress: bool,
 ) -> None:
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once."""
-    options.exclusive(quiet=quiet, verbose=verbose)
     from .. import runtime
     from ..scene import list_presets
 

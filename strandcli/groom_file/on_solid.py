@@ -20,6 +20,7 @@ from ..exchange.change import strands_of
 from ..exchange.strands import Strands, offsets
 from ..mesh_file.prepared import Key, key_of
 from ..scene.motion import Pose, emitter_pose, own_pose, solid_pose
+from .fits import UP, Frame, better, words
 from .kernels import bend
 from .surface import Near, Surface
 
@@ -93,15 +94,22 @@ def head_of(scene: Scene) -> Head | None:
     return Head(solid, pose, given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None)
 
 
-def put_on(strands: Strands, head: Head, file: str, notes: list[str]) -> Strands:
-    """Return strands in metres, in the emitter's frame, put on a solid; notes say what was done. Raises `UsageError`
-    for hair that cannot be meant for it."""
+def put_on(strands: Strands, head: Head, file: str, notes: list[str], up: str = UP) -> Strands:
+    """Return strands in metres, in the emitter's frame, put on a solid; notes say what was done. ``up``: the axis of
+    the file that has become y. Raises `UsageError` for hair that cannot be meant for it."""
     surface = Surface(head.solid)
     turn, shift = np.array(head.pose.rotation), np.array(head.pose.translation)
     roots = (strands.roots().astype(np.float64) - shift) @ turn
     near = surface.nearest(roots)
     fit = Fit(np.abs(near.distances))
-    _check(roots, fit.off, surface, head, file)
+    found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift))
+    advice = "" if found is None else f"with {words(found, up)} it would be {found.median:.2g} m"
+    _check(roots, fit.off, surface, head, file, advice)
+    if advice:
+        notes.append(
+            f"{file}: its roots are {np.median(fit.off):.3g} m off {head.name} in the median, before they are moved "
+            f"to it; {advice}: perhaps its up axis or unit is another one"
+        )
     loose = fit.off > SEATED * surface.size
     fit.seated = int(loose.sum())
     wanted = loose | _near(strands, surface, turn, shift)
@@ -227,22 +235,28 @@ def _near(strands: Strands, surface: Surface, turn: Floats, shift: Floats) -> ND
     return found
 
 
-def _check(roots: Floats, off: Floats, surface: Surface, head: Head, file: str) -> None:
-    """Raise `UsageError` for roots (S, 3) so far off the surface that they cannot be meant for it, with advice."""
+def _check(roots: Floats, off: Floats, surface: Surface, head: Head, file: str, advice: str) -> None:
+    """Raise `UsageError` for roots (S, 3) so far off the surface that they cannot be meant for it, with advice, or a
+    guess by sizes alone where there is none."""
     large = float(np.ptp(roots, axis=0).max())
     ratio = max(large, 1e-30) / surface.size
     limit = FAR if 1 / UNLIKE < ratio < UNLIKE else FAR_UNLIKE
     if head.solid.kind == "plane" or not float(np.median(off)) > limit * surface.size:
         return
-    unit = min(UNITS, key=lambda one: abs(math.log(max(ratio, 1 / ratio) / one)))
-    advice = "move, scale or turn one of them"
-    if max(ratio, 1 / ratio) > 2 and abs(math.log(max(ratio, 1 / ratio) / unit)) < math.log(2):
-        factor = 1 / unit if ratio > 1 else unit
-        advice = f"the hair may be in another unit: multiply emitter.groom.scale by {factor:.4g}"
+    advice = advice or _by_size(ratio)
     raise UsageError(
         f"{file}: its roots are {np.median(off):.3g} m off {head.name}, which is {surface.size:.3g} m large, and "
         f"{large:.3g} m apart; {advice}"
     )
+
+
+def _by_size(ratio: float) -> str:
+    """What is advised where the box of roots is so many times larger than the solid."""
+    unit = min(UNITS, key=lambda one: abs(math.log(max(ratio, 1 / ratio) / one)))
+    if max(ratio, 1 / ratio) > 2 and abs(math.log(max(ratio, 1 / ratio) / unit)) < math.log(2):
+        factor = 1 / unit if ratio > 1 else unit
+        return f"the hair may be in another unit: multiply emitter.groom.scale by {factor:.4g}"
+    return "move, scale or turn one of them"
 
 
 def _relative(outer: Pose, pose: Pose) -> Pose:

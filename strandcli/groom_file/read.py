@@ -75,9 +75,10 @@ def from_file(given: GroomFile, seed: int, head: Head | None = None) -> FromFile
 def _from_file(given: GroomFile, seed: int, head: Head | None, changed: int, size: int) -> FromFile:
     notes: list[str] = []
     strands = _read(given, seed, notes)
-    strands, factor = _placed(_upright(strands, given, notes), given)
+    strands, up = _upright(strands, given, notes)
+    strands, factor = _placed(strands, given)
     if head is not None:
-        strands = put_on(strands, head, given.file, notes)
+        strands = put_on(strands, head, given.file, notes, up)
     roots, lengths = strands.roots(), strands.lengths()
     widths = widths_of(strands, factor, lengths, notes)
     colours = colours_of(strands) if given.colours == "file" else None
@@ -143,8 +144,8 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
     return strands
 
 
-def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> Strands:
-    """Strands whose up axis is y."""
+def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> tuple[Strands, str]:
+    """Strands whose up axis is y, and the file's."""
     up = given.up
     if up == "auto":
         up = strands.source.up or UP
@@ -153,7 +154,7 @@ def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> Strands:
         if guess is not None and guess[0] != up:
             up = guess[0]
             notes.append(f"{given.file}: up is taken to be {up}, which becomes y; emitter.groom.up says otherwise")
-    return strands if up == UP else turned(strands, up, UP)[0]
+    return strands if up == UP else turned(strands, up, UP)[0], up
 
 
 def _placed(strands: Strands, given: GroomFile) -> tuple[Strands, float]:

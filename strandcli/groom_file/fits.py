@@ -1,0 +1,122 @@
+"""Whether hair of a file is meant for a solid as it stands, and which up axis and unit would bring its roots there.
+
+Every up axis is tried with every ratio of usual units; roots lie on the scalp with the right ones alone, unless the
+solid is a ball, on which many fit.
+"""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exchange.edit.transform import AXES, turning
+from ..exchange.ends import ends
+from ..exchange.files import ReadOptions, read
+from .surface import Surface
+
+Floats = NDArray[np.float64]
+
+UP = "y"
+"""The up axis of scenes."""
+SURE, CLOSE = 0.002, 0.02
+"""Median distance of roots from the surface, over the solid's size, up to which hair fits without doubt, and up to
+which it does where no other placing is clearly better."""
+CLEARLY = 0.2
+"""Another placing is told where it leaves at most so much of the distance."""
+UNITS = (1.0, 0.0254, 0.1, 0.01, 0.001)
+"""Metres of usual units."""
+FACTORS = tuple(sorted({round(a / b, 9) for a, b in itertools.product(UNITS, UNITS)}))
+SPREAD = 0.2
+"""Longest side of the box of the roots, over the solid's, at least: a spot fits wherever it is."""
+ENOUGH = 1000
+"""Roots that are tried, evenly chosen."""
+
+
+class Frame(NamedTuple):
+    """How the solid stands in the frame of the roots: its rotation (3, 3) and its place (3,)."""
+
+    turn: Floats
+    shift: Floats
+
+
+class Better(NamedTuple):
+    """A placing: the file's up axis, a factor to its scale, and the median distance of roots then."""
+
+    up: str
+    factor: float
+    median: float
+
+
+def better(roots: Floats, up: str, surface: Surface, frame: Frame) -> Better | None:
+    """The placing with which roots (S, 3) are nearest to a surface; None where they fit as they are, or none is clearly
+    better. ``up``: the axis of the file that is y in the roots' frame."""
+    some = roots[:: max(len(roots) // ENOUGH, 1)]
+
+    def median(axis: str, factor: float) -> float:
+        turn = turning(axis, UP) @ turning(up, UP).T
+        points = (factor * (some @ turn.T) - frame.shift) @ frame.turn
+        return float(np.median(np.abs(surface.nearest(points).distances)))
+
+    now = median(up, 1.0)
+    if surface.solid.kind == "plane" or now <= SURE * surface.size:
+        return None
+    large = float(np.ptp(some, axis=0).max()) / surface.size
+    tried = [Better(a, f, median(a, f)) for f in FACTORS if SPREAD <= f * large <= 1 / SPREAD for a in AXES]
+    # of equals the one that changes less
+    found = min(tried, key=lambda one: (one.median, one.factor != 1, one.up != up), default=None)
+    return found if found is not None and found.median <= min(CLEARLY * now, CLOSE * surface.size) else None
+
+
+def words(found: Better, up: str) -> str:
+    """The settings of a placing that differ, ``up`` being the one now."""
+    parts = [] if found.up == up else [f"emitter.groom.up: {found.up}"]
+    if found.factor != 1:
+        parts.append(f"emitter.groom.scale multiplied by {found.factor:.4g}")
+    return " and ".join(parts)
+
+
+def facts_on(file: Path, given: ReadOptions, mesh: Path) -> dict[str, Any]:
+    """How the roots of a file lie on a mesh, both in the units and axes of their files, or those that they tell."""
+    from ..solid_shapes.mesh import Settings
+
+    strands = read(file, given)
+    known = ends(strands)
+    roots = strands.tips() if known is not None and known.root == "last" else strands.roots()
+    up, unit = strands.source.up or UP, strands.source.unit or 1.0
+    surface = Surface(Settings(file=str(mesh)))
+    placed = unit * (roots.astype(np.float64) @ turning(up, UP).T)
+    off = np.abs(surface.nearest(placed).distances)
+    found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)))
+    median = float(np.median(off))
+    mend = None
+    if found is not None:
+        mend = {"up": found.up, "scale": found.factor * unit, "median": found.median}
+    return {
+        "mesh": str(mesh), "size": surface.size, "median": median, "most": float(off.max()),
+        "fits": found is None and median <= CLOSE * surface.size, "up": up, "scale": unit, "mend": mend,
+    }  # fmt: skip
+
+
+def said(data: dict[str, Any]) -> str:
+    """The same in a line."""
+    there = (
+        f"roots are {data['median']:.3g} off it in the median, {data['most']:.3g} at most, its size {data['size']:.3g}"
+    )
+    if data["fits"]:
+        return f"{there}: they fit"
+    mend = data["mend"]
+    if mend is None:
+        return f"{there}: neither another unit nor another up axis brings them there; move or scale one of them"
+    options, settings = [], []
+    if mend["scale"] != data["scale"]:
+        options.append(f"--scale {mend['scale'] / data['scale']:.4g}")
+        settings.append(f"emitter.groom.scale: {mend['scale']:.4g}")
+    if mend["up"] != data["up"]:
+        options.append(f"--up={mend['up']}")
+        settings.append(f"emitter.groom.up: {mend['up']}")
+    mended = f"with {' and '.join(settings)} they would be {mend['median']:.3g} off"
+    return f"{there}: {mended}; 'convert {' '.join(options)}' writes them so"

@@ -1,0 +1,101 @@
+"""Hair of another unit or up axis than its head: told, with what mends it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exchange_kit
+import groom_file_kit as kit
+import mesh_kit
+from cli_runs import Runner
+from strandcli.errors import UsageError
+from strandcli.exchange.edit.transform import AXES, turning
+from strandcli.exchange.files import write
+from strandcli.exchange.strands import Strands
+from strandcli.groom_file import from_scene
+from strandcli.meshes.read import read_mesh
+
+SHARE = {"m": 1.0, "cm": 100.0, "in": 1 / 0.0254}
+HEAD = read_mesh(Path(__file__).parents[2] / "presets/meshes/head.ply")
+
+
+def hair() -> Strands:
+    """Strands straight out of the scalp, of any length."""
+    rows = np.flatnonzero(HEAD.attributes["scalp"] > 0.5)[::3]
+    tips = np.random.default_rng(5).uniform(0.02, 0.2, (rows.size, 1)) * HEAD.normals[rows]
+    points = HEAD.vertices[rows, None] + np.stack([0 * tips, tips], axis=1)
+    return exchange_kit.of(list(points.astype(np.float32)))
+
+
+def turned(strands: Strands, up: str, factor: float) -> Strands:
+    """Strands as a file of another up axis and unit has them."""
+    points = factor * (strands.points @ turning(up, "y"))
+    return Strands(strands.first, points.astype(np.float32))
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Runner:
+    return Runner(tmp_path, capsys)
+
+
+@pytest.fixture
+def head(tmp_path: Path) -> Path:
+    path = tmp_path / "head.ply"
+    path.write_bytes(mesh_kit.ply(HEAD))
+    return path
+
+
+@pytest.mark.parametrize("up", AXES)
+@pytest.mark.parametrize("unit", SHARE)
+def test_info_tells_the_unit_and_the_up_axis_that_fit_a_head(
+    up: str, unit: str, head: Path, tmp_path: Path, run: Runner
+) -> None:
+    file = tmp_path / "hair.ply"
+    write(file, turned(hair(), up, SHARE[unit]))
+    found = json.loads(run("info", file, "--on", head, "--json").out)["on"]
+    words = run("info", file, "--on", head).out
+    if (up, unit) == ("y", "m"):
+        assert found["fits"]
+        assert found["mend"] is None
+        assert "they fit" in words
+        return
+    assert not found["fits"]
+    assert found["mend"]["up"] == up
+    assert found["mend"]["scale"] == pytest.approx(1 / SHARE[unit])
+    assert found["mend"]["median"] < 1e-6
+    assert (f"--up={up}" in words) == (up != "y")
+    assert ("--scale" in words) == (unit != "m")
+    mends = [] if unit == "m" else ["--scale", str(1 / SHARE[unit])]
+    mends += [] if up == "y" else [f"--up={up}"]
+    run("convert", file, tmp_path / "mended.ply", *mends)
+    assert json.loads(run("info", tmp_path / "mended.ply", "--on", head, "--json").out)["on"]["fits"]
+
+
+def test_a_spot_of_hair_and_another_head_fit_nowhere(head: Path, tmp_path: Path, run: Runner) -> None:
+    spot = hair().points[:2]
+    for name, points in {"spot.ply": np.tile(spot, (30, 1)) + 3, "far.ply": hair().points + 5}.items():
+        points = points.astype(np.float32)
+        write(tmp_path / name, Strands(np.arange(0, len(points) + 1, 2), points))
+        found = json.loads(run("info", tmp_path / name, "--on", head, "--json").out)["on"]
+        assert not found["fits"]
+        assert found["mend"] is None
+    assert "a mesh itself" in run("info", head, "--on", head).err
+
+
+def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: Path) -> None:
+    file = tmp_path / "hair.ply"
+    settings = {"solids": [{"kind": "mesh", "file": str(head), "name": "head"}], "emitter.groom.on": "head"}
+    for factor, up in ((1.0, "x"), (1.0, "y"), (100.0, "x")):
+        write(file, turned(hair(), up, factor))
+        for said in ("y", up):
+            asked = {**settings, "emitter.groom.up": said}
+            if factor != 1:
+                with pytest.raises(UsageError, match=r"emitter\.groom\.scale multiplied by 0\.01"):
+                    from_scene(kit.scene(file, **asked))
+                continue
+            notes = " ".join(from_scene(kit.scene(file, **asked)).notes)
+            assert (f"with emitter.groom.up: {up} " in notes) == (said != up)
