@@ -22,10 +22,14 @@ __all__ = ["__version__", "load", "render"]
 FILE = "emitter.groom.file"
 
 
-def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None) -> Scene:
+def load(
+    preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None, *, roughly: bool = False
+) -> Scene:  # fmt: skip
     """A preset, by path or shipped name, as a validated scene.
 
     ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``; ``settings`` the same with ready values.
+    ``roughly``: strands of a file are counted, and some of them tell where the camera stands and how wide they are; to
+    be looked at and not to be drawn.
     Raises `strandcli.scene.SceneError` with every fault that was found.
     """
     from .scene import load as load_scene
@@ -38,7 +42,7 @@ def load(preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any]
         from .scene.named_files import naming_files
 
         with naming_files(None if FILE in (settings or {}) else scene):  # a file that is drawn by itself has no key
-            scene = completed(scene)
+            scene = completed(scene, roughly)
     if any(one.camera.file for one in parts):
         from .cameras.of_scene import with_views
 

@@ -163,8 +163,10 @@ def load_scene(
     quality: str | None = None,
     overrides: tuple[str, ...] = (),
     aovs: Sequence[str] | None = None,
+    roughly: bool = False,
 ) -> Scene:
-    """The preset with what the common options change. Says on stderr where a shipped name hides a file."""
+    """The preset with what the common options change; ``roughly``: as of `strandcli.load`. Says on stderr where a
+    shipped name hides a file."""
     import strandcli
 
     from ..scene.chain import hidden_by_shipped
@@ -186,8 +188,9 @@ def load_scene(
     if is_groom(preset):
         if strands is not None:
             settings["emitter.groom.strands"] = settings.pop("emitter.strands")
-        return strandcli.load(GROOM, overrides=overrides, settings={**settings, "emitter.groom.file": preset})
-    return strandcli.load(preset, overrides=overrides, settings=settings)
+        settings["emitter.groom.file"] = preset
+        preset = GROOM
+    return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly)
 
 
 GROOM = "groom"

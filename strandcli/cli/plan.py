@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_settings: Any) -> None:
     """Tell what rendering PRESET would run, what is left out and why, the memory it would take, and what is hardly
     meant. Runs nothing."""
-    scene = options.load_scene(preset, **scene_settings)
+    scene = options.load_scene(preset, **scene_settings, roughly=True)
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
@@ -68,7 +68,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
         if one.emitter.groom is not None:
             from ..groom_file import from_scene  # Numba comes with it
 
-            lines = list(from_scene(one).notes)
+            lines = list(from_scene(one, roughly=True).notes)
         else:
             lines = [] if not isinstance(one.emitter.shape, MeshShape) else _of_mesh(one.emitter)
             lines += warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))

@@ -19,7 +19,7 @@ from ..exchange.edit.subsample import some
 from ..exchange.edit.transform import turned
 from ..exchange.ends import ends, up_axis
 from ..exchange.files import ReadOptions, read
-from ..exchange.strands import CHUNK, Strands
+from ..exchange.strands import CHUNK, Offsets, Strands
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
@@ -38,11 +38,17 @@ TONES = 5
 """Number of the random stream of tones, as `strandcli.groom.emit` has it."""
 
 
+ROUGHLY = 10_000
+"""Strands, evenly chosen, that tell what all are like where that is enough."""
+
+
 @dataclass(frozen=True, eq=False)
 class FromFile:
     """The strands of a file in the emitter's frame."""
 
+    strands: int
     groom: Groom
+    """All of them, or some, without their points, where these are enough."""
     points: int
     """Of every strand, as it is drawn."""
     seen: Seen
@@ -54,40 +60,66 @@ class FromFile:
     """What a person should know of the file, a line each."""
 
 
-def from_scene(scene: Scene) -> FromFile:
-    """The strands of a scene with ``emitter.groom``, as `from_file`."""
+def from_scene(scene: Scene, roughly: bool = False) -> FromFile:
+    """The strands of a scene with ``emitter.groom``, as `from_file`; all of them where some are simulated."""
     assert scene.emitter.groom is not None
-    return from_file(scene.emitter.groom, scene.seed, head_of(scene))
+    return from_file(scene.emitter.groom, scene.seed, head_of(scene), roughly and not scene.guided)
 
 
-def from_file(given: GroomFile, seed: int, head: Head | None = None) -> FromFile:
+def from_file(given: GroomFile, seed: int, head: Head | None = None, roughly: bool = False) -> FromFile:
     """The strands that a scene's ``emitter.groom`` asks for, on the solid that it names. Raises `UsageError`, one line,
-    for a file that is damaged or cannot be drawn. The last one is kept, as long as the file does not change."""
+    for a file that is damaged or cannot be drawn. The last one is kept, as long as the file does not change.
+
+    ``roughly``: all are read, counted and looked through for faults, but some of them tell what they look like. The
+    notes are the same.
+    """
     try:
         found = os.stat(given.file)
     except OSError as error:
         raise UsageError(f"{given.file}: cannot be read: {error.strerror or error}") from None
     drawn = {"cover": None}  # what does not change the strands
-    return _from_file(replace(given, **drawn), seed, head, found.st_mtime_ns, found.st_size)  # type: ignore[arg-type]
+    now = found.st_mtime_ns, found.st_size
+    return _from_file(replace(given, **drawn), seed, head, roughly and head is None, *now)  # type: ignore[arg-type]
 
 
 @lru_cache(maxsize=1)
-def _from_file(given: GroomFile, seed: int, head: Head | None, changed: int, size: int) -> FromFile:
+def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool, changed: int, size: int) -> FromFile:
     notes: list[str] = []
     strands = _read(given, seed, notes)
+    counts = strands.counts()
+    step = strands.count // ROUGHLY if roughly else 1
+    if step > 1 and most_points(counts) == counts.max():
+        found = _made(strands.select(np.arange(strands.count) % step == 0), counts, given, seed, None, list(notes))
+        if _tells_all(found, strands, given):
+            return found
+    return _made(strands, counts, given, seed, head, notes)
+
+
+def _tells_all(found: FromFile, strands: Strands, given: GroomFile) -> bool:
+    """Whether what was found of some strands holds of all: widths or colours that seem useless may be so of these
+    alone, and notes have numbers of them."""
+    used = {"width": found.width is not None, "colour": found.colour is not None or given.colours != "file"}
+    own = {name for name, one in strands.attributes.items() if one.domain != "groom"}
+    return all(used[name] for name in used.keys() & own)
+
+
+def _made(
+    strands: Strands, counts: Offsets, given: GroomFile, seed: int, head: Head | None, notes: list[str]
+) -> FromFile:  # fmt: skip
+    """Strands of a file, placed and packed; ``counts``: points of all strands (S,), of which these are some."""
     strands, up = _upright(strands, given, notes)
     strands, factor = _placed(strands, given)
     if head is not None:
         strands = put_on(strands, head, given.file, notes, up)
     roots, lengths = strands.roots(), strands.lengths()
-    widths = widths_of(strands, factor, lengths, notes)
+    share = counts.size / strands.count
+    widths = widths_of(strands, factor, share * lengths, notes)
     colours = colours_of(strands) if given.colours == "file" else None
     tones = (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)
     if colours is not None:
         tones = colours.tones
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
     order = spatial_order(roots)
-    counts = strands.counts()
     most = most_points(counts)
     strands, fewer, off = with_at_most(strands, most)
     if fewer:
@@ -95,13 +127,13 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, changed: int, siz
             f"{given.file}: {strands_of(fewer)} of more than {most:,} points, up to {int(counts.max()):,}, drawn with "
             f"{most:,}, at most {off:.3g} m off: for memory all strands have as many"
         )
-    counts = strands.counts()
     if counts.min() < most:
         notes.append(
             f"{given.file}: strands have {counts.min():,} to {most:,} points; shorter ones get more on their segments"
         )
     seen = seen_of(strands, lengths)
-    points = packed(strands.first, strands.points, order, most)
+    seen = replace(seen, length=share * seen.length)
+    points = packed(strands.first, strands.points, order, most) if share == 1 else None
     way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots
     groom = Groom(
         roots[order],
@@ -114,7 +146,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, changed: int, siz
         colours=None if colours is None else colours.palette,
     )
     width = None if widths is None else widths.mean
-    return FromFile(groom, most, seen, width, None if colours is None else colours.mean, tuple(notes))
+    return FromFile(counts.size, groom, most, seen, width, None if colours is None else colours.mean, tuple(notes))
 
 
 def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:

@@ -1,0 +1,76 @@
+"""What `plan` tells of strands of a file, which some of them stand for: the same words as of all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exchange_kit
+from cli_runs import Runner
+from groom_file_kit import hanging, scene, write
+from strandcli.groom_file import read
+from strandcli.groom_file.read import from_file
+
+COUNT = 600
+
+
+@pytest.fixture(autouse=True)
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read, "ROUGHLY", 100)
+
+
+def made(kind: str, folder: Path) -> Path:
+    """A file of strands of some kind."""
+    rng = np.random.default_rng(3)
+    counts = rng.integers(3, 12, COUNT).tolist() if kind == "uneven" else [8] * COUNT
+    strands = hanging(counts)
+    if kind == "faults":  # at places that are not looked at
+        strands[7], strands[13][2, 1] = strands[8], np.nan
+        return write(folder / "a.data", [*strands, strands[0][:1]])
+    flags, more = 0, b""
+    if kind.startswith("width"):
+        flags, more = 4, np.full(8 * COUNT, 1e3 if kind == "widths that are none" else 0.02, "<f4").tobytes()
+    if kind.startswith("colour"):
+        colours = np.full((COUNT, 3), 0.5, "<f4")
+        colours[7] = (1, 0, 0) if kind == "colour of one strand" else colours[7]
+        flags, more = 16, np.repeat(colours, 8, axis=0).tobytes()
+    if not flags:
+        return write(folder / "a.data", strands)
+    path = folder / "a.hair"
+    path.write_bytes(exchange_kit.hair(strands, more=more, flags=flags))
+    return path
+
+
+KINDS = ("even", "uneven", "faults", "widths", "widths that are none", "colour of one strand", "colours that are one")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_some_strands_tell_what_all_are_like(kind: str, tmp_path: Path) -> None:
+    path = made(kind, tmp_path)
+    given = scene(path, emitter__groom__fix=True, emitter__groom__up="auto").emitter.groom
+    assert given is not None
+    whole, some = from_file(given, 0), from_file(given, 0, roughly=True)
+    assert some.notes == whole.notes
+    assert (some.strands, some.points, some.colour) == (whole.strands, whole.points, whole.colour)
+    assert (some.groom.strands < whole.groom.strands) == (kind not in KINDS[4:])
+    assert some.width == pytest.approx(whole.width) if whole.width is not None else some.width is None
+    assert some.seen.length == pytest.approx(whole.seen.length, rel=0.1)
+    np.testing.assert_allclose(np.ptp(some.seen.points, axis=0), np.ptp(whole.seen.points, axis=0), rtol=0.1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_plan_says_the_same(kind: str, tmp_path: Path, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = made(kind, tmp_path)
+    some = run("plan", path)
+    monkeypatch.setattr(read, "ROUGHLY", COUNT)
+    path.touch()
+    whole = run("plan", path)
+    assert (some.code, some.out, some.err) == (0, whole.out, whole.err)
+    assert "strands, " in some.out
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Runner:
+    return Runner(tmp_path, capsys)
