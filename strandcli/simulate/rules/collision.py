@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 name = "collision"
 order = 40.0
-ROUNDS = 8
+ROUNDS = 3
 """Times that particles are put out of solids at the end of a step, where one solid or rule may undo another."""
+_SHIPPED = ("sphere", "capsule", "plane", "box")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,73 +58,97 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     from ...solids.shapes import other_code
     from . import collision_segments as segments
 
-    ends = _ends(parameters, scene)
+    packed = Packed(parameters, scene)
+    ends = _ends(packed, scene)
     if not parameters.segments:
         return ends
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
-    caught = [Pass(through[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene) if kind in through]
+    caught = [Pass(through[kind], packed.kind(kind)) for kind in packed.kinds if kind in through]
     foreign = others(chosen(parameters, scene))
     if foreign:
-        caught.append(Pass(other_code.module_for(foreign).catch, _packed_others(parameters)))
+        caught.append(Pass(other_code.module_for(foreign).catch, packed.others))
     return caught + ends
 
 
 def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     """With segments, particles once more at the end of a step: a turned segment may have put its end into another
-    solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns."""
+    solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns. What one
+    solid after the other leaves inside is led out of all together."""
+    from ..kernels import way_out
     from . import elasticity
 
     if not parameters.segments:
         return []
     places = [k for k, use in enumerate(scene.rules) if use.parameters is parameters]
     later = scene.rules[places[0] + 1 :] if places else ()
-    ends = _ends(parameters, scene)
+    packed = Packed(parameters, scene)
+    ends = _ends(packed, scene)
     lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
     if lengths:
-        return (ends + lengths[:1]) * ROUNDS
+        return (ends + lengths[:1]) * ROUNDS + [Pass(way_out.turn, packed.all)]
     if len(chosen(parameters, scene)) > 1:
-        return ends * ROUNDS
+        return ends * ROUNDS + [Pass(way_out.leave, packed.all)]
     return ends if later else []
 
 
-def _kinds(parameters: Parameters, scene: Scene) -> list[str]:
-    """Kinds of the solids that have kernels of their own, in the order of their passes."""
-    there = {solid.kind for solid in chosen(parameters, scene)}
-    return [kind for kind in ("sphere", "capsule", "plane", "box") if kind in there]
-
-
-def _ends(parameters: Parameters, scene: Scene) -> list[Pass]:
+def _ends(packed: Packed, scene: Scene) -> list[Pass]:
     """One pass a kind of solid, for particles alone."""
     from ...solids import others
     from ...solids.kernels import box, capsule, plane, sphere
     from ...solids.shapes import other_code
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
-    found = [Pass(points[kind], _packed(parameters, kind)) for kind in _kinds(parameters, scene)]
-    foreign = others(chosen(parameters, scene))
+    found = [Pass(points[kind], packed.kind(kind)) for kind in packed.kinds]
+    foreign = others(chosen(packed.parameters, scene))
     if foreign:
-        found.append(Pass(other_code.module_for(foreign).collide, _packed_others(parameters)))
+        found.append(Pass(other_code.module_for(foreign).collide, packed.others))
     return found
 
 
-def _packed(parameters: Parameters, kind: str) -> Callable[[Moment], Any]:
-    """What packs the solids of a kind at a moment."""
-    from ...solids import pack
+class Packed:
+    """The solids of a rule as its passes take them, packed once a step."""
 
-    return lambda moment: pack(kind, chosen(parameters, moment.scene), moment.scene.emitter, moment.pose_time)
+    def __init__(self, parameters: Parameters, scene: Scene) -> None:
+        self.parameters = parameters
+        self.kinds = [one for one in _SHIPPED if one in {solid.kind for solid in chosen(parameters, scene)}]
+        """Kinds of those that have kernels of their own, in the order of their passes."""
+        self._last: tuple[Moment | None, dict[str, Any]] = None, {}
 
+    def of_kind(self, kind: str, moment: Moment) -> Any:
+        """Return those of a kind at a moment."""
+        from ...solids import pack
 
-def _packed_others(parameters: Parameters) -> Callable[[Moment], Any]:
-    """The same for those without kernels of their own, with the data of their shapes."""
-    import numpy as np
+        last, rows = self._last
+        if last is not moment:
+            rows = {one: rows[one] for one in rows if one not in self.kinds}  # none of a kind are none at any moment
+            self._last = moment, rows
+        if kind not in rows:
+            there = chosen(self.parameters, moment.scene)
+            rows[kind] = pack(kind, there, moment.scene.emitter, moment.pose_time)
+        return rows[kind]
 
-    from ...scene.motion import solid_pose
-    from ...solids import others
-    from ...solids.shapes import other, other_code
+    def kind(self, kind: str) -> Callable[[Moment], Any]:
+        """Return `of_kind` for passes that take one kind."""
+        return lambda moment: self.of_kind(kind, moment)
 
-    def packed(moment: Moment) -> Any:
-        there = others(chosen(parameters, moment.scene))
+    def all(self, moment: Moment) -> Any:
+        """Return all of them at a moment, a `strandcli.solids.Solids`."""
+        import numpy as np
+
+        from ...solids import SHAPES, joined
+
+        scene = moment.scene
+        shipped = [self.of_kind(kind, moment) for kind in SHAPES]
+        return joined(shipped, chosen(self.parameters, scene), scene.emitter, moment.pose_time, np.float32)
+
+    def others(self, moment: Moment) -> Any:
+        """Return those without kernels of their own, with the data of their shapes."""
+        import numpy as np
+
+        from ...scene.motion import solid_pose
+        from ...solids import others
+        from ...solids.shapes import other, other_code
+
+        there = others(chosen(self.parameters, moment.scene))
         poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
         return other_code.together(there, other.pack(there, poses, np.float32), moment.pose_time)
-
-    return packed

@@ -162,3 +162,16 @@ def _deepest(solids, positions, b):
         return lambda solids, positions, b: (field.ZERO, field.ZERO)
     distance, place, among = form.distance, form.deepest, form.among
     return lambda solids, positions, b: segment_depth.deepest_of_block(distance, place, among(solids), positions, b)
+
+
+def deepen(solids, x, y, z, most):
+    """The greatest of depths and of those of points in these, metres; vectors of lanes."""
+
+
+@overload(deepen)
+def _deepen(solids, x, y, z, most):
+    form = form_of(solids)
+    if form is None:
+        return lambda solids, x, y, z, most: most
+    distance, among = form.distance, form.among
+    return lambda solids, x, y, z, most: segment_depth.deepen_lanes(distance, among(solids), x, y, z, most)

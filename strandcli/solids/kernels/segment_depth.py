@@ -12,6 +12,8 @@ import numpy as np
 
 from ...constants import W
 from ...jit import inlined
+from ...simd import lane, lane_count, pointer, with_lane
+from ..shapes.other import REACH, X, Y, Z
 from .distance_field import INF, ROUNDS, TINY, ZERO
 
 PARTS = 4
@@ -131,3 +133,18 @@ def deepest_of_block(distance, deepest, p, positions, b):
                 most = max(most, under)
                 within = np.float32(max(within, max(depth, under) - root))
     return most, within
+
+
+@inlined
+def deepen_lanes(distance, p, x, y, z, most):
+    """Return the greatest of the depths ``most`` and of those of points in these solids; vectors of lanes. Outside of a
+    solid's bounding ball the depth is that in the ball."""
+    for m in range(p.rows.shape[0]):
+        for k in range(lane_count(pointer(p.rows))):
+            a, b, c = lane(x, k), lane(y, k), lane(z, k)
+            dx, dy, dz = a - p.rows[m, X], b - p.rows[m, Y], c - p.rows[m, Z]
+            under = p.rows[m, REACH] - np.float32(math.sqrt(dx * dx + dy * dy + dz * dz))
+            if under > ZERO:
+                under = -distance(p, m, a, b, c)
+            most = with_lane(most, k, max(lane(most, k), under))
+    return most
