@@ -31,7 +31,8 @@ class RawMesh:
     """Triangles as a file has them; vertices may be there several times.
 
     vertices: (n, 3); triangles: (m, 3); normals: (n, 3) or None; uv: (m, 3, 2) or None; colours: (n, 3) linear or None;
-    attributes: (n,) or (n, k) each; texture: as of `TriangleMesh`; notes: what was left out already.
+    attributes: (n,) or (n, k) each; texture: as of `TriangleMesh`; notes: what was left out already;
+    normal_rows: (m, 3) rows of `normals` of corners, where these are not those of their vertices.
     """
 
     vertices: npt.NDArray[Any]
@@ -42,6 +43,7 @@ class RawMesh:
     attributes: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
     texture: npt.NDArray[np.uint8] | None = None
     notes: tuple[str, ...] = ()
+    normal_rows: npt.NDArray[Any] | None = None
 
 
 def make_mesh(vertices: npt.NDArray[Any], triangles: npt.NDArray[Any], where: str = "mesh") -> TriangleMesh:
@@ -66,6 +68,8 @@ def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
         raise UsageError(f"{where}: none of its {kept.size:,} triangles has an area; write it anew from its program")
     if first.size < kept.size:
         triangles, rows = triangles[first], rows[first]
+    if raw.normal_rows is not None:
+        rows = raw.normal_rows[first]
     wanted = None if raw.normals is None else rows
     del rows
     used, merge = _used(triangles, vertices.shape[0])

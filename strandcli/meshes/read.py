@@ -7,9 +7,7 @@ Only the input of trimesh is used, and imported when a mesh of its is read; PLY 
 
 from __future__ import annotations
 
-import io
 import logging
-import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -24,12 +22,11 @@ from .files import Beside, pixels, text, whole
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh, smooth_normals
+from .obj import read_obj
 from .ply import read_ply
 from .polygons import fans, linear
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf")
-RELATIVE = re.compile(rb"^f[^\n]*[ \t/][-0]", re.MULTILINE)
-"""A face of OBJ with an index that counts back, or with 0."""
 MENDS = "write it anew, as .obj, .ply, .stl or .glb with triangles"
 
 
@@ -65,7 +62,7 @@ def _raw(path: Path) -> RawMesh:
     """What a file holds, whatever its format."""
     suffix = path.suffix.lower()
     readers: dict[str, Callable[[Path, Beside], list[RawMesh]]] = {
-        ".obj": _obj, ".ply": read_ply, ".stl": _stl, ".glb": read_gltf, ".gltf": read_gltf,
+        ".obj": read_obj, ".ply": read_ply, ".stl": _stl, ".glb": read_gltf, ".gltf": read_gltf,
     }  # fmt: skip
     if suffix not in readers:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
@@ -88,47 +85,6 @@ def _raw(path: Path) -> RawMesh:
         note = f"not found, or not in its folder: {', '.join(one_line(name) for name in beside.missing[:3])}"
         found = replace(found, notes=(*found.notes, note))
     return found
-
-
-def _obj(path: Path, beside: Beside) -> list[RawMesh]:
-    """Wavefront OBJ, with the materials' texture."""
-    from trimesh.exchange.obj import load_obj
-
-    content = text(path, ".obj file")
-    if RELATIVE.search(content.getbuffer()):
-        content = io.BytesIO(absolute(path, content.getvalue()))
-    resolver: Any = beside
-    found = load_obj(content, resolver=resolver)
-    return [_part(one, beside.found) for one in reversed(list(found.get("geometry", {}).values()))]
-
-
-def absolute(path: Path, content: bytes) -> bytes:
-    """A text of OBJ whose indices count from the begin, where they counted back from their line. Raises `UsageError`
-    for an index 0 and one before the begin."""
-    counts = {b"v": 0, b"vt": 0, b"vn": 0}
-    lines = content.replace(b"\\\n", b" ").replace(b"\\\r\n", b" ").split(b"\n")
-    for number, line in enumerate(lines):
-        words = line.split()
-        if not words:
-            continue
-        if words[0] in counts:
-            counts[words[0]] += 1
-        elif words[0] == b"f":
-            lines[number] = b" ".join(
-                [b"f", *(_corner(path, number, word, list(counts.values())) for word in words[1:])]
-            )
-    return b"\n".join(lines)
-
-
-def _corner(path: Path, line: int, word: bytes, counts: list[int]) -> bytes:
-    """A corner v/vt/vn with indices from 1."""
-    found = []
-    for part, count in zip(word.split(b"/")[:3], counts, strict=False):
-        index = int(part) if part else None
-        if index is not None and (index == 0 or index + count < 0):
-            raise UsageError(f"{path}: line {line + 1:,}: index {index:,} of {count:,}; they count from 1: {MENDS}")
-        found.append(b"" if index is None else b"%d" % (index if index > 0 else count + 1 + index))
-    return b"/".join(found)
 
 
 def _stl(path: Path, beside: Beside) -> list[RawMesh]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,11 @@ def files(kind: str) -> tuple[str, bytes, bytes]:
     large = TriangleMesh(vertices.round(6), triangles.astype(np.int32), vertices)
     if kind == "stl":
         return ".stl", kit.stl(small), kit.stl(large)
+    if kind.startswith("obj"):
+        if kind == "obj":
+            return ".obj", kit.obj(small), kit.obj(large)
+        (vertices, triangles), uv = kit.head(RINGS // 2), np.zeros((2 * (RINGS // 2 - 1) * (RINGS // 2), 3, 2))
+        return ".obj", kit.obj(small), kit.obj(replace(large, vertices=vertices, triangles=triangles, uv=uv.round(3)))
     if kind == "glb":
         return ".glb", kit.glb(*kit.gltf_tree(small)), kit.glb(*kit.gltf_tree(large))
     order, faces = ("", None) if kind == "text" else ("<", None)
@@ -53,7 +59,7 @@ def files(kind: str) -> tuple[str, bytes, bytes]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks the system as Linux does")
-@pytest.mark.parametrize("kind", ["binary", "text", "mixed", "normals", "stl", "glb"])
+@pytest.mark.parametrize("kind", ["binary", "text", "mixed", "normals", "stl", "glb", "obj", "obj with uv"])
 def test_a_mesh_is_read_in_little_memory(kind: str, tmp_path: Path) -> None:
     suffix, small, large = files(kind)
     paths = [tmp_path / f"{name}{suffix}" for name in ("small", "large")]
