@@ -1,9 +1,8 @@
 """Search for a place outside of all solids, for particles that contact with one solid after the other leaves inside.
 
 Contact puts a particle onto the surface of one solid, which may be inside of another one, or out of reach of its
-parent. Turns of contact and exact lengths end between two solids as often as not. What they leave inside, which is
-little, is searched for here, lane by lane in vectors: `at_length` where the segment has an exact length, `anywhere`
-where it has none.
+parent. What turns of contact and exact lengths leave inside, which is little, is searched for here, lane by lane in
+vectors: `at_length` where the segment has an exact length, `anywhere` where it has none.
 
 No place at the length L from the parent is less deep than L short of the parent's depth in any one solid, since a
 depth changes by no more than the distance. What comes so near that bound, or is outside, has no better place; straight
@@ -20,8 +19,10 @@ from ...jit import device, function, inlined
 from ...simd import any_lane, broadcast, lane, lane_count, load, load3, pointer, sqrt, where, with_lane
 from ...solids.kernels.any_depth import any_depth
 
-NEAR = 1e-5
+NEAR = 3e-7
 """Depth that counts as none, metres."""
+ROUNDING = 2.4e-7
+"""Share of its coordinates by which a particle may besides be deeper: two roundings in single precision."""
 WAYS = 26
 """Directions that are tried: to the faces, edges and corners of a cube."""
 PROBES = 4
@@ -64,9 +65,10 @@ def at_length(x, parent, length, solids):
     for k in range(0, W, lanes):
         at = load3(rows, k, W)
         depth = any_depth(solids, at[0], at[1], at[2])
-        if any_lane(depth > NEAR):
+        none = nothing(at)
+        if any_lane(depth > none):
             q, size = load3(parents, k, W), load(lengths, k)
-            goal = max(any_depth(solids, q[0], q[1], q[2]) - size, 0.0) + NEAR
+            goal = max(any_depth(solids, q[0], q[1], q[2]) - size, 0.0) + none
             for j in range(lanes):
                 if lane(depth, j) > lane(goal, j):
                     some = with_strand(some, count, k + j, (at, q, size, depth, goal), j)
@@ -88,10 +90,11 @@ def anywhere(x, length, solids):
     for k in range(0, W, lanes):
         at = load3(rows, k, W)
         depth = any_depth(solids, at[0], at[1], at[2])
-        if any_lane(depth > NEAR):
+        none = nothing(at)
+        if any_lane(depth > none):
             for j in range(lanes):
-                if lane(depth, j) > NEAR:
-                    some = with_strand(some, count, k + j, (at, at, load(lengths, k), depth, depth), j)
+                if lane(depth, j) > lane(none, j):
+                    some = with_strand(some, count, k + j, (at, at, load(lengths, k), depth, none), j)
                     count += 1
                 if count == lanes:
                     write(x, some, led_out(solids, some), count)
@@ -154,9 +157,8 @@ def turned(solids, some):
         better = wanted & ((outside & nearer) | (~outside & (found < depth)))
         depth = where(better, found, depth)
         new = chosen(better, d, new)
-    reach = q, size, goal
-    new, depth = looked_about(solids, reach, new, depth)
-    new = turned_back(solids, reach, old, new, ~(depth > goal))
+    new, depth = looked_about(solids, (q, size, goal), new, depth)
+    new = turned_back(solids, (q, size, goal), old, new, ~(depth > goal))
     return q[0] + size * new[0], q[1] + size * new[1], q[2] + size * new[2]
 
 
@@ -206,8 +208,7 @@ def turned_back(solids, reach, old, new, mask):
 @device
 def led_out(solids, some):
     """Return the nearest places outside along some directions from particles, or their own."""
-    _, at, _, size, depth, _ = some
-    stuck = depth > NEAR
+    _, at, _, size, depth, goal = some
     least = broadcast(depth, FARTHEST)
     place = at
     for way in range(-1, WAYS):
@@ -215,12 +216,12 @@ def led_out(solids, some):
         far = broadcast(depth, 0.0)
         under = depth
         for _ in range(STEPS):
-            inside = stuck & (under > NEAR) & (far < least)
+            inside = (under > goal) & (far < least)
             if not any_lane(inside):
                 break
             far = where(inside, far + under, far)
             under = where(inside, depth_along(solids, at, far, d), under)
-        better = stuck & ~(under > NEAR) & (far < least)
+        better = ~(under > goal) & (far < least)
         least = where(better, far, least)
         place = chosen(better, (at[0] + far * d[0], at[1] + far * d[1], at[2] + far * d[2]), place)
     return place
@@ -271,6 +272,12 @@ def aside(probe, turn):
     a = 1.0 if probe < 2 else -1.0
     b = 1.0 if probe % 2 == 0 else -1.0
     return (a, b) if turn % 2 == 0 else (0.7 * (a - b), 0.7 * (a + b))
+
+
+@inlined
+def nothing(at):
+    """Return the depth that counts as none at a place, metres."""
+    return NEAR + ROUNDING * (abs(at[0]) + abs(at[1]) + abs(at[2]))
 
 
 @inlined
