@@ -23,6 +23,8 @@ LINE, LINE_BEHIND = -0.132, -0.122
 """Heights at which hair ends: at the jaw, and at the nape."""
 BROW = 0.0
 """Height at which the fringe ends."""
+NAPE = 0.015
+"""Length of what grows on the nape, under the rest, metres: longer, it would turn inward against the neck."""
 LONGEST = 0.30
 """Length that is 1 in the file, metres."""
 
@@ -44,7 +46,9 @@ def lengths(points: np.ndarray) -> np.ndarray:
     line = LINE + (LINE_BEHIND - LINE) * step(points[:, 2], -0.02, -0.09)
     fall = np.minimum(points[:, 1], 0) - line
     front = np.hypot(points[:, 1] - 0.055, points[:, 2] - 0.080) * 1.2 + 0.066 - BROW
-    return over + fall + fringe(points) * (front - over - fall)
+    found = over + fall + fringe(points) * (front - over - fall)
+    nape = step(points[:, 1], 0.000, -0.022) * step(points[:, 2], -0.025, -0.045)
+    return found + nape * (np.minimum(found, NAPE) - found)
 
 
 def ways(points: np.ndarray, normals: np.ndarray) -> np.ndarray:

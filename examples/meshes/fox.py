@@ -66,7 +66,8 @@ def parts(points: Points) -> dict[str, np.ndarray]:
     return {
         "tail": tail, "tip": tail * step(far, 0.66, 0.80), "ear": ear, "ear_tip": ear * step(up, 0.25, 0.8),
         "eye": step(eye, 0.0119, 0.0110),
-        "lids": step(eye, 0.0185, 0.0125),
+        "rim": step(eye, 0.0139, 0.0121),
+        "lids": step(eye, 0.0172, 0.0125),
         "nose": step(np.linalg.norm((points - NOSE) / (0.0104, 0.0080, 0.0085), axis=1), 1.25, 0.95),
         "mouth": step(along(right, [(*p, 0.0024) for p in MOUTH])[0], 1.9, 0.9),
         "muzzle": step(z, 0.095, 0.135) * step(y, 0.29, 0.31),
@@ -107,7 +108,7 @@ def numbers(points: Points) -> dict[str, np.ndarray]:
     density = (1 - bare) * step(points[:, 1], 0.001, 0.006)
     length = np.full(len(points), 0.50)
     for part, value in (("chest", 0.85), ("head", 0.45), ("cheek", 0.80), ("face", 0.20), ("muzzle", 0.11),
-                        ("lids", 0.06), ("ear", 0.18), ("ear_tip", 0.12), ("legs", 0.17), ("paws", 0.12),
+                        ("lids", 0.10), ("ear", 0.18), ("ear_tip", 0.12), ("legs", 0.17), ("paws", 0.12),
                         ("tail", 1.0)):  # fmt: skip
         length += is_[part] * (value - length)
     direction = comb(points, is_)
@@ -132,7 +133,8 @@ def colours(points: Points) -> np.ndarray:
     found = mixed(found, (38, 26, 22), is_["ear_tip"] * (1 - inner))
     found = mixed(found, (238, 214, 190), 0.9 * inner)
     found = mixed(found, (40, 27, 22), is_["legs"] * step(y, 0.120, 0.085))
-    found = mixed(found, (46, 28, 22), 0.9 * is_["lids"])
+    found = mixed(found, (226, 136, 66), 0.6 * is_["lids"])  # the lid faces down and lies in shade
+    found = mixed(found, (46, 28, 22), 0.9 * is_["rim"])
     found = mixed(found, (24, 13, 9), is_["eye"])
     look = unit(np.column_stack([np.abs(x), y, z]) - EYE) @ unit(np.array([0.36, 0.04, 0.93]))
     found = mixed(found, (176, 98, 24), is_["eye"] * step(look, 0.56, 0.66))

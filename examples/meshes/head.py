@@ -43,7 +43,7 @@ def size(points: Points) -> np.ndarray:
         ((0, -0.088, 0.090), (0.027, 0.011, 0.020), 0.0016),
         ((0, -0.058, 0.100), (0.019, 0.013, 0.020), 0.0020),
         ((0.077, -0.030, -0.020), (0.020, 0.038, 0.024), 0.0024),
-        ((0, -0.240, 0.010), (0.120, 0.015, 0.040), 0.0100),
+        ((0, -0.240, 0.010), (0.120, 0.015, 0.040), 0.0115),
     ):
         far = np.linalg.norm((there - centre) / reach, axis=1)
         found = np.minimum(found, wanted + 0.016 * step(far, 1, 2.4))
@@ -94,9 +94,9 @@ def colours(points: Points) -> np.ndarray:
     """Colours of the skin, uint8 in sRGB: lips, cheeks, ears and the tip of the nose redder, brows and lashes dark."""
     z = points[:, 2]
     ahead = step(z, 0.015, 0.045)
-    found = np.tile(np.array([208.0, 160, 132]), (len(points), 1))
+    found = np.tile(np.array([209.0, 159, 134]), (len(points), 1))
     found = mixed(found, (214, 170, 143), 0.6 * blob(points, (0, 0.035, 0.085), (0.05, 0.03, 0.03)))
-    found = mixed(found, (201, 130, 107), 0.60 * blob(points, (0.043, -0.047, 0.062), (0.020, 0.016, 0.030)))
+    found = mixed(found, (203, 133, 111), 0.45 * blob(points, (0.043, -0.045, 0.062), (0.024, 0.020, 0.030)))
     found = mixed(found, (198, 126, 103), 0.55 * blob(points, (0, -0.056, 0.108), (0.014, 0.010, 0.020)))
     found = mixed(found, (200, 131, 107), 0.35 * blob(points, (0, -0.118, 0.092), (0.016, 0.010, 0.02)))
     found = mixed(found, (186, 124, 105), 0.45 * ahead * blob(points, (0.032, -0.016, 0.072), (0.016, 0.008, 0.02)))
@@ -108,13 +108,13 @@ def colours(points: Points) -> np.ndarray:
     lips = [(x, y, w) for (x, y), w in zip(MOUTH, (0.0078, 0.0078, 0.0058, 0.0014), strict=True)]
     lower = [(0, -0.0905, 0.0072), (0.012, -0.0900, 0.0058), (0.0240, -0.0890, 0.0012)]
     red = np.maximum(step(from_stroke(points, lips)[0], 1.05, 0.72), step(from_stroke(points, lower)[0], 1.05, 0.75))
-    found = mixed(found, (172, 88, 82), 0.80 * ahead * red)
+    found = mixed(found, (176, 94, 87), 0.75 * ahead * red)
     found = mixed(
         found, (120, 52, 50), 0.6 * ahead * step(from_stroke(points, [(*p, 0.0013) for p in MOUTH])[0], 1.4, 0.4)
     )
     across, along = from_stroke(points, BROW)
     lash, _ = from_stroke(points, [(*p, 0.0013) for p in LID])
-    found = mixed(found, (112, 82, 64), 0.60 * ahead * step(across, 1.5, 0.2) * step(along, -0.15, 0.15))
+    found = mixed(found, (100, 72, 56), 0.68 * ahead * step(across, 1.5, 0.2) * step(along, -0.15, 0.15))
     found = mixed(found, (70, 46, 38), 0.80 * ahead * step(lash, 1.6, 0.6))
     return np.clip(np.rint(found), 0, 255).astype(np.uint8)
 
