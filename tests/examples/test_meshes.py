@@ -108,5 +108,6 @@ def test_the_bob_grows_on_the_head_that_is_shipped(module: Any) -> None:
 
 def test_hair_of_a_bob_that_grows_low_reaches_the_line(module: Any) -> None:
     bob = module("bob")
-    low = np.array([[0.075, -0.02, 0.0], [0, -0.05, -0.1], [-0.075, -0.06, -0.02]])
+    low = np.array([[0.075, -0.02, 0.0], [0, 0.0, -0.1], [-0.075, -0.06, -0.02]])
     np.testing.assert_allclose(low[:, 1] - bob.lengths(low), [bob.LINE, bob.LINE_BEHIND, bob.LINE], atol=1e-9)
+    np.testing.assert_allclose(bob.lengths(np.array([[0, -0.05, -0.1]])), bob.NAPE)
