@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal", "hides", "look")
+OPTIONAL = ("meet", "normal", "hides", "look", "distances")
 """Compiled functions that a shape may have."""
 
 
@@ -34,6 +34,8 @@ class SolidShape(Protocol):
       along the normal, the point from which shadow rays set out, and the linear colour, which with a negative number is
       the solid's `colour`. ``eye`` is the unit vector to the eye, or 0 where that does not matter, ``width`` that of a
       pixel there, metres. Else `normal`, the point and `colour`.
+    * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
+      look it up many times for each point. Else points are taken one by one.
     * ``folds = True``: it may hide parts of itself, and such edges are antialiased.
     * ``data(solids, time)``: what does not fit into a few numbers, for all solids of the kind (their settings, in a
       list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked

@@ -1,4 +1,8 @@
-"""The arrays of meshes, and the columns of their table, which tells where the parts of each begin and end."""
+"""The arrays of meshes, as kernels read them: a table of their addresses.
+
+A kernel that took each array by itself would hand on a hundred numbers in every call; that takes longer than to look up
+a distance, to run and to compile.
+"""
 
 from __future__ import annotations
 
@@ -7,47 +11,101 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-NODES, NODES_END = 0, 1
-TRIANGLES, TRIANGLES_END = 2, 3
-VALUES, VALUES_END = 4, 5
-"""Distances of its grid."""
-COLOURS, COLOURS_END = 6, 7
-UV, UV_END = 8, 9
-TEXELS, TEXELS_END = 10, 11
-LEVELS, LEVELS_END = 12, 13
-NZ, NY, NX = 14, 15, 16
-"""Nodes of its grid along each axis."""
-SIZE = 17
+from ...jit import device
+from ...meshes.kernels.distance import DistanceGrid
+from ...meshes.kernels.tree import Bvh
+from ...simd import array_at
+
+(
+    LOW, VALUES, NZ, NY, NX, NODES, BOXES, CHILD, COUNTS, TRIANGLES, CORNERS, TRIANGLE, FACES, NORMALS, COLOURS, UV,
+    DENSITY, TEXEL_COUNT, TEXELS, LEVEL_COUNT, LEVELS, LINEAR,
+) = range(22)  # fmt: skip
+"""Columns of the table: addresses of arrays, and their lengths, `NODES`, `TRIANGLES`, `TEXEL_COUNT`, `LEVEL_COUNT`,
+`NZ`, `NY` and `NX`. An array that a mesh does not have is at 0.
+
+LOW: (4,) float32, the first node of the grid, and the spacing of nodes, metres. VALUES: (NZ, NY, NX) float32, signed
+distances at the nodes, metres. BOXES, CHILD, COUNTS, CORNERS, TRIANGLE: as in `strandcli.meshes.kernels.tree.Bvh`.
+"""
+SIZE = 22
 
 
 class Data(NamedTuple):
-    """Prepared meshes, as `shape` reads them. Those that several solids share are there once."""
+    """Prepared meshes, as `shape` reads them. Solids may share one."""
 
     table: NDArray[np.int64]
-    """(solids, `SIZE`) where the parts of each begin."""
-    low: NDArray[np.float32]
-    """(solids, 4) the first node of its grid, and the spacing of nodes, metres."""
-    boxes: NDArray[np.float32]
-    """(N, 6) `strandcli.meshes.kernels.tree.Bvh`, also the next four."""
-    child: NDArray[np.int32]
-    counts: NDArray[np.int32]
-    corners: NDArray[np.float64]
-    triangle: NDArray[np.int32]
+    """(solids, `SIZE`) of each solid; it keeps the arrays."""
+
+
+class Surface(NamedTuple):
+    """What triangles show; but for `faces` they are in the tree's order. Arrays that a mesh does not have are at 0."""
+
     faces: NDArray[np.float32]
     """(T, 3) unit normals of triangles, as the file has them in order."""
     normals: NDArray[np.float32]
-    """(T, 3, 3) of corners, of triangles in the trees' order, as those below."""
+    """(T, 3, 3) unit normals of corners."""
     colours: NDArray[np.float32]
-    """(T, 3, 3) linear; rows for meshes that have them."""
+    """(T, 3, 3) linear colours of corners."""
     uv: NDArray[np.float32]
-    """(T, 3, 2); rows for meshes with a texture, as `density`."""
+    """(T, 3, 2) of corners."""
     density: NDArray[np.float32]
     """(T,) texels a metre."""
+
+
+class Texture(NamedTuple):
+    """A picture in levels."""
+
     texels: NDArray[np.uint8]
-    """(n, 3) sRGB of all levels of textures."""
+    """(n, 3) sRGB of all levels."""
     levels: NDArray[np.int64]
-    """(L, 3) first texel of a level among those of its texture, its width and its height."""
+    """(L, 3) the first texel of a level, its width and its height."""
     linear: NDArray[np.float32]
     """(256,) linear light of codes of sRGB."""
-    values: NDArray[np.float32]
-    """(G,) signed distances at the nodes of grids, z the slowest, metres."""
+
+
+@device
+def grid_of(data, k):
+    """The grid of distances of mesh k."""
+    row = data.table[k]
+    low = array_at(np.float32, row[LOW], (4,))
+    return DistanceGrid(array_at(np.float32, row[VALUES], (row[NZ], row[NY], row[NX])), low, low[3])
+
+
+@device
+def spacing_of(data, k):
+    """The spacing of the grid's nodes of mesh k, metres."""
+    return array_at(np.float32, data.table[k, LOW], (4,))[3]
+
+
+@device
+def tree_of(data, k):
+    """The tree of triangles of mesh k; it has no moments."""
+    row = data.table[k]
+    nodes, triangles = row[NODES], row[TRIANGLES]
+    corners = array_at(np.float64, row[CORNERS], (triangles, 3, 3))
+    return Bvh(
+        array_at(np.float32, row[BOXES], (nodes, 6)), array_at(np.int32, row[CHILD], (nodes,)),
+        array_at(np.int32, row[COUNTS], (nodes,)), corners, array_at(np.int32, row[TRIANGLE], (triangles,)),
+        corners[:, 0],
+    )  # fmt: skip
+
+
+@device
+def surface_of(data, k):
+    """What the triangles of mesh k show."""
+    row = data.table[k]
+    count = row[TRIANGLES]
+    return Surface(
+        array_at(np.float32, row[FACES], (count, 3)), array_at(np.float32, row[NORMALS], (count, 3, 3)),
+        array_at(np.float32, row[COLOURS], (count, 3, 3)), array_at(np.float32, row[UV], (count, 3, 2)),
+        array_at(np.float32, row[DENSITY], (count,)),
+    )  # fmt: skip
+
+
+@device
+def texture_of(data, k):
+    """The texture of mesh k."""
+    row = data.table[k]
+    return Texture(
+        array_at(np.uint8, row[TEXELS], (row[TEXEL_COUNT], 3)), array_at(np.int64, row[LEVELS], (row[LEVEL_COUNT], 3)),
+        array_at(np.float32, row[LINEAR], (256,)),
+    )  # fmt: skip

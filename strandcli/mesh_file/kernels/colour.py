@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import device
-from . import arrays as at
+from .arrays import COLOURS, UV, surface_of, texture_of
 
 ONE = np.float32(1.0)
 HALF = np.float32(0.5)
@@ -23,14 +23,13 @@ def colour_at(data, k, row, u, v, width, facing):
 
     width: of a pixel, metres; facing: cosine between the normal and the eye, by whose root a pixel is wider.
     """
-    table = data.table[k]
-    if table[at.COLOURS_END] > table[at.COLOURS]:
-        one = table[at.COLOURS] + row
-        return mixed(data.colours, one, 0, u, v), mixed(data.colours, one, 1, u, v), mixed(data.colours, one, 2, u, v)
-    if table[at.UV_END] > table[at.UV]:
-        one = table[at.UV] + row
-        texels = width * data.density[one] / math.sqrt(max(facing, SLANT))
-        return texture_at(data, k, mixed(data.uv, one, 0, u, v), mixed(data.uv, one, 1, u, v), np.float32(texels))
+    if data.table[k, COLOURS] != 0:
+        colours = surface_of(data, k).colours
+        return mixed(colours, row, 0, u, v), mixed(colours, row, 1, u, v), mixed(colours, row, 2, u, v)
+    if data.table[k, UV] != 0:
+        uv = surface_of(data, k).uv
+        texels = width * surface_of(data, k).density[row] / math.sqrt(max(facing, SLANT))
+        return texture_at(texture_of(data, k), mixed(uv, row, 0, u, v), mixed(uv, row, 1, u, v), np.float32(texels))
     return NONE
 
 
@@ -42,49 +41,44 @@ def mixed(corners, row, c, u, v):
 
 
 @device
-def texture_at(data, k, s, t, texels):
-    """Linear colour of the texture at (s, t), of which the origin is at the lower left, over so many texels."""
-    first, last = data.table[k, at.LEVELS], data.table[k, at.LEVELS_END] - 1
-    level = first
+def texture_at(texture, s, t, texels):
+    """Linear colour of a texture at (s, t), of which the origin is at the lower left, over so many texels."""
+    last = texture.levels.shape[0] - 1
+    level = 0
     while texels > ONE + ONE and level < last:
         texels *= HALF
         level += 1
-    r, g, b = bilinear(data, k, level, s, t)
+    r, g, b = bilinear(texture, level, s, t)
     if texels > ONE and level < last:
         share = texels - ONE
-        x, y, z = bilinear(data, k, level + 1, s, t)
+        x, y, z = bilinear(texture, level + 1, s, t)
         r, g, b = r + share * (x - r), g + share * (y - g), b + share * (z - b)
     return r, g, b
 
 
 @device
-def bilinear(data, k, level, s, t):
+def bilinear(texture, level, s, t):
     """Linear colour of a level of the texture, interpolated; the picture repeats."""
-    wide, high = data.levels[level, 1], data.levels[level, 2]
+    texels, levels, linear = texture
+    wide, high = levels[level, 1], levels[level, 2]
     x = (s - np.floor(s)) * np.float32(wide) - HALF
     y = (ONE - (t - np.floor(t))) * np.float32(high) - HALF
     i, j = int(np.floor(x)), int(np.floor(y))
     p, q = x - np.float32(i), y - np.float32(j)
     left, right = (i + wide) % wide, (i + 1) % wide
-    base = data.table[k, at.TEXELS] + data.levels[level, 0]
+    base = levels[level, 0]
     above, below = base + (j + high) % high * wide, base + (j + 1) % high * wide
     return (
-        between(data, above + left, above + right, below + left, below + right, 0, p, q),
-        between(data, above + left, above + right, below + left, below + right, 1, p, q),
-        between(data, above + left, above + right, below + left, below + right, 2, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, 0, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, 1, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, 2, p, q),
     )
 
 
 @device
-def between(data, a, b, c, d, channel, p, q):
+def between(texels, linear, a, b, c, d, channel, p, q):
     """Light between four texels."""
-    upper, lower = light(data, a, channel), light(data, c, channel)
-    upper += p * (light(data, b, channel) - upper)
-    lower += p * (light(data, d, channel) - lower)
+    upper, lower = linear[texels[a, channel]], linear[texels[c, channel]]
+    upper += p * (linear[texels[b, channel]] - upper)
+    lower += p * (linear[texels[d, channel]] - lower)
     return upper + q * (lower - upper)
-
-
-@device
-def light(data, texel, channel):
-    """Linear light of a texel."""
-    return data.linear[data.texels[texel, channel]]

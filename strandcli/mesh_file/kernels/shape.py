@@ -8,12 +8,11 @@ import math
 import numpy as np
 
 from ...jit import device
-from ...meshes.kernels.distance import DistanceGrid, distance_and_gradient
 from ...meshes.kernels.distance import distance as grid_distance
+from ...meshes.kernels.distance import distance_and_gradient, vector_distance
 from ...meshes.kernels.nearest import nearest
 from ...meshes.kernels.rays import first_hit
-from ...meshes.kernels.tree import Bvh
-from . import arrays as at
+from .arrays import grid_of, spacing_of, surface_of, tree_of
 from .colour import colour_at
 
 CLOSE = 1e-3
@@ -24,32 +23,14 @@ TINY = 1e-6
 """A gradient this short has no direction."""
 
 
-@device
-def grid_of(data, k):
-    """The grid of distances of mesh k."""
-    row = data.table[k]
-    values = data.values[row[at.VALUES] : row[at.VALUES_END]]
-    return DistanceGrid(
-        values.reshape((row[at.NZ], row[at.NY], row[at.NX])), data.low[k], data.low[k, 3]
-    )  # fmt: skip
-
-
-@device
-def tree_of(data, k):
-    """The tree of triangles of mesh k; it has no moments."""
-    row = data.table[k]
-    nodes, end = row[at.NODES], row[at.NODES_END]
-    first, last = row[at.TRIANGLES], row[at.TRIANGLES_END]
-    corners = data.corners[first:last]
-    return Bvh(
-        data.boxes[nodes:end], data.child[nodes:end], data.counts[nodes:end], corners, data.triangle[first:last],
-        corners[:, 0],
-    )  # fmt: skip
-
-
 def distance(x, y, z, numbers, data):
     """From the grid, whose error is of the order of the surface's bend over a cell."""
     return grid_distance(grid_of(data, int(numbers[0])), x, y, z)
+
+
+def distances(x, y, z, numbers, data):
+    """The same, of vectors."""
+    return vector_distance(grid_of(data, int(numbers[0])), x, y, z)
 
 
 def normal(x, y, z, numbers, data):
@@ -81,10 +62,10 @@ def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):
     t, i, _, _ = first_hit(tree, x, y, z, dx, dy, dz, reach)
     if i < 0:
         return False
-    i += data.table[k, at.TRIANGLES]
-    if t > LEAVES * skin or data.faces[i, 0] * dx + data.faces[i, 1] * dy + data.faces[i, 2] * dz <= 0.0:
+    faces = surface_of(data, k).faces
+    if t > LEAVES * skin or faces[i, 0] * dx + faces[i, 1] * dy + faces[i, 2] * dz <= 0.0:
         return True
-    if grid_distance(grid_of(data, k), x, y, z) < -skin - data.low[k, 3]:
+    if grid_distance(grid_of(data, k), x, y, z) < -skin - spacing_of(data, k):
         return True
     t += CLOSE * skin
     return first_hit(tree, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz, reach - t)[1] >= 0
@@ -95,16 +76,16 @@ def look(x, y, z, eye, width, numbers, data):
     terminator"), and the colour of vertices or of the texture."""
     k = int(numbers[0])
     tree = tree_of(data, k)
-    limit = CLOSE * data.low[k, 3]
+    limit = CLOSE * spacing_of(data, k)
     _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
     if row < 0:
         _, _, u, v, row = nearest(tree, x, y, z, np.inf)
     px, py, pz = point_of(tree.corners, row, u, v)
-    first = data.table[k, at.TRIANGLES] + row
+    normals = surface_of(data, k).normals
     nx = ny = nz = lx = ly = lz = 0.0
     for corner in range(3):
         share = (u if corner == 1 else v) if corner > 0 else 1.0 - u - v
-        ax, ay, az = data.normals[first, corner, 0], data.normals[first, corner, 1], data.normals[first, corner, 2]
+        ax, ay, az = normals[row, corner, 0], normals[row, corner, 1], normals[row, corner, 2]
         nx += share * ax
         ny += share * ay
         nz += share * az

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...jit import device
+from ...simd import floor, gather, pointer, sqrt, where
 
 
 class DistanceGrid(NamedTuple):
@@ -45,7 +46,8 @@ def distance_and_gradient(grid, x, y, z):
     """
     values, spacing = grid.values, grid.spacing
     nz, ny, nx = values.shape
-    u, v, w = (x - grid.low[0]) / spacing, (y - grid.low[1]) / spacing, (z - grid.low[2]) / spacing
+    per = np.float32(1) / spacing
+    u, v, w = (x - grid.low[0]) * per, (y - grid.low[1]) * per, (z - grid.low[2]) * per
     cu, cv, cw = within(u, nx), within(v, ny), within(w, nz)
     i, j, k = lower_node(cu, nx), lower_node(cv, ny), lower_node(cw, nz)
     u1, v1, w1 = cu - np.float32(i), cv - np.float32(j), cw - np.float32(k)
@@ -57,8 +59,8 @@ def distance_and_gradient(grid, x, y, z):
     below, above = ab + v1 * (cd - ab), ef + v1 * (gh - ef)
     near = below + w1 * (above - below)
     gx0, gx1 = (b - a) + v1 * ((d - c) - (b - a)), (f - e) + v1 * ((h - g) - (f - e))
-    gx, gy = (gx0 + w1 * (gx1 - gx0)) / spacing, ((cd - ab) + w1 * ((gh - ef) - (cd - ab))) / spacing
-    gz = (above - below) / spacing
+    gx, gy = (gx0 + w1 * (gx1 - gx0)) * per, ((cd - ab) + w1 * ((gh - ef) - (cd - ab))) * per
+    gz = (above - below) * per
     ox, oy, oz = (u - cu) * spacing, (v - cv) * spacing, (w - cw) * spacing
     out = ox * ox + oy * oy + oz * oz
     if out > 0.0:
@@ -75,3 +77,37 @@ def distance_and_gradient(grid, x, y, z):
 def distance(grid, x, y, z):
     """Signed distance of a point, as `distance_and_gradient`."""
     return distance_and_gradient(grid, x, y, z)[0]
+
+
+@device
+def vector_distance(grid, x, y, z):
+    """`distance` of vectors of points."""
+    values, spacing = grid.values, grid.spacing
+    nz, ny, nx = values.shape
+    per = np.float32(1) / spacing
+    u, v, w = (x - grid.low[0]) * per, (y - grid.low[1]) * per, (z - grid.low[2]) * per
+    cu, cv, cw = vector_within(u, nx), vector_within(v, ny), vector_within(w, nz)
+    i, j, k = (
+        floor(min(cu, np.float32(nx - 2))),
+        floor(min(cv, np.float32(ny - 2))),
+        floor(min(cw, np.float32(nz - 2))),
+    )
+    u1, v1, w1 = cu - i, cv - j, cw - k
+    numbers = pointer(values)
+    row, slab = k * np.float32(ny) + j, nx * ny  # rows are counted exactly: there are less than 2^24
+    a, b = gather(numbers, 0, row, nx, i), gather(numbers, 1, row, nx, i)
+    c, d = gather(numbers, nx, row, nx, i), gather(numbers, nx + 1, row, nx, i)
+    e, f = gather(numbers, slab, row, nx, i), gather(numbers, slab + 1, row, nx, i)
+    g, h = gather(numbers, slab + nx, row, nx, i), gather(numbers, slab + nx + 1, row, nx, i)
+    ab, cd, ef, gh = a + u1 * (b - a), c + u1 * (d - c), e + u1 * (f - e), g + u1 * (h - g)
+    below, above = ab + v1 * (cd - ab), ef + v1 * (gh - ef)
+    near = below + w1 * (above - below)
+    ox, oy, oz = (u - cu) * spacing, (v - cv) * spacing, (w - cw) * spacing
+    out = ox * ox + oy * oy + oz * oz
+    return where(out > np.float32(0), sqrt(out + near * near), near)
+
+
+@device
+def vector_within(at, count):
+    """`within` of a vector."""
+    return min(max(at, np.float32(0)), np.float32(count - 1))

@@ -31,12 +31,8 @@ FINE = np.float32(1e-3)
 """Half the way over which a gradient is measured, as a share of the reach."""
 ROUNDS = 4
 """Steps of a point or a segment on its way out, at the most: one is enough for an exact distance or a flat face."""
-ACROSS = 64
-"""Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
-FINE_ACROSS = 256
-"""The same for shapes with data, which have more detail."""
-CLEAR = np.float32(2.0)
-"""More than any sine."""
+OUT = np.float32(1e-6)
+"""Depth, as a share of a solid's reach, from which on a point is not moved any more: ten times the rounding."""
 
 
 def number(p, m, column):
@@ -215,27 +211,6 @@ def hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin):
 
 
 @inlined
-def least_sine(distance, parts, p, m, x, y, z, way, reach, skin):
-    """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
-    least of its distance over the distance travelled, in steps of that distance, and at least a share 1 / ``parts`` of
-    the way through the solid's ball."""
-    lx, ly, lz = way
-    cx = number(p, m, X) - x
-    cy = number(p, m, Y) - y
-    cz = number(p, m, Z) - z
-    middle = cx * lx + cy * ly + cz * lz
-    end = min(middle + number(p, m, REACH), reach)
-    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(parts)
-    t = max(middle - number(p, m, REACH), HALF * step)
-    least = CLEAR
-    while t < end:
-        away = distance(p, m, x + t * lx, y + t * ly, z + t * lz) + skin
-        least = min(least, away / t)
-        t += max(abs(away) * HALF, step)
-    return least
-
-
-@inlined
 def put_outside(distance, normal, p, m, x, y, z, clear):
     """A point, moved to `clear` metres off the surface of solid m where it is nearer or inside."""
     dx = x - number(p, m, X)
@@ -243,9 +218,10 @@ def put_outside(distance, normal, p, m, x, y, z, clear):
     dz = z - number(p, m, Z)
     reach = number(p, m, REACH) + clear
     if dx * dx + dy * dy + dz * dz < reach * reach:
+        enough = OUT * number(p, m, REACH)
         for _ in range(ROUNDS):
             under = clear - distance(p, m, x, y, z)
-            if under <= ZERO:
+            if under <= enough:
                 break
             nx, ny, nz = normal(p, m, x, y, z)
             x = np.float32(x + under * nx)
@@ -269,12 +245,3 @@ def visibility_past_all(hides, p, x, y, z, way, reach, skin):
         if hides(p, m, x, y, z, way, reach, skin):
             return ZERO
     return ONE
-
-
-@inlined
-def least_sine_of_all(distance, parts, p, x, y, z, way, reach, skin):
-    """`least_sine` of all of these solids."""
-    least = CLEAR
-    for m in range(p.rows.shape[0]):
-        least = min(least, least_sine(distance, parts, p, m, x, y, z, way, reach, skin))
-    return least

@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from ..shapes.other import KIND
 from . import distance_field as field
-from . import segment_depth
+from . import segment_depth, soft_edge
 
 
 def form_of(solids):
@@ -122,19 +122,49 @@ def _visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     )
 
 
-def lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
-    """`distance_field.least_sine` of all of these; `CLEAR` where there are none."""
+def lowest_sine(solids, x, y, z, way, light):
+    """`soft_edge.least_sine` of all of these; `CLEAR` where there are none."""
 
 
 @overload(lowest_sine)
-def _lowest_sine(solids, x, y, z, lx, ly, lz, reach, skin):
+def _lowest_sine(solids, x, y, z, way, light):
     form = form_of(solids)
     if form is None:
-        return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.CLEAR
-    distance, among = form.distance, form.among
-    parts = field.FINE_ACROSS if form.detailed else field.ACROSS
-    return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.least_sine_of_all(
-        distance, parts, among(solids), x, y, z, (lx, ly, lz), reach, skin
+        return lambda solids, x, y, z, way, light: soft_edge.CLEAR
+    distance_in_own, among, parts = form.distance_in_own, form.among, _parts(form)
+    return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(
+        distance_in_own, parts, among(solids), x, y, z, way, light
+    )
+
+
+def _parts(form):
+    """The parts of the way through a solid's ball that a search for its edge looks at, at the least."""
+    return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
+
+
+def takes_vectors(solids):
+    """Whether `lowest_sines` can be called: all of these have distances of vectors."""
+
+
+@overload(takes_vectors)
+def _takes_vectors(solids):
+    form = form_of(solids)
+    found = form is not None and form.distances_in_own is not None
+    return lambda solids: found
+
+
+def lowest_sines(solids, least, point, way, light):
+    """`soft_edge.least_sines` of all of these; ``least`` where they have no distances of vectors."""
+
+
+@overload(lowest_sines)
+def _lowest_sines(solids, least, point, way, light):
+    form = form_of(solids)
+    if form is None or form.distances_in_own is None:
+        return lambda solids, least, point, way, light: least
+    distances, among, parts = form.distances_in_own, form.among, _parts(form)
+    return lambda solids, least, point, way, light: soft_edge.least_sines_of_all(
+        distances, parts, among(solids), least, point, way, light
     )
 
 

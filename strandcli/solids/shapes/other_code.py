@@ -58,11 +58,16 @@ def among(solids):
 
 
 @device
+def distance_in_own(p, m, u, v, w):
+    """Distance of a point, in the frame of solid m, from its surface."""
+{distance}
+
+@device
 def distance(p, m, x, y, z):
     """Distance of a point from the surface of solid m."""
     u, v, w = own(p, m, x, y, z)
-{distance}
-
+    return distance_in_own(p, m, u, v, w)
+{distances}
 @device
 def normal(p, m, x, y, z):
     """Its unit outward normal where the surface is nearest to a point."""
@@ -87,6 +92,7 @@ def hides(p, m, x, y, z, way, reach, skin):
 Solids = {name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
+Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}
 Solids.detailed = {detailed}
 Solids.kinds = {kinds}
 
@@ -117,6 +123,13 @@ def catch(x, parent, grandparent, root, length, p, i, n):
             )
 '''
 RAY = "    u, v, w, a, b, c = ray_in_own(p, m, x, y, z, way[0], way[1], way[2])\n"
+DISTANCES = '''
+
+@device
+def distances_in_own(p, m, u, v, w):
+    """Distances of vectors of points, in the frame of solid m, from its surface."""
+{distances}
+'''
 LOOK = '''
 
 @device
@@ -193,6 +206,8 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
         "has_look": "look" if _any_look(kinds) else "None",
+        "distances": _distances(kinds),
+        "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
         "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
     }
@@ -208,6 +223,13 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
 def fields_of(kinds: Sequence[Kind]) -> list[str]:
     """Names of the fields that hold the arrays of the kinds' data."""
     return [f"data_{one.place}_{field}" for one in kinds if has_data(one.shape) for field in one.shape.Data._fields]
+
+
+def _distances(kinds: Sequence[Kind]) -> str:
+    """Code of the distances of vectors; nothing where a kind lacks them."""
+    if not all(_has(one.shape, "distances") for one in kinds):
+        return "\n"
+    return DISTANCES.format(distances=_chosen([f"distances_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
 
 
 def _any_look(kinds: Sequence[Kind]) -> bool:

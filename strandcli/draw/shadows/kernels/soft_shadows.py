@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
+from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other
 from ....solids.shapes import capsule, plane, sphere
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
@@ -74,10 +75,10 @@ def soft_shadows(work, n, lights, i, solids, skin):
                 least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
                 work[LEAST + k] = min(work[LEAST + k], least)
     if other.count(solids) > 0:
-        for k in range(n):
-            x, y, z = lifted(work, k, skin)
-            least = other.lowest_sine(solids, x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin)
-            work[LEAST + k] = min(work[LEAST + k], least)
+        if other.takes_vectors(solids):
+            by_vectors(work, n, solids, skin)
+        else:
+            by_distance(work, n, solids, skin)
     for k in range(n):
         work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
 
@@ -106,6 +107,32 @@ def by_plane(work, n, nx, ny, nz, height, skin):
         up = nx * work[LX + k] + ny * work[LY + k] + nz * work[LZ + k]
         least = over / work[REACH + k] + up
         work[LEAST + k] = min(work[LEAST + k], least if over >= ZERO else penumbra.CLEAR)
+
+
+@device
+def by_distance(work, n, solids, skin):
+    """Reduce the rows `LEAST` to the sines of the angles to solids without kernels of their own."""
+    for k in range(n):
+        if work[LEAST + k] > -work[RADIUS + k]:
+            x, y, z = lifted(work, k, skin)
+            way = work[LX + k], work[LY + k], work[LZ + k]
+            light = work[REACH + k], work[RADIUS + k], skin
+            work[LEAST + k] = min(work[LEAST + k], other.lowest_sine(solids, x, y, z, way, light))
+
+
+@device
+def by_vectors(work, n, solids, skin):
+    """`by_distance`, many points at once."""
+    rows = pointer(work)
+    for k in range(n, -(-n // lane_count(rows)) * lane_count(rows)):  # nothing to look for
+        work[LEAST + k] = ZERO
+        work[RADIUS + k] = ZERO
+    for k in range(0, n, lane_count(rows)):
+        way = lx, ly, lz = load3(rows, LX + k, W)
+        x, y, z = load3(rows, X + k, W)
+        point = x + lx * skin, y + ly * skin, z + lz * skin
+        light = load(rows, REACH + k), load(rows, RADIUS + k), skin
+        store(rows, LEAST + k, other.lowest_sines(solids, load(rows, LEAST + k), point, way, light))
 
 
 @device
