@@ -24,12 +24,9 @@ def data(solids: Sequence[Any], time: float) -> Data:
 
 @functools.lru_cache(maxsize=KEPT)
 def _together(keys: tuple[Key, ...]) -> Data:
-    rows, arrays = [], []
-    for key in keys:
-        row, held = columns(prepared(key))
-        rows.append(row)
-        arrays.append(held)
-    return Data(_that_keeps(np.array(rows, np.int64).reshape(len(keys), at.SIZE), arrays))
+    made = {key: columns(prepared(key)) for key in dict.fromkeys(keys)}
+    rows = np.array([made[key][0] for key in keys], np.int64).reshape(len(keys), at.SIZE)
+    return Data(that_keeps(rows, [held for _, held in made.values()]))
 
 
 def triangles(numbers: NDArray[Any], data: Data) -> NDArray[np.float64]:
@@ -62,8 +59,8 @@ def columns(mesh: Prepared) -> tuple[list[int], list[NDArray[Any]]]:
     return row, list(held.values())
 
 
-def _that_keeps(table: NDArray[np.int64], arrays: Any) -> NDArray[np.int64]:
-    """A copy of a table of addresses for as long as which, and as long as any view of it, the arrays stay."""
+def that_keeps(table: NDArray[np.int64], arrays: Any) -> NDArray[np.int64]:
+    """A copy of a table of addresses. The arrays stay for as long as it does, or any view of it."""
     memory: Any = (ctypes.c_int64 * table.size)()
     memory.keeps = arrays
     kept = np.frombuffer(memory, np.int64).reshape(table.shape)

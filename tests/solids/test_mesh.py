@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,7 @@ from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.mesh_file import data as mesh_data
+from strandcli.mesh_file.kernels import arrays
 from strandcli.mesh_file.normals import shading_normals
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
 from strandcli.mesh_file.texture import LINEAR, pyramid
@@ -179,14 +182,32 @@ def test_the_data_is_made_once_and_follows_the_file(balls: dict[int, Path], tmp_
     one, same = settings(balls[3]), settings(balls[3], position=AT)
     made = mesh_data.data([one, same], 0.0)
     assert all(a is b for a, b in zip(made, mesh_data.data([one, same], 0.5), strict=True))
-    assert len(made.triangle) == len(mesh_of(one).triangles)  # once for both
+    assert (made.table[0] == made.table[1]).all()  # once for both
+    assert made.table[0, arrays.TRIANGLES] == len(mesh_of(one).triangles)
     both = mesh_data.data([one, settings(balls[4])], 0.0)
-    assert len(both.triangle) == len(made.triangle) * 5
+    assert both.table[1, arrays.TRIANGLES] == made.table[0, arrays.TRIANGLES] * 4
     path = ball_kit.write(tmp_path / "one.obj", *ball_kit.ball(2))
     before = mesh_data.data([settings(path)], 0.0)
     ball_kit.write(path, *ball_kit.ball(3))
     os.utime(path, ns=(1, 1))
-    assert len(mesh_data.data([settings(path)], 0.0).triangle) == 4 * len(before.triangle)
+    after = mesh_data.data([settings(path)], 0.0)
+    assert after.table[0, arrays.TRIANGLES] == 4 * before.table[0, arrays.TRIANGLES]
+
+
+def test_a_table_keeps_its_arrays(balls: dict[int, Path]) -> None:
+    made = prepared(key_of(settings(balls[3])))._replace(faces=np.full((512, 3), 7.0, np.float32))
+    row, held = mesh_data.columns(made)
+    watched = weakref.ref(next(one for one in held if one is made.faces))
+    table = mesh_data.that_keeps(np.array([row], np.int64), held)
+    del made, held
+    gc.collect()
+    part = table[0]
+    del table
+    gc.collect()
+    assert watched() is not None
+    del part
+    gc.collect()
+    assert watched() is None
 
 
 def test_several_meshes_are_met_by_themselves(balls: dict[int, Path], tmp_path: Path) -> None:

@@ -109,5 +109,5 @@ def vector_distance(grid, x, y, z):
 
 @device
 def vector_within(at, count):
-    """`within` of a vector."""
-    return min(max(at, np.float32(0)), np.float32(count - 1))
+    """`within` of a vector; 0 for what is not a number, as lanes without a point may have it."""
+    return min(max(np.float32(0), at), np.float32(count - 1))

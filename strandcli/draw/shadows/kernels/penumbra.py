@@ -113,8 +113,7 @@ def soft_visibility(solids, ray, skin, size, point):
         if least > -radius:
             lifted = LightRay(x, y, z, lx, ly, lz, reach)
             least = min(least, box(solids.boxes, m, lifted, skin, radius))
-    if least > -radius:
-        least = min(least, other.lowest_sine(solids, x, y, z, (lx, ly, lz), (reach, radius, skin)))
+    least = min(least, other.lowest_sine(solids, x, y, z, (lx, ly, lz), (reach, radius, skin)))
     return share(least, radius)
 
 
