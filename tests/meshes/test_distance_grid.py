@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 import mesh_kit as kit
-from strandcli.jit import parallel, prange
+from strandcli.jit import function, parallel, prange
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.closest import closest
 from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
-from strandcli.meshes.kernels.distance import distance_and_gradient
+from strandcli.meshes.kernels.distance import distance, distance_and_gradient, vector_distance
 from strandcli.meshes.mesh import TriangleMesh
+from strandcli.simd import lane_count, load3, pointer, store
 
 
 @parallel
@@ -149,3 +150,31 @@ def test_outside_of_the_grid_it_is_never_more_than_the_distance() -> None:
     assert out.sum() > 1000
     assert (found[out] <= np.sqrt(squared[out]) + 1e-3).all()
     assert (found[out] > 0.6 * np.sqrt(squared[out])).all()
+
+
+@function
+def one_by_one(grid, points, found):
+    for i in range(found.shape[0]):
+        found[i] = distance(grid, points[0, i], points[1, i], points[2, i])
+
+
+@function
+def in_vectors(grid, points, found):
+    rows, out = pointer(points), pointer(found)
+    for i in range(0, found.shape[0], lane_count(rows)):
+        x, y, z = load3(rows, i, points.shape[1])
+        store(out, i, vector_distance(grid, x, y, z))
+
+
+def test_vectors_have_the_bits_of_numbers() -> None:
+    """Also outside of the grid; lanes that hold no point read nothing outside of it."""
+    grid = grid_of(kit.mesh("bowl"), 32)
+    points = (np.random.default_rng(5).normal(size=(3, 4096)) * 1.5).astype(np.float32)
+    odd = [np.nan, np.inf, -np.inf, 1e38, -1e38, -0.0]
+    points[:, : len(odd) ** 3] = np.stack(np.meshgrid(odd, odd, odd)).reshape(3, -1)
+    found, expected = np.empty((2, points.shape[1]), np.float32)
+    in_vectors(grid, points, found)
+    one_by_one(grid, points, expected)
+    real = np.isfinite(expected) & (np.abs(points) < 1e30).all(axis=0)
+    assert real.sum() > 3000
+    assert found[real].tobytes() == expected[real].tobytes()

@@ -32,8 +32,9 @@ def lower_node(at, count):
 
 @device
 def within(at, count):
-    """A coordinate, counted in nodes, put within the grid."""
-    return min(max(at, at * 0), at * 0 + (count - 1))
+    """A coordinate, counted in nodes, put within the grid, in its own precision."""
+    none = at * np.float32(0)
+    return min(max(at, none), none + np.float32(count - 1))
 
 
 @device
