@@ -199,7 +199,10 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
         found = triangles.surfaces(lighting.solids, view)
         by_rays = frames.copy()
         by_rays[[one.number for one in found]] = 0
-        rasterise.draw(lighting.solids, by_rays, view.pack(), *size, keys)
+        if by_rays.any():
+            rasterise.draw(lighting.solids, by_rays, view.pack(), *size, keys)
+        else:
+            keys.fill(EMPTY)
         for one in found:
             triangles.draw(one, frames[one.number], view, size, keys)
 

@@ -19,7 +19,8 @@ from ..scene.solid_shape import add as register
 from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [
-    "COLUMNS", "SHAPES", "Solids", "in_order", "joined", "numbers", "others", "pack", "pack_all", "register",
+    "COLUMNS", "SHAPES", "SeparateSolids", "Solids", "in_order", "joined", "numbers", "others", "pack", "pack_all",
+    "register",
 ]  # fmt: skip
 
 SHAPES: dict[str, Any] = {"sphere": sphere, "capsule": capsule, "plane": plane, "box": box}
@@ -45,6 +46,13 @@ class Solids(NamedTuple):
     """(m, 16) centre, the rotation by rows, half extents, least squared length."""
 
 
+class SeparateSolids(Solids):
+    """`Solids` none of which blends with another: kernels for them are compiled without what blending takes."""
+
+    __slots__ = ()
+    blended = False
+
+
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
     """Solids of every kind packed at a time in seconds; with a fifth field where there are `others`."""
     return joined([pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], solids, emitter, time, dtype)
@@ -53,10 +61,11 @@ def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.f
 def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any, time: float, dtype: Any) -> Solids:
     """The packed solids of strandcli's own kinds together with the `others` among ``solids``."""
     found = others(solids)
+    blended = any(getattr(one, "blend", 0) > 0 for one in solids)
     if not found:
-        return Solids(*shipped)
+        return (Solids if blended else SeparateSolids)(*shipped)
     rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
-    made: Solids = other_code.type_of(found)(*shipped, rows, *other.data_of(found, time))
+    made: Solids = other_code.type_of(found, blended)(*shipped, rows, *other.data_of(found, time))
     return made
 
 

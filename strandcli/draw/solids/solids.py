@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.motion import solid_pose
-from ...solids import COLUMNS, SHAPES, Solids, in_order, joined, pack
+from ...solids import COLUMNS, SHAPES, SeparateSolids, Solids, in_order, joined, pack
 from ...solids.shapes import other
 from ..view.camera import View
 
-NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
+NONE = SeparateSolids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
 """Packed solids of a scene without any; kernels compiled for solids take it too."""
 ROOM = 4.0
 """Greatest growth of a blended solid, in blending distances."""

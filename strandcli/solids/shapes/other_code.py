@@ -27,9 +27,10 @@ class Kind(NamedTuple):
     shape: Any
 
 
-def type_of(solids: Sequence[Any]) -> Any:
-    """The named tuple's type for the kinds of some solids."""
-    return module_for(solids).Solids
+def type_of(solids: Sequence[Any], blended: bool) -> Any:
+    """The named tuple's type for the kinds of some solids, and of others of which some blend, or none."""
+    module = module_for(solids)
+    return module.Solids if blended else module.SeparateSolids
 
 
 def together(solids: Sequence[Any], rows: NDArray[Any], time: float) -> Any:

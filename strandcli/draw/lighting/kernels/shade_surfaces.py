@@ -34,7 +34,7 @@ from ...common.kernels.surface_batch import (
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
-from ...solids.kernels import appearance, coat, rays, smooth_union
+from ...solids.kernels import appearance, blended, coat, rays
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
@@ -173,7 +173,7 @@ def look(work, n, view):
 @device
 def face(work, n, solids, which):
     """Store the unit normals."""
-    if which < solids.spheres.shape[0] and not smooth_union.blends(solids.spheres, solids.capsules, which):
+    if which < solids.spheres.shape[0] and not blended.blends(solids, which):
         for k in range(n):
             x = work[X + k] - solids.spheres[which, sphere.X]
             y = work[Y + k] - solids.spheres[which, sphere.Y]

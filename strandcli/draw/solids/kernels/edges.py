@@ -8,7 +8,7 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
-from . import smooth_union, sphere_tracing
+from . import blended, sphere_tracing
 from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
@@ -105,9 +105,9 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
                 aim(work, j, view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL])
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
-            blends = smooth_union.blends(solids.spheres, solids.capsules, m)
+            blends = blended.blends(solids, m)
             if blends and any_inside(pixels, width, begin, end, frames, m):
-                sphere_tracing.meet(work, (end - begin) * WHOLE, solids.spheres, solids.capsules)
+                blended.meet_all(work, (end - begin) * WHOLE, solids)
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
                     for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
@@ -148,7 +148,7 @@ def any_inside(pixels, width, begin, end, frames, m):
 def meet_one(work, j, solids, m):
     """Return the depth at which ray number j of a batch meets solid number m. For blended solids `sphere_tracing.meet`
     must have been called."""
-    if smooth_union.blends(solids.spheres, solids.capsules, m):
+    if blended.blends(solids, m):
         return work[sphere_tracing.MET + j]
     return meet(
         solids, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j],

@@ -9,7 +9,7 @@ from ....jit import device, parallel, prange
 from ....solids.kernels import capsule, sphere
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import smooth_union, sphere_tracing
+from . import blended, sphere_tracing
 from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
 
 LEFT, RIGHT, TOP, BOTTOM = range(4)
@@ -36,13 +36,13 @@ def draw(solids, frames, view, width, height, keys):
             identity = FIRST + np.uint64(m)
             part = row[frames[m, LEFT] : frames[m, RIGHT]]
             begin = np.float32(frames[m, LEFT]) + HALF - view[AXIS_X]
-            if smooth_union.blends(spheres, capsules, m):
+            if blended.blends(solids, m):
                 work = np.zeros(sphere_tracing.ROWS * W, np.float32)
                 for low in range(0, part.shape[0], W):
                     count = min(part.shape[0] - low, W)
                     for x in range(count):
                         aim(work, x, view, (begin + np.float32(low + x)) / view[FOCAL], up)
-                    sphere_tracing.meet(work, count, spheres, capsules)
+                    blended.meet_all(work, count, solids)
                     for x in range(count):
                         key = key_at(work[sphere_tracing.MET + x], view, flat, far, identity)
                         part[low + x] = min(part[low + x], key)

@@ -27,7 +27,7 @@ from ...common.kernels.view_columns import (
     UP_Y,
     UP_Z,
 )
-from . import smooth_union, sphere_tracing
+from . import blended, sphere_tracing
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -40,8 +40,8 @@ INF = np.float32(np.inf)
 def meet(solids, which, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
     m = which
-    if smooth_union.blends(solids.spheres, solids.capsules, m):
-        return smooth_union.meet(solids.spheres, solids.capsules, ox, oy, oz, dx, dy, dz)
+    if blended.blends(solids, m):
+        return blended.meet(solids, ox, oy, oz, dx, dy, dz)
     if m < solids.spheres.shape[0]:
         return sphere.meet(solids.spheres, m, ox, oy, oz, dx, dy, dz)
     m -= solids.spheres.shape[0]
@@ -60,8 +60,8 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
 def normal(solids, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
     m = which
-    if smooth_union.blends(solids.spheres, solids.capsules, m):
-        return smooth_union.normal(solids.spheres, solids.capsules, x, y, z)
+    if blended.blends(solids, m):
+        return blended.normal(solids, x, y, z)
     if m < solids.spheres.shape[0]:
         nx, ny, nz = sphere.normal(solids.spheres, m, x, y, z)
     elif m < solids.spheres.shape[0] + solids.capsules.shape[0]:

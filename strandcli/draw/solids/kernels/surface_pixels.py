@@ -10,7 +10,7 @@ from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import appearance, rays, smooth_union
+from . import appearance, blended, rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -43,7 +43,7 @@ def fill_batch(keys, p, end, width, view, solids, spots, work, which):
             return at, n, solid, False
         if own != solid:
             solid = own
-            blends = smooth_union.blends(solids.spheres, solids.capsules, own) or appearance.folds(solids, own)
+            blends = blended.blends(solids, own) or appearance.folds(solids, own)
             blends = spots.shape[0] == 0 and blends
         while at >= (row + 1) * width:
             row += 1
