@@ -27,8 +27,9 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
-CLEAR = np.float32(0.03)
-"""Distance of particles from solids as a share of a segment: chords lie below the surface between two particles."""
+CLEAR = np.float32(0.1)
+"""Distance of particles from solids as a share of a segment: between two particles a curve lies below the surface of a
+solid, and triangles may lie above their grid of distances."""
 TOWARD = np.float32(0.3)
 """Share of its lateral distance from the target path that a strand corrects within a segment."""
 ROUNDS = 3
