@@ -91,6 +91,7 @@ def command(
             data = make(order, threads, Talk(progress.note, warn, stepper(progress)))
         made.append({"folder": str(folder), **data})
         if not quiet:
-            say(f"{folder}: {len(data['views'])} views in the layout {kind.name}", err=True)
+            count = len(data["views"])
+            say(f"{folder}: {count} {'view' if count == 1 else 'views'} in the layout {kind.name}", err=True)
     if as_json:
         options.print_json(made)

@@ -185,6 +185,11 @@ def load_scene(
         "image.aovs": None if aovs is None else list(aovs),
     }
     settings = {path: value for path, value in chosen.items() if value is not None}
+    if Path(preset).suffix.lower() in MESHES:
+        raise UsageError(
+            f"{preset}: is a mesh, neither a preset nor strands; 'strandcli info' draws it with --picture, "
+            "emitter.shape of a preset has strands grow on it, and solids have it drawn"
+        )
     if is_groom(preset):
         if strands is not None:
             settings["emitter.groom.strands"] = settings.pop("emitter.strands")
@@ -195,6 +200,8 @@ def load_scene(
 
 GROOM = "groom"
 """The preset that files of strands are drawn with."""
+MESHES = (".obj", ".stl", ".glb", ".gltf")
+"""Ends of names of files that hold meshes alone."""
 
 
 def is_groom(given: str) -> bool:

@@ -71,10 +71,12 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame) -> Better | N
     return found if found is not None and found.median <= min(CLEARLY * now, CLOSE * surface.size) else None
 
 
-def words(found: Better, up: str) -> str:
-    """The settings of a placing that differ, ``up`` being the one now."""
+def words(found: Better, up: str, size: float | None = None) -> str:
+    """The settings of a placing that differ, ``up`` and ``size`` being those now; a size stands in place of a scale."""
     parts = [] if found.up == up else [f"emitter.groom.up: {found.up}"]
-    if found.factor != 1:
+    if found.factor != 1 and size is not None:
+        parts.append(f"emitter.groom.size: {found.factor * size:.4g}")
+    elif found.factor != 1:
         parts.append(f"emitter.groom.scale multiplied by {found.factor:.4g}")
     return " and ".join(parts)
 

@@ -26,6 +26,7 @@ from .surface import Near, Surface
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
+    from ..scene.model.emitter import GroomFile
 
 Floats = NDArray[np.float64]
 
@@ -94,17 +95,21 @@ def head_of(scene: Scene) -> Head | None:
     return Head(solid, pose, given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None)
 
 
-def put_on(strands: Strands, head: Head, file: str, notes: list[str], up: str = UP) -> Strands:
+def put_on(
+    strands: Strands, head: Head, file: str, notes: list[str], up: str = UP, given: GroomFile | None = None
+) -> Strands:
     """Return strands in metres, in the emitter's frame, put on a solid; notes say what was done. ``up``: the axis of
-    the file that has become y. Raises `UsageError` for hair that cannot be meant for it."""
+    the file that has become y; ``given``: the settings that placed them, for advice. Raises `UsageError` for hair that
+    cannot be meant for it."""
     surface = Surface(head.solid)
     turn, shift = np.array(head.pose.rotation), np.array(head.pose.translation)
     roots = (strands.roots().astype(np.float64) - shift) @ turn
     near = surface.nearest(roots)
     fit = Fit(np.abs(near.distances))
     found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift))
-    advice = "" if found is None else f"with {words(found, up)} it would be {found.median:.2g} m"
-    _check(roots, fit.off, surface, head, file, advice)
+    size = None if given is None else given.size
+    advice = "" if found is None else f"with {words(found, up, size)} it would be {found.median:.2g} m"
+    _check(roots, fit.off, surface, head, file, advice or _replaced(given))
     if advice:
         notes.append(
             f"{file}: its roots are {np.median(fit.off):.3g} m off {head.name} in the median, before they are moved "
@@ -248,6 +253,13 @@ def _check(roots: Floats, off: Floats, surface: Surface, head: Head, file: str, 
         f"{file}: its roots are {np.median(off):.3g} m off {head.name}, which is {surface.size:.3g} m large, and "
         f"{large:.3g} m apart; {advice}"
     )
+
+
+def _replaced(given: GroomFile | None) -> str:
+    """What is advised where settings put hair elsewhere than its file does."""
+    if given is None or (given.size is None and given.place == "file"):
+        return ""
+    return "emitter.groom.size and place move it; to have it where its file does, set size: null and place: file"
 
 
 def _by_size(ratio: float) -> str:

@@ -110,7 +110,7 @@ def _made(
     strands, up = _upright(strands, given, notes)
     strands, factor = _placed(strands, given)
     if head is not None:
-        strands = put_on(strands, head, given.file, notes, up)
+        strands = put_on(strands, head, given.file, notes, up, given)
     roots, lengths = strands.roots(), strands.lengths()
     share = counts.size / strands.count
     widths = widths_of(strands, factor, share * lengths, notes)

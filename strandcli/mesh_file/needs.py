@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,13 @@ def warnings(name: str, settings: Any, extent: float, touched: bool) -> Iterator
             f"{name}: is {mesh.size():.3g} m large, {times} than roots and strands together: perhaps its file has "
             f"another unit; set its scale, or its size in metres, and emitter.length to match"
         )
+    if settings.texture and mesh.uv is None:
+        yield (
+            f"{name}: has no texture coordinates, by which its texture {Path(settings.texture).name} would lie on it, "
+            "and is drawn without; take a mesh with uv, or set its colour"
+        )
+    elif settings.colour_from == "file" and not settings.texture and mesh.texture is None and mesh.colours is None:
+        yield f"{name}: its file has neither vertex colours nor a texture, which colour_from: file asks for"
     facts = mesh.facts
     if touched and facts.boundary:
         yield (

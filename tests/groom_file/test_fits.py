@@ -99,3 +99,19 @@ def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: 
                 continue
             notes = " ".join(from_scene(kit.scene(file, **asked)).notes)
             assert (f"with emitter.groom.up: {up} " in notes) == (said != up)
+
+
+def test_hair_that_its_settings_move_is_told_where_its_file_has_it(tmp_path: Path, head: Path) -> None:
+    """A `size` takes the place of a scale in what is advised; without a placing that fits, the file's own is."""
+    path = tmp_path / "hair.data"
+    write(path, hair())
+    solid = [{"kind": "mesh", "name": "head", "file": str(head)}]
+    size = float(np.ptp(hair().points, axis=0).max())
+    for settings, advice in (
+        ({"emitter.groom.size": 1000 * size, "emitter.groom.place": "origin"}, "size: null and place: file"),
+        ({"emitter.groom.size": 100 * size}, f"emitter.groom.size: {size:.4g} it would be"),
+    ):
+        with pytest.raises(UsageError) as found:
+            from_scene(kit.scene(path, **{"solids": solid, "emitter.groom.on": "head", **settings}))
+        assert advice in str(found.value)
+        assert "scale multiplied" not in str(found.value)

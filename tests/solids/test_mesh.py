@@ -21,6 +21,7 @@ from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.mesh_file import data as mesh_data
+from strandcli.mesh_file import needs
 from strandcli.mesh_file.kernels import arrays
 from strandcli.mesh_file.normals import shading_normals
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
@@ -330,6 +331,24 @@ def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
     assert "set its scale" in told
     assert "is open" in told
     assert "more than half around" in told
+
+
+def test_colours_that_cannot_be_drawn_are_told(tmp_path: Path) -> None:
+    """A texture without uv, and `colour_from: file` of a file without colours; nothing of a mesh that has them."""
+    Image.new("RGB", (2, 2)).save(tmp_path / "skin.png")
+    plain, lying = tmp_path / "plain.obj", tmp_path / "lying.obj"
+    corners = "v -1 -3 0\nv 1 -3 0\nv 0 -2 0\n"
+    plain.write_text(corners + "f 1 2 3\n")
+    lying.write_text(corners + "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+
+    def told(**given: Any) -> str:
+        return "\n".join(needs.warnings("solids.0", settings(**given), 1.0, False))
+
+    texture = str(tmp_path / "skin.png")
+    assert "its texture skin.png would lie on it" in told(path=plain, texture=texture)
+    assert "which colour_from: file asks for" in told(path=plain, colour_from="file")
+    assert told(path=plain) == ""
+    assert told(path=lying, texture=texture) == told(path=lying, texture=texture, colour_from="file") == ""
 
 
 def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
