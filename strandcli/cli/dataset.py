@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..errors import UsageError
 from ..registry import LAYOUTS
 from . import camera_files, options
 from .progress import Progress, stepper, warner
@@ -67,6 +68,7 @@ def command(
     from ..plan import make_plan, require_memory
 
     kind = layout_of(layout)
+    _require_files(grooms)
     usual = EACH if kind.own_light else ONE
     found = Views((), True) if cameras is None else camera_files.views(cameras, scene_settings["size"], camera)
     size = size_for(kind, scene_settings.pop("size"), found.views, cameras)
@@ -95,3 +97,10 @@ def command(
             say(f"{folder}: {count} {'view' if count == 1 else 'views'} in the layout {kind.name}", err=True)
     if as_json:
         options.print_json(made)
+
+
+def _require_files(grooms: tuple[str, ...]) -> None:
+    """Raise `UsageError` for files of strands that are not there, before hours of drawing the others."""
+    for groom in grooms:
+        if options.is_groom(groom) and not Path(groom).is_file():
+            raise UsageError(f"{groom}: there is no such file; nothing was drawn")

@@ -220,6 +220,7 @@ def test_the_command(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[
     ("arguments", "words"),
     [
         (["--layout", "hairstop"], "layouts are hairstep,"),
+        (["absent.hair", "--layout", "nerfstudio", "--views", "1"], "absent.hair: there is no such file"),
         (["--layout", "hairstep", "--size", "64x48"], "square pictures alone"),
         (["--layout", "hairstep", "--cameras", "CAMERAS"], "has orthographic views alone"),
         (["--layout", "nerfstudio", "--cameras", "CAMERAS", "--views", "9"], "holds 2 views, 9 are asked for"),
