@@ -70,8 +70,14 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
             lines = list(from_scene(one, roughly=True).notes)
         else:
-            lines = [] if not isinstance(one.emitter.shape, MeshShape) else _of_mesh(one.emitter)
-            lines += warnings(one, emit(one.emitter, one.seed, needed_strands(one, numbers)))
+            groom = emit(one.emitter, one.seed, needed_strands(one, numbers))
+            lines = []
+            if isinstance(one.emitter.shape, MeshShape):
+                from ..groom.deforming import at_start  # Numba comes with it
+
+                lines = _of_mesh(one.emitter)
+                groom = at_start(one, groom)
+            lines += warnings(one, groom)
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found
 

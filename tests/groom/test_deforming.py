@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import strandcli
+from cli_runs import Runner
 from mesh_kit import sphere
 from scene_kit import RULES
 from strandcli.blocks import unpack
@@ -98,12 +99,15 @@ def test_roots_of_children_follow(tmp_path: Path) -> None:
     np.testing.assert_allclose(end, start @ MATRIX.T + SHIFT, atol=1e-7)
 
 
-def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path) -> None:
+def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene = scene_of(tmp_path, MATRIX)
     vertices, triangles = sphere(1)
     written(tmp_path / "b.obj", vertices, triangles)
     with pytest.raises(UsageError, match=r"b\.obj: has 18 vertices, the mesh that it moves has 258"):
         at_start(scene, emit(scene.emitter, scene.seed))
+    planned = Runner(tmp_path, capsys)("plan", tmp_path / "p.yaml")
+    assert planned.code == 2
+    assert "emitter.shape.deform.1.file" in planned.error()
     shape = f"kind: mesh, file: {tmp_path / 'a.obj'}, deform: "
     for deform, words in (
         (f"[{{time: 1, file: {tmp_path / 'a.obj'}}}, {{time: 0, file: {tmp_path / 'a.obj'}}}]", "forward in time"),
