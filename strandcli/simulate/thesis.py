@@ -26,14 +26,17 @@ class ThesisSolver(Solver):
         super().__init__(scene, groom)
         self.passes = [one for _, one in passes_of(scene)]
         self._step = step_for(tuple(self.passes), runtime.cache_folder()) if self.passes else None
+        self._distinct = list({id(one): one for one in self.passes}.values())
+        places = {id(one): place for place, one in enumerate(self._distinct)}
+        self._places = [places[id(one)] for one in self.passes]
 
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
             self._deform(time)
             moment = Moment(time, dt, self.scene)
-            prepared = {id(one): one.prepare(moment) for one in {id(one): one for one in self.passes}.values()}
-            self._step(self.positions, self.lengths, self.rest, *[prepared[id(one)] for one in self.passes])
+            prepared = [one.prepare(moment) for one in self._distinct]
+            self._step(self.positions, self.lengths, self.rest, *[prepared[place] for place in self._places])
 
     def place_roots(self, frame: int) -> None:
         """Set the roots by the rules that move them, as `advance` does."""

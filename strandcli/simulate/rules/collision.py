@@ -112,19 +112,22 @@ class Packed:
         self.parameters = parameters
         self.kinds = [one for one in _SHIPPED if one in {solid.kind for solid in chosen(parameters, scene)}]
         """Kinds of those that have kernels of their own, in the order of their passes."""
+        self._chosen = chosen(parameters, scene)
         self._last: tuple[Moment | None, dict[str, Any]] = None, {}
+        self._pack: Any = None
 
     def of_kind(self, kind: str, moment: Moment) -> Any:
         """Return those of a kind at a moment."""
-        from ...solids import pack
+        if self._pack is None:  # an import takes longer than what it imports is needed for
+            from ...solids import pack
 
+            self._pack = pack
         last, rows = self._last
         if last is not moment:
             rows = {one: rows[one] for one in rows if one not in self.kinds}  # none of a kind are none at any moment
             self._last = moment, rows
         if kind not in rows:
-            there = chosen(self.parameters, moment.scene)
-            rows[kind] = pack(kind, there, moment.scene.emitter, moment.pose_time)
+            rows[kind] = self._pack(kind, self._chosen, moment.scene.emitter, moment.pose_time)
         return rows[kind]
 
     def kind(self, kind: str) -> Callable[[Moment], Any]:
