@@ -101,16 +101,6 @@ def picture(beside: Beside, name: str) -> npt.NDArray[np.uint8] | None:
         return None
 
 
-def text(path: Path, what: str) -> io.BytesIO:
-    """A text as UTF-8, whatever its comments and names are written in."""
-    content = whole(path, what)
-    try:
-        content.getvalue().decode("utf-8")
-    except UnicodeDecodeError:
-        return io.BytesIO(content.getvalue().decode("latin-1").encode("utf-8"))
-    return content
-
-
 def whole(path: Path, what: str) -> io.BytesIO:
     """What a file holds, to be read from memory."""
     with opened(path, what) as file:

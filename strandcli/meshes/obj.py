@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from ..exchange.bounded import Bounded, opened
 from .files import Beside, picture
 from .make import RawMesh
@@ -30,6 +30,8 @@ CORNERS = (
     (re.compile(rb"(?:[-+]?\d+//[-+]?\d+ )*"), (0, 2)), (re.compile(rb"(?:[-+]?\d+/[-+]?\d+/[-+]?\d+ )*"), (0, 1, 2)),
 )  # fmt: skip
 """How corners are written, and the tables that they name."""
+CORNER = re.compile(rb"[-+]?\d{1,18}(?:/(?:[-+]?\d{1,18})?){0,2}")
+"""A corner that is written in any of these ways, also with slashes that nothing follows."""
 MENDS = "write it anew from its program, with triangles"
 
 
@@ -79,21 +81,25 @@ def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
     if faces:
         words = [word for k in faces for word in lines[k][1:]]
         lengths = np.array([len(lines[k]) - 1 for k in faces], np.int32)
-        corners = _corners(found.path, words)
+        corners, bad = _corners(words)
         used = corners != 0
         if (corners < 0).any():
             corners = _absolute(found, lines, faces, lengths, corners)
         wrong = np.flatnonzero((corners < 0).any(axis=1) | (used & (corners == 0)).any(axis=1) | (corners[:, 0] == 0))
-        if wrong.size:
-            face = faces[int(np.searchsorted(np.cumsum(lengths), wrong[0], side="right"))]
-            word = words[int(wrong[0])].decode("ascii", "replace")
-            raise UsageError(f"{found.path}: line {line + face:,}: '{word}': indices count from 1: {MENDS}")
+        if wrong.size or bad is not None:
+            first = int(wrong[0]) if bad is None else bad
+            face = faces[int(np.searchsorted(np.cumsum(lengths), first, side="right"))]
+            why = "indices count from 1" if bad is None else "is no corner, such as 1, 1/1, 1//1 or 1/1/1"
+            raise UsageError(f"{found.path}: line {line + face:,}: '{_shown(words[first])}': {why}: {MENDS}")
         found.corners.append(corners)
         found.lengths.append(lengths)
     for name in TABLES:
         rows = [words[1:] for words in lines if words and words[0] == name]
         if rows:
-            found.tables[name].append(_numbers(found.path, name, rows))
+            numbers = _numbers(name, rows)
+            if numbers is None:
+                raise _no_numbers(found.path, name, lines, line)
+            found.tables[name].append(numbers)
             found.rows[name] += len(rows)
     for words in lines:
         if words and words[0] == b"mtllib":
@@ -102,33 +108,52 @@ def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
             found.materials[b" ".join(words[1:])] = None
 
 
-def _numbers(path: Path, name: bytes, rows: list[list[bytes]]) -> npt.NDArray[np.float64]:
-    """Rows of numbers (n, k), as many of each as the shortest has."""
+def _numbers(name: bytes, rows: list[list[bytes]]) -> npt.NDArray[np.float64] | None:
+    """Rows of numbers (n, k), as many of each as the shortest has; None where those are too few, or no numbers."""
     width = min(map(len, rows))
     if width < TABLES[name]:
-        raise UsageError(f"{path}: has '{name.decode()}' of {width} numbers: {MENDS}")
+        return None
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of text that is no number
         try:
             found = np.fromstring(b" ".join([b" ".join(row[:width]) for row in rows]), np.float64, sep=" ")
             return found.reshape(len(rows), width)
         except (ValueError, DeprecationWarning):
-            raise UsageError(f"{path}: has '{name.decode()}' with what is no number: {MENDS}") from None
+            return None
 
 
-def _corners(path: Path, words: list[bytes]) -> npt.NDArray[np.int32]:
-    """Corners (C, 3) as they are written."""
+def _no_numbers(path: Path, name: bytes, lines: list[list[bytes]], line: int) -> UsageError:
+    """The error of the first statement of a name among lines that has not the numbers it needs."""
+    those = [(line + k, words[1:]) for k, words in enumerate(lines) if words and words[0] == name]
+    at, words = next((one for one in those if _numbers(name, [one[1]]) is None), those[0])
+    letters = name.decode()
+    if len(words) < TABLES[name]:
+        return UsageError(
+            f"{path}: line {at:,}: '{letters}' of {len(words)} numbers, {TABLES[name]} are needed: {MENDS}"
+        )
+    return UsageError(f"{path}: line {at:,}: '{letters}' with what is no number: '{_shown(b' '.join(words))}': {MENDS}")
+
+
+def _shown(words: bytes) -> str:
+    """Words of a file for a message."""
+    return one_line(words[:40].decode("utf-8", "replace"))
+
+
+def _corners(words: list[bytes]) -> tuple[npt.NDArray[np.int32], int | None]:
+    """Corners (C, 3) as they are written, and the number of the first word that is none."""
     text = b" ".join(words) + b" "
     corners = np.zeros((len(words), len(TABLES)), np.int32)
     for pattern, tables in CORNERS:
         if pattern.fullmatch(text):
             values = np.fromstring(text.replace(b"/", b" "), np.int64, sep=" ").reshape(-1, len(tables))
             corners[:, tables] = np.clip(values, -(2**31), 2**31 - 1)
-            return corners
-    for row, word in zip(corners, words, strict=True):  # each its own way
-        parts = [int(part) if part else 0 for part in word.split(b"/")[:3]]
-        row[: len(parts)] = parts
-    return corners
+            return corners, None
+    for k, word in enumerate(words):  # each its own way
+        if not CORNER.fullmatch(word):
+            return corners[:k], k
+        parts = [int(part) if part else 0 for part in word.split(b"/")]
+        corners[k, : len(parts)] = np.clip(parts, -(2**31), 2**31 - 1)
+    return corners, None
 
 
 def _absolute(
@@ -150,15 +175,22 @@ def _mesh(found: _Found, beside: Beside) -> RawMesh:
     found.corners.clear()
     for column, name in enumerate(TABLES):
         most = int(corners[:, column].max(initial=0))
-        if most > found.rows[name] and column:
+        if most > found.rows[name]:
+            face = np.searchsorted(np.cumsum(lengths), corners[:, column].argmax(), side="right")
             raise UsageError(
-                f"{found.path}: a corner wants '{name.decode()}' {most:,} of {found.rows[name]:,}: {MENDS}"
+                f"{found.path}: line {_line_of(found.path, b'f', int(face)):,}: a corner wants '{name.decode()}' "
+                f"{most:,} of {found.rows[name]:,}: {MENDS}"
             )
     table = {name: _table(parts, TABLES[name]) for name, parts in found.tables.items()}
     colours = None
     if all(one.shape[1] >= 6 for one in found.tables[b"v"]):
         colours = linear(np.concatenate([one[:, 3:6] for one in found.tables[b"v"]]))
     found.tables.clear()
+    wrong = np.flatnonzero(~np.isfinite(table[b"v"]).all(axis=1))
+    used = wrong[np.isin(wrong, corners[:, 0])]
+    if used.size:
+        line, first = _line_of(found.path, b"v", int(used[0]) - 1), ", ".join(f"{x:g}" for x in table[b"v"][used[0]])
+        raise UsageError(f"{found.path}: line {line:,}: vertex ({first}) of a polygon is not finite: {MENDS}")
     uv = fans_of_lists(lengths, table[b"vt"][corners[:, 1]].astype(np.float32)) if corners[:, 1].any() else None
     normals, rows = None, None
     if corners[:, 2].any():
@@ -168,6 +200,19 @@ def _mesh(found: _Found, beside: Beside) -> RawMesh:
     return RawMesh(
         table[b"v"][1:], triangles, normals, uv, colours, texture=texture, notes=notes, normal_rows=rows
     )  # fmt: skip
+
+
+def _line_of(path: Path, name: bytes, number: int) -> int:
+    """The line of a statement, of which there are so many of that name before it; 0 of none."""
+    line = 1
+    with opened(path, ".obj file") as file:
+        for lines in _blocks(file):
+            places = [k for k, words in enumerate(lines) if words.split(None, 1)[:1] == [name]]
+            if number < len(places):
+                return line + places[number]
+            number -= len(places)
+            line += len(lines)
+    return 0
 
 
 def _table(parts: list[npt.NDArray[np.float64]], width: int) -> npt.NDArray[np.float64]:

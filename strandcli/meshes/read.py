@@ -2,7 +2,7 @@
 
     mesh = read_mesh(Path("head.obj"))
 
-Only the input of trimesh is used, and imported when a mesh of its is read; PLY is read by `ply`.
+Only glTF is read by trimesh, which is imported when such a file is read.
 """
 
 from __future__ import annotations
@@ -15,16 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..errors import StrandError, UsageError, one_line
-from .files import Beside, pixels, text, whole
+from .files import Beside
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh, smooth_normals
 from .obj import read_obj
 from .ply import read_ply
-from .polygons import fans, linear
+from .stl import read_stl
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf")
 MENDS = "write it anew, as .obj, .ply, .stl or .glb with triangles"
@@ -62,7 +61,7 @@ def _raw(path: Path) -> RawMesh:
     """What a file holds, whatever its format."""
     suffix = path.suffix.lower()
     readers: dict[str, Callable[[Path, Beside], list[RawMesh]]] = {
-        ".obj": read_obj, ".ply": read_ply, ".stl": _stl, ".glb": read_gltf, ".gltf": read_gltf,
+        ".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".glb": read_gltf, ".gltf": read_gltf,
     }  # fmt: skip
     if suffix not in readers:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
@@ -85,42 +84,6 @@ def _raw(path: Path) -> RawMesh:
         note = f"not found, or not in its folder: {', '.join(one_line(name) for name in beside.missing[:3])}"
         found = replace(found, notes=(*found.notes, note))
     return found
-
-
-def _stl(path: Path, beside: Beside) -> list[RawMesh]:
-    """STL, text or binary; it has no normals but those of its triangles."""
-    from trimesh.exchange.stl import HeaderError, load_stl_ascii, load_stl_binary
-
-    try:
-        found = load_stl_binary(whole(path, ".stl file"))
-    except HeaderError:
-        found = load_stl_ascii(text(path, ".stl file"))
-    return [_part(one, False) for one in (found["geometry"].values() if "geometry" in found else [found])]
-
-
-def _part(found: dict[str, Any], textured: bool) -> RawMesh:
-    """A part from trimesh's arguments; textured: whether its picture is one of the file's, not trimesh's own."""
-    vertices = np.asarray(found["vertices"], np.float64)
-    triangles = fans(np.asarray(found["faces"]))
-    normals, visual = found.get("vertex_normals"), found.get("visual")
-    colours: Any = found.get("vertex_colors")
-    uv: Any = getattr(visual, "uv", None)
-    image = getattr(getattr(visual, "material", None), "image", None)
-    coloured = colours is not None and np.ndim(colours) == 2 and np.shape(colours)[0] == vertices.shape[0]
-    return RawMesh(
-        vertices, triangles,
-        np.asarray(normals, np.float64) if normals is not None and np.shape(normals) == vertices.shape else None,
-        _of_corners(np.asarray(uv), triangles) if uv is not None and np.shape(uv) == (vertices.shape[0], 2) else None,
-        linear(np.asarray(colours)) if coloured and np.shape(colours)[1] >= 3 else None,
-        texture=pixels(image) if textured and image is not None else None,
-    )  # fmt: skip
-
-
-def _of_corners(values: npt.NDArray[Any], triangles: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
-    """Values of vertices at the corners of triangles, whose indices may yet be wrong."""
-    return (
-        values[np.clip(triangles, 0, max(values.shape[0] - 1, 0))] if values.size else np.zeros((*triangles.shape, 2))
-    )
 
 
 def joined(parts: Sequence[RawMesh]) -> RawMesh:

@@ -38,8 +38,8 @@ def files(kind: str) -> tuple[str, bytes, bytes]:
     """The end of a name, and a small and a large file of a format."""
     small, (vertices, triangles) = kit.mesh("ball"), kit.head(RINGS)
     large = TriangleMesh(vertices.round(6), triangles.astype(np.int32), vertices)
-    if kind == "stl":
-        return ".stl", kit.stl(small), kit.stl(large)
+    if kind.startswith("stl"):
+        return ".stl", *(kit.stl(one, kind == "stl text") for one in (small, large))
     if kind.startswith("obj"):
         if kind == "obj":
             return ".obj", kit.obj(small), kit.obj(large)
@@ -59,7 +59,7 @@ def files(kind: str) -> tuple[str, bytes, bytes]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks the system as Linux does")
-@pytest.mark.parametrize("kind", ["binary", "text", "mixed", "normals", "stl", "glb", "obj", "obj with uv"])
+@pytest.mark.parametrize("kind", ["binary", "text", "mixed", "normals", "stl", "stl text", "glb", "obj", "obj with uv"])
 def test_a_mesh_is_read_in_little_memory(kind: str, tmp_path: Path) -> None:
     suffix, small, large = files(kind)
     paths = [tmp_path / f"{name}{suffix}" for name in ("small", "large")]

@@ -82,9 +82,15 @@ def test_colours_and_the_picture_of_the_first_material(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ("f 1 2 0", "line 4: '0'"), ("f 1 2 -4", "line 4: '-4'"), ("f 1 2 9", "wants vertex 8"), ("f 1 2 1/x", "a.obj"),
-        ("f 1/1 2/1 3/1", "wants 'vt' 1 of 0"), ("v 1 2", "'v' of 2 numbers"), ("v 1 2 x", "no number"),
-        ("f 1 2 99999999999999999999", "wants vertex"), ("l " + "1 " * (3 << 20), "no end of line"),
+        ("f 1 2 0", "line 4: '0'"), ("f 1 2 -4", "line 4: '-4'"), ("f 1 2 9", "line 4: a corner wants 'v' 9 of 3"),
+        ("f 1 2 1/x", "line 4: '1/x': is no corner"), ("f 1/1 2/1 3/1", "line 4: a corner wants 'vt' 1 of 0"),
+        ("f 1 2 x", "line 4: 'x': is no corner"), ("f 1/ 2//x 3", "line 4: '2//x': is no corner"),
+        ("f 1 2 3/1/1/1", "line 4: '3/1/1/1': is no corner"), ("f 1 2 \x1b", "line 4: '\\x1b'"),
+        ("v 1 2", "line 4: 'v' of 2 numbers, 3 are needed"), ("v", "line 4: 'v' of 0 numbers"),
+        ("v 1 2 x", "line 4: 'v' with what is no number: '1 2 x'"), ("v 1 2 3\nv 1,5 2 3", "line 5: 'v' with"),
+        ("v nan 1 2\nf 1 2 4", "line 4: vertex (nan, 1, 2) of a polygon is not finite"),
+        ("f 1 2 3/\nf 1 2 99999999999999999999", "line 5"), ("f 1 2 3/\nf 1 2 9999999999999999", "line 5"),
+        ("f 1 2 99999999999999999999", "line 4: a corner wants 'v'"), ("l " + "1 " * (3 << 20), "no end of line"),
     ],
 )  # fmt: skip
 def test_damaged_lines_are_told(wrong: str, words: str, tmp_path: Path) -> None:
