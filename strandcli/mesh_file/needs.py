@@ -63,7 +63,12 @@ def warnings(name: str, settings: Any, extent: float, touched: bool) -> Iterator
             f"{name}: is {mesh.size():.3g} m large, {times} than roots and strands together: perhaps its file has "
             f"another unit; set its scale, or its size in metres, and emitter.length to match"
         )
-    if settings.texture and mesh.uv is None:
+    if settings.texture and settings.colour_from == "colour":
+        yield (
+            f"{name}: colour_from: colour leaves out its texture {Path(settings.texture).name}; set colour_from to "
+            "auto, or texture to null"
+        )
+    elif settings.texture and mesh.uv is None:
         yield (
             f"{name}: has no texture coordinates, by which its texture {Path(settings.texture).name} would lie on it, "
             "and is drawn without; take a mesh with uv, or set its colour"

@@ -82,7 +82,8 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     """``root``, a whole preset, with ``value`` laid over what is at ``path``; its marks are those of ``value``.
 
     ``path`` is dotted: keys, places in lists (from 0) or names of solids, and rules by name, `wind.strength` being
-    short for `rules.wind.strength`; `wind[2]` is the second wind. Raises Unreachable.
+    short for `rules.wind.strength`; `wind[2]` is the second wind. A null takes an entry out of a list, and a rule out
+    of the rules. Raises Unreachable.
     """
     parts = path.split(".")
     known = settings_of(Scene)
@@ -132,6 +133,8 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         raise Unreachable(f"{shown(part)} cannot be reached inside {'nothing' if node is None else kind_of(node)}")
     index = _index(node, part)
     item = node.items[index]
+    if isinstance(spec, ItemsSpec) and isinstance(value, Scalar) and value.null and len(parts) == 1:
+        return node.without_item(index)
     inner: Spec | None = None
     if isinstance(spec, ItemsSpec):
         kinds = spec.kinds
@@ -139,7 +142,15 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         inner = UnionSpec(stand_in(), kinds) if spec.tagged else ModelSpec(stand_in)
     elif len(parts) > 1:
         raise Unreachable("there is nothing inside a number")
-    return node.with_item(index, value if inner is None else _place(inner, item, parts[1:], value, rules))
+    return node.with_item(index, value if inner is None else _named(_place(inner, item, parts[1:], value, rules), item))
+
+
+def _named(node: Node, before: Node) -> Node:
+    """An entry of a list with the name of the one whose place it takes, if it has none: others ask for it by that."""
+    name = before.entries.get("name") if isinstance(before, MapNode) else None
+    if name is None or not isinstance(node, MapNode) or "name" in node.entries:
+        return node
+    return node.with_entry("name", name)
 
 
 def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:

@@ -65,6 +65,28 @@ def test_overrides_of_mappings_merge_and_null_deletes() -> None:
     assert changed("rules: {wind: {}, gravity: {}}", "wind=null").rules[0].name == "gravity"
 
 
+def test_null_takes_an_entry_out_of_a_list() -> None:
+    got = changed(BASE, "solids.head=null", "lights.0=null", "solids.0.size=[1, 2, 3]")
+    assert [solid.name for solid in got.solids] == ["1x"]
+    assert [light.kind for light in got.lights] == ["directional"]
+    assert changed(BASE, "solids.0=null", "solids.0=null").solids == ()
+    keys = "camera: {keys: [{time: 0, position: [1, 2, 3]}, {time: 1}, {time: 2}]}"
+    assert [key.time for key in changed(keys, "camera.keys.1=null").camera.keys] == [0.0, 2.0]
+
+
+def test_an_entry_of_another_kind_takes_the_place_and_the_name() -> None:
+    head = "{kind: sphere, name: head, position: [1, 2, 3], radius: 2}"
+    base = f"{{solids: [{head}], rules: {{collision: {{with: [head]}}}}}}"
+    (solid,) = changed(base, "solids.head={radius: 3}").solids
+    assert (solid.position, solid.radius) == ((1.0, 2.0, 3.0), 3.0)  # type: ignore[union-attr]
+    (solid,) = changed(base, "solids.head={kind: box}").solids
+    assert (solid.kind, solid.name, solid.position) == ("box", "head", (0.0, 0.0, 0.0))
+    (solid,) = changed(base, "solids.head.kind=box").solids
+    assert (solid.kind, solid.name, solid.position) == ("box", "head", (1.0, 2.0, 3.0))
+    message = refused(base, "solids.head=null")
+    assert "'head'" in message
+
+
 def test_an_override_reaches_into_defaults() -> None:
     got = changed("seed: 1", "lights.0.intensity=5", "camera.position.2=9")
     assert got.lights == (DirectionalLight(intensity=5.0),)
@@ -122,6 +144,8 @@ def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
         ("rod.young=1e308", "above 0 and of at most 1e+13 (Pa), not '1e308'"),
         ("panels.0.label=a", "single panels are changed in the preset itself"),
         ("extends=hair", "unknown key"),
+        ("camera.position.0=null", "camera.position.0"),
+        ("solids.2=null", "there is no entry 2 in this list"),
         ("seed=*a", "aliases are refused"),
         ("seed=&a 3", "anchors are refused"),
         ("seed=!!int 3", "tags are refused"),

@@ -334,7 +334,8 @@ def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
 
 
 def test_colours_that_cannot_be_drawn_are_told(tmp_path: Path) -> None:
-    """A texture without uv, and `colour_from: file` of a file without colours; nothing of a mesh that has them."""
+    """A texture without uv or beside `colour_from: colour`, and `colour_from: file` of a file without colours; nothing
+    of a mesh that has them."""
     Image.new("RGB", (2, 2)).save(tmp_path / "skin.png")
     plain, lying = tmp_path / "plain.obj", tmp_path / "lying.obj"
     corners = "v -1 -3 0\nv 1 -3 0\nv 0 -2 0\n"
@@ -347,7 +348,10 @@ def test_colours_that_cannot_be_drawn_are_told(tmp_path: Path) -> None:
     texture = str(tmp_path / "skin.png")
     assert "its texture skin.png would lie on it" in told(path=plain, texture=texture)
     assert "which colour_from: file asks for" in told(path=plain, colour_from="file")
-    assert told(path=plain) == ""
+    assert "colour_from: colour leaves out its texture skin.png" in told(
+        path=lying, texture=texture, colour_from="colour"
+    )
+    assert told(path=plain) == told(path=plain, colour_from="colour") == ""
     assert told(path=lying, texture=texture) == told(path=lying, texture=texture, colour_from="file") == ""
 
 
