@@ -29,13 +29,16 @@ def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str
 @contextmanager
 def naming_files(scene: Any) -> Iterator[None]:
     """Put the key of a file before the message of an error that begins with the file's path; a message that names a
-    key itself stays."""
+    key itself stays. A file that is wanted as several things, a mesh and a texture, has a key for each."""
     try:
         yield
     except (UsageError, RefusedError) as error:
         text = str(error)
+        keys: dict[str, str] = {}
         for key, path in files_of(scene):
             start = next((one for one in (f"{path}: ", f"{Path(path)}: ") if text.startswith(one)), None)
             if start is not None and not text[len(start) :].startswith(("emitter.", "solids.")):
-                raise type(error)(f"{key}: {text}") from None
+                keys.setdefault(key.rpartition(".")[2], key)
+        if keys:
+            raise type(error)(f"{' or '.join(keys.values())}: {text}") from None
         raise

@@ -74,3 +74,11 @@ def test_messages_that_name_a_key_stay() -> None:
         with pytest.raises(UsageError) as told, naming_files(scene):
             raise UsageError(text)
         assert str(told.value) == text
+
+
+def test_a_file_that_is_wanted_as_two_things_has_both_keys(folder: Path) -> None:
+    path = folder / "ball.obj"
+    solids = [{"kind": "mesh", "file": str(path), "texture": str(path)}, {"kind": "mesh", "file": str(path)}]
+    with pytest.raises(UsageError) as told, naming_files(strandcli.load("minimal", settings={"solids": solids})):
+        raise UsageError(f"{path}: is no picture")
+    assert str(told.value) == f"solids.0.file or solids.0.texture: {path}: is no picture"
