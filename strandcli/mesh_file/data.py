@@ -12,21 +12,28 @@ from numpy.typing import NDArray
 
 from .kernels import arrays as at
 from .kernels.arrays import Data
-from .prepared import Key, Prepared, key_of, prepared
+from .prepared import Key, Prepared, corners_at, key_of, prepared
 from .read import KEPT
 from .texture import LINEAR
 
 
-def data(solids: Sequence[Any], time: float) -> Data:
-    """The data of solids by their settings at a time; the same until their shapes change."""
-    return _together(tuple(key_of(one, time) for one in solids))
+def data(solids: Sequence[Any], time: float, past: float | None = None) -> Data:
+    """The data of solids by their settings at a time; the same until their shapes change. ``past``: the time since
+    when surfaces drift."""
+    keys = tuple(key_of(one, time) for one in solids)
+    if past is None or not any(one.deform for one in solids):
+        return _together(keys)
+    return _together(keys, tuple(key_of(one, past) if one.deform else None for one in solids))
 
 
 @functools.lru_cache(maxsize=KEPT)
-def _together(keys: tuple[Key, ...]) -> Data:
+def _together(keys: tuple[Key, ...], past: tuple[Key | None, ...] = ()) -> Data:
     made = {key: columns(prepared(key)) for key in dict.fromkeys(keys)}
     rows = np.array([made[key][0] for key in keys], np.int64).reshape(len(keys), at.SIZE)
-    return Data(that_keeps(rows, [held for _, held in made.values()]))
+    before = [None if key is None or key == keys[k] else corners_at(key) for k, key in enumerate(past)]
+    for row, corners in zip(rows, before, strict=False):
+        row[at.PAST] = 0 if corners is None else corners.ctypes.data
+    return Data(that_keeps(rows, [before, *(held for _, held in made.values())]))
 
 
 def triangles(numbers: NDArray[Any], data: Data) -> NDArray[np.float64]:

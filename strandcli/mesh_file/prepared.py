@@ -98,8 +98,7 @@ def prepared(key: Key) -> Prepared:
     """The mesh of a key for kernels."""
     mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
     if key.moment is not None:
-        first, second = (deformed(key.file, key.placing, one) for one in key.moment[:2])
-        mesh = mesh.with_vertices(first + key.moment.share * (second - first))
+        mesh = mesh.with_vertices(_vertices_at(key, mesh))
         bvh = moved(bvh, mesh.vertices, mesh.triangles)
     order = bvh.triangle
     none = np.zeros((0, 3, 3), np.float32)
@@ -116,6 +115,21 @@ def prepared(key: Key) -> Prepared:
     faces = mesh.face_normals().astype(np.float32)
     grid = distances(key.file, key.placing, key.resolution) if key.moment is None else _grid_between(key, key.moment)
     return Prepared(bvh, grid, faces, normals, colours, uv, density, texture)
+
+
+def corners_at(key: Key) -> Vectors:
+    """(T, 3, 3) the corners of triangles in the tree's order, as those of `prepared`."""
+    mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
+    return _vertices_at(key, mesh)[mesh.triangles[bvh.triangle]]
+
+
+def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
+    """The vertices of a placed mesh at the moment of a key."""
+    if key.moment is None:
+        return mesh.vertices
+    first, second = (deformed(key.file, key.placing, one) for one in key.moment[:2])
+    found: Vectors = first + key.moment.share * (second - first)
+    return found
 
 
 @functools.lru_cache(maxsize=KEPT)

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal", "hides", "look", "distances")
+OPTIONAL = ("meet", "normal", "hides", "look", "distances", "drift")
 """Compiled functions that a shape may have."""
 
 
@@ -41,6 +41,9 @@ class SolidShape(Protocol):
       list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked
       for at every frame and step, and should return the same arrays until they change. The functions above then take
       it as one more argument, and the last of their ``numbers`` is the solid's place in the list.
+    * ``drift(x, y, z, numbers)``: three numbers, how far the point of the surface nearest to a point came since the
+      step before, in the solid's own frame, metres: what a shape that deforms carries along by friction. `data` of such
+      a shape has a third parameter, ``past=None``, the time of the step before, which is given where strands move.
     * ``triangles(numbers, data)``: (T, 3, 3) float64, the corners of the triangles that are all of its surface, for a
       shape with data; not compiled. A pixel then looks at the triangles that may cover it. `meet` has to be the nearest
       of them, as `strandcli.meshes.kernels.rays.first_hit` gives it.

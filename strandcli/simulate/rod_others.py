@@ -23,7 +23,7 @@ import numpy as np
 from strandcli.jit import device, function
 from strandcli.simd import array_at
 from strandcli.simulate.kernels.rod_step import DATA, others_of, solids_of, work
-from {solids} import Others, deepest, distance, normal
+from {solids} import Others, deepest, distance, drift, normal
 
 
 class Met(NamedTuple):
@@ -34,7 +34,7 @@ class Met(NamedTuple):
     columns: Any
 
 
-Met.distance, Met.normal, Met.deepest = distance, normal, deepest
+Met.distance, Met.normal, Met.deepest, Met.drift = distance, normal, deepest, drift
 
 
 @device

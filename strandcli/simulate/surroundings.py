@@ -105,6 +105,8 @@ class Surroundings:
         known, inner, before = self._poses
         if abs(known - past) > 1e-9 * dt:
             inner, before = None, {}
+        else:
+            past = known
         carried: Pose | None = None
         after: dict[int, Pose] = {}
         for row, one, own in self._moving:
@@ -119,7 +121,7 @@ class Surroundings:
             row[-MOTION:] = (*a, *b, *c, *moved)
         self._poses = now, outer, after
         if self.data:
-            found = other.data_of(self.others, now)
+            found = other.data_of(self.others, now, past)
             if any(a is not b for a, b in zip(found, self.data, strict=True)):
                 self.data = found
         return self._packed

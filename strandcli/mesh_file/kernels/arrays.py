@@ -18,15 +18,16 @@ from ...simd import array_at
 
 (
     LOW, VALUES, NZ, NY, NX, NODES, BOXES, CHILD, COUNTS, TRIANGLES, CORNERS, TRIANGLE, FACES, NORMALS, COLOURS, UV,
-    DENSITY, TEXEL_COUNT, TEXELS, LEVEL_COUNT, LEVELS, LINEAR,
-) = range(22)  # fmt: skip
+    DENSITY, TEXEL_COUNT, TEXELS, LEVEL_COUNT, LEVELS, LINEAR, PAST,
+) = range(23)  # fmt: skip
 """Columns of the table: addresses of arrays, and their lengths, `NODES`, `TRIANGLES`, `TEXEL_COUNT`, `LEVEL_COUNT`,
 `NZ`, `NY` and `NX`. An array that a mesh does not have is at 0.
 
 LOW: (4,) float32, the first node of the grid, and the spacing of nodes, metres. VALUES: (NZ, NY, NX) float32, signed
-distances at the nodes, metres. BOXES, CHILD, COUNTS, CORNERS, TRIANGLE: as in `strandcli.meshes.kernels.tree.Bvh`.
+distances at the nodes, metres. PAST: (`TRIANGLES`, 3, 3) float64, the corners at the step before, where they were
+others. BOXES, CHILD, COUNTS, CORNERS, TRIANGLE: as in `strandcli.meshes.kernels.tree.Bvh`.
 """
-SIZE = 22
+SIZE = 23
 
 
 class Data(NamedTuple):

@@ -12,7 +12,8 @@ from ...meshes.kernels.distance import distance as grid_distance
 from ...meshes.kernels.distance import distance_and_gradient, vector_distance
 from ...meshes.kernels.nearest import nearest
 from ...meshes.kernels.rays import first_hit
-from .arrays import grid_of, spacing_of, surface_of, tree_of
+from ...simd import array_at
+from .arrays import PAST, grid_of, spacing_of, surface_of, tree_of
 from .colour import colour_at
 
 CLOSE = 1e-3
@@ -99,6 +100,22 @@ def look(x, y, z, eye, width, numbers, data):
     facing = (nx * eye[0] + ny * eye[1] + nz * eye[2]) / math.sqrt(nx * nx + ny * ny + nz * nz)
     colour = colour_at(data, k, row, u, v, width, facing)
     return (nx, ny, nz), (x + lx, y + ly, z + lz), colour
+
+
+def drift(x, y, z, numbers, data):
+    """How far the nearest point of the triangles came since the step before; 0 where the mesh did not change."""
+    k = int(numbers[0])
+    if data.table[k, PAST] == 0:
+        return 0.0, 0.0, 0.0
+    tree = tree_of(data, k)
+    limit = abs(grid_distance(grid_of(data, k), x, y, z)) + spacing_of(data, k)
+    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
+    if row < 0:
+        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    past = array_at(np.float64, data.table[k, PAST], (tree.corners.shape[0], 3, 3))
+    ax, ay, az = point_of(past, row, u, v)
+    bx, by, bz = point_of(tree.corners, row, u, v)
+    return bx - ax, by - ay, bz - az
 
 
 @device

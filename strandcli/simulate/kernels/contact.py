@@ -119,7 +119,7 @@ def resolve_contact(s, segment, q, state, contact, pressed):
         reach, mobility, held = held_displacement(s, segment, push, contact.reach)
     was = reach > 0.0
     edges = edges_of(s, segment.scratch, d, length, contact.segments, segment.first)
-    depth, found = nearest(s, end, edges, (state.positions, segment.position), reach, contact.solids)
+    depth, found = nearest(s, end, edges, (state.positions, segment.position, True), reach, contact.solids)
     if not any_lane((depth > -reach) | was):
         return
     inverse_length = load(s, INVERSE_LENGTH)

@@ -2,8 +2,9 @@
 `strandcli.solids.shapes.other_code` writes.
 
 `shape` is the `Others` of all solids, and the functions distance, normal and deepest of a solid whose row begins at an
-index of the rows. `Others` comes first, because Numba types a tuple of functions alone differently. The functions come
-with a type, and functions that take them are inlined: machine code with their addresses could not be cached.
+index of the rows; and drift, where a kind of them has it. `Others` comes first, because Numba types a tuple of
+functions alone differently. The functions come with a type, and functions that take them are inlined: machine code with
+their addresses could not be cached.
 
 Lanes are computed one after the other, in scalars. The contact is with a face: the tangent plane at the end of the
 particle's way out, which turns as the particle moves.
@@ -14,9 +15,9 @@ from __future__ import annotations
 from numba.extending import overload
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, lane, lane_count, with_lane
+from ...simd import any_lane, broadcast, lane, lane_count, load3, store3, where, with_lane
 from ...solids.shapes.other import REACH, X, Y, Z
-from .contact_place import write_slot
+from .contact_place import CARRIED, write_slot
 from .records import MOTION, OTHERS
 
 TINY = 1e-20
@@ -25,7 +26,7 @@ TINY = 1e-20
 @inlined
 def depth(shape, m, x, y, z):
     """Return the depth of points in the solid whose row begins at m, and its normal there."""
-    others, distance, normal, _ = shape
+    others, distance, normal = shape[:3]
     under = broadcast(x, -1.0 / TINY)
     nx = broadcast(x, 0.0)
     ny = broadcast(x, 1.0)
@@ -57,7 +58,7 @@ def deepest(shape, m, point, edges, lever):
     under, nx, ny, nz = depth(shape, m, x, y, z)
     if not any_lane(lever > 0.0):
         return under, nx, ny, nz
-    others, _, normal, place = shape
+    others, normal, place = shape[0], shape[2], shape[3]
     for k in range(lane_count(others.rows)):
         begin = lane(x, k), lane(y, k), lane(z, k)
         most = max(lane(under, k), 0.0)
@@ -89,8 +90,39 @@ def nearest(s, places, most, point, edges, lever, at, others, shape):
             found, other = write_slot(
                 s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
             )
+            carry(s, found, point, m, d > most, at, shape)
             most = max(most, d)
     return most, found
+
+
+@inlined
+def drift_along(s, found, point, m, nearer, shape):
+    """Move where a particle would be, had the solid carried it, by the drift of the solid's surface, in lanes where
+    ``nearer`` is set."""
+    others, drift = shape[0], shape[4]
+    x, y, z = point
+    if not any_lane(nearer):
+        return
+    cx, cy, cz = load3(s, found + CARRIED, 1)
+    asked = where(nearer, broadcast(x, 1.0), 0.0)
+    for k in range(lane_count(others.rows)):
+        if lane(asked, k) > 0.0:
+            u, v, w = drift(others, m, lane(x, k), lane(y, k), lane(z, k))
+            cx = with_lane(cx, k, lane(cx, k) + u)
+            cy = with_lane(cy, k, lane(cy, k) + v)
+            cz = with_lane(cz, k, lane(cz, k) + w)
+    store3(s, found + CARRIED, 1, cx, cy, cz)
+
+
+def carry(s, found, point, m, nearer, at, shape):
+    """`drift_along` for shapes that have a drift, where ``at`` asks for it; else nothing."""
+
+
+@overload(carry)
+def _carry(s, found, point, m, nearer, at, shape):
+    if len(shape) < 5 or len(at) < 3:
+        return lambda s, found, point, m, nearer, at, shape: None
+    return lambda s, found, point, m, nearer, at, shape: drift_along(s, found, point, m, nearer, shape)
 
 
 def by_others(s, places, most, point, edges, lever, at, solids):
@@ -103,7 +135,12 @@ def _by_others(s, places, most, point, edges, lever, at, solids):
     if len(solids) == OTHERS:
         return lambda s, places, most, point, edges, lever, at, solids: (most, places[0])
     form = solids[OTHERS].instance_class
-    distance, normal, place = form.distance, form.normal, form.deepest
+    distance, normal, place, drift = form.distance, form.normal, form.deepest, form.drift
+    if drift is not None:
+        return lambda s, places, most, point, edges, lever, at, solids: nearest(
+            s, places, most, point, edges, lever, at, solids[OTHERS],
+            (solids[OTHERS].all, distance, normal, place, drift),
+        )  # fmt: skip
     return lambda s, places, most, point, edges, lever, at, solids: nearest(
         s, places, most, point, edges, lever, at, solids[OTHERS], (solids[OTHERS].all, distance, normal, place)
     )

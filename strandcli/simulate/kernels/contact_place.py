@@ -28,10 +28,11 @@ def write_slot(s, found, other, nearer, round, place, size, solids, moved, at):
     the indices of both slots, exchanged.
 
     round: 1.0 or 0.0; place: centre or normal; size: radius or coordinate along the normal; solids: the solid's motion
-    begins at column ``moved``; at: positions, and the index in them of the particle before the step.
+    begins at column ``moved``; at: positions, and the index in them of the particle before the step; with a third
+    member, `contact_others.carry` adds the drift of surfaces.
     """
     # two slots, because masked stores are slow
-    positions, here = at
+    positions, here = at[0], at[1]
     x, y, z = load3(positions, here, W)
     store(s, other + CENTRE, where(nearer, place[0], load(s, found + CENTRE)))
     store(s, other + CENTRE + 1, where(nearer, place[1], load(s, found + CENTRE + 1)))

@@ -105,6 +105,17 @@ def outward(p, m, n):
 
 
 @device
+def in_world(p, m, v):
+    """A vector of the frame of solid m in the world."""
+    a, b, c = v
+    return (
+        number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c,
+        number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c,
+        number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c,
+    )
+
+
+@device
 def look_in_world(p, m, look):
     """How solid m looks: its normal, place and colour from those of its own frame, in single precision."""
     n, place, colour = look

@@ -67,13 +67,15 @@ def pack(solids: Sequence[Any], poses: Sequence[Pose], dtype: Any) -> NDArray[An
     return out
 
 
-def data_of(solids: Sequence[Any], time: float) -> list[NDArray[Any]]:
-    """The arrays of the shapes of some solids at a time in seconds, kind after kind."""
+def data_of(solids: Sequence[Any], time: float, past: float | None = None) -> list[NDArray[Any]]:
+    """The arrays of the shapes of some solids at a time in seconds, kind after kind; ``past``: that of the step before,
+    for shapes that carry along what touches them."""
     found: list[NDArray[Any]] = []
     for kind in kinds_of(solids):
         shape: Any = shape_of(kind)
         if has_data(shape):
-            found += shape.data(of_kind(kind, solids), time)
+            more = () if past is None or getattr(shape, "drift", None) is None else (past,)
+            found += shape.data(of_kind(kind, solids), time, *more)
     return found
 
 

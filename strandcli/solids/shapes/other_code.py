@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...scene.solid_shape import OPTIONAL, has_data, shape_of
 from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
-from .other_template import DISTANCES, LOOK, MODULE, RAY
+from .other_template import DISTANCES, DRIFT, LOOK, MODULE, RAY
 
 
 class Kind(NamedTuple):
@@ -57,8 +57,8 @@ def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], tim
 
 def module_for(solids: Sequence[Any]) -> Any:
     """The module, written for the kinds of some solids, that holds the named tuple, `Others`, `distance`, `normal`,
-    `deepest`, `meet`, `collide` and `catch`. Raises `UsageError` for a function that an import statement cannot
-    reach."""
+    `deepest`, `meet`, `collide`, `catch` and `drift`, which is None where no kind has one. Raises `UsageError` for a
+    function that an import statement cannot reach."""
     first = {solid.kind: solid for solid in solids}
     kinds = kinds_of(solids)
     return _module(tuple(Kind(place, count_of(first[kind]), shape_of(kind)) for place, kind in enumerate(kinds)))
@@ -77,11 +77,13 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "deepest": _chosen([_deepest(one.shape) for one in kinds]),
         "meet": _chosen([_meet(one) for one in kinds]),
         "hides": _chosen([_hides(one) for one in kinds]),
-        "ray": RAY if any(_has(one.shape, "hides") for one in kinds) else "",
-        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _any_look(kinds) else "\n",
+        "ray": RAY if _any(kinds, "hides") else "",
+        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _any(kinds, "look") else "\n",
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
-        "has_look": "look" if _any_look(kinds) else "None",
+        "drift": DRIFT.format(drift=_chosen([_drift(one) for one in kinds])) if _any(kinds, "drift") else "",
+        "has_drift": "drift_of" if _any(kinds, "drift") else "None",
+        "has_look": "look" if _any(kinds, "look") else "None",
         "distances": _distances(kinds),
         "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
@@ -108,8 +110,8 @@ def _distances(kinds: Sequence[Kind]) -> str:
     return DISTANCES.format(distances=_chosen([f"distances_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
 
 
-def _any_look(kinds: Sequence[Kind]) -> bool:
-    return any(_has(one.shape, "look") for one in kinds)
+def _any(kinds: Sequence[Kind], part: str) -> bool:
+    return any(_has(one.shape, part) for one in kinds)
 
 
 def _has(shape: Any, part: str) -> bool:
@@ -185,3 +187,9 @@ def _look(kind: Kind) -> str:
     if not _has(kind.shape, "look"):
         return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0))"
     return f"look_in_world(p, m, look_{kind.place}(u, v, w, eye, width, {_given(kind)}))"
+
+
+def _drift(kind: Kind) -> str:
+    if not _has(kind.shape, "drift"):
+        return "0.0, 0.0, 0.0"
+    return f"in_world(p, m, drift_{kind.place}(u, v, w, {_given(kind)}))"

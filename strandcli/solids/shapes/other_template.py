@@ -10,7 +10,7 @@ import numpy as np
 from strandcli.constants import W
 from strandcli.jit import device, function
 from strandcli.solids.kernels.distance_field import gradient, look_in_world, march, number, outward, own
-from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, own_direction, put_outside
+from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, in_world, own_direction, put_outside
 from strandcli.solids.kernels.distance_field import ray_in_own, rounded
 from strandcli.solids.kernels.segment_depth import deepest_about_some, deepest_of_all_places, deepest_of_some
 from strandcli.solids.kernels.segment_depth import put_segment_outside
@@ -78,13 +78,14 @@ def meet(p, m, x, y, z, dx, dy, dz, end):
 @device
 def hides(p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point and a light at reach along a unit vector."""
-{ray}{hides}{look}
+{ray}{hides}{look}{drift}
 Solids, SeparateSolids = {name}, Separate{name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}
 Solids.detailed = {detailed}
 Solids.kinds = {kinds}
+drift = {has_drift}
 
 
 @function
@@ -119,6 +120,15 @@ DISTANCES = '''
 def distances_in_own(p, m, u, v, w):
     """Distances of vectors of points, in the frame of solid m, from its surface."""
 {distances}
+'''
+DRIFT = '''
+
+@device
+def drift_of(p, m, x, y, z):
+    """How far the point of the surface of solid m nearest to a point came since the step before."""
+    u, v, w = own(p, m, x, y, z)
+{drift}
+
 '''
 LOOK = '''
 
