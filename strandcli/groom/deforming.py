@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import MeshShape
-from ..scene.motion import roots_deform
+from ..scene.motion import deforming_ground, pose_in_emitter
 from .record import Groom
 
 if TYPE_CHECKING:
@@ -19,38 +18,56 @@ Floats = NDArray[np.float64]
 
 
 class Deforming:
-    """The roots of a groom on a mesh that deforms."""
+    """The roots of a groom on a mesh that deforms: the emitter's, or the solid that strands of a file are put on."""
 
     def __init__(self, scene: Scene, groom: Groom, emitted: bool = False) -> None:
         """``groom``: as it is at the start, or where ``emitted`` is true as on the mesh of `emitter.shape.file`."""
-        from .on_mesh import seedbed
+        from ..mesh_file.read import placed, placing, version
 
-        shape = scene.emitter.shape
-        assert isinstance(shape, MeshShape)
+        self._ground = deforming_ground(scene)
         assert groom.anchors is not None
         self.scene = scene
         self.anchors = groom.anchors
-        mesh = seedbed(shape).mesh
+        mesh = placed(version(self._ground.file), placing(self._ground))
+        self._pose = None if scene.emitter.groom is None else pose_in_emitter(self._ground, scene.emitter)
         self._triangles = mesh.triangles[groom.anchors.triangles]
         first = mesh.vertices[self._triangles] if emitted else self._corners(0.0)
         self._own = np.einsum("nck,nc->nk", frames(first), groom.directions.astype(np.float64))
         """(n, 3) directions in the frames of their triangles."""
+        self._start = frames(first)
+        self._off: Floats | None = None
+        """(n, 3) metres, where roots stand off the mesh, in the frames of their triangles; None: nowhere."""
+        if self._pose is not None:
+            off = groom.roots - np.einsum("nk,nkc->nc", self.anchors.shares, first)
+            self._off = np.einsum("nck,nc->nk", self._start, off)
 
     def at(self, time: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return roots (n, 3), metres, and unit directions (n, 3) at a time in seconds, in the emitter's frame."""
         corners = self._corners(time)
-        roots = np.einsum("nk,nkc->nc", self.anchors.shares, corners)
+        roots = self._at(corners)
         directions = np.einsum("nck,nk->nc", frames(corners), self._own)
         return roots.astype(np.float32), directions.astype(np.float32)
 
     def roots(self, time: float) -> Floats:
         """Return roots (n, 3), metres, at a time in seconds, in the emitter's frame."""
-        return np.asarray(np.einsum("nk,nkc->nc", self.anchors.shares, self._corners(time)))
+        return self._at(self._corners(time))
+
+    def turns(self, time: float) -> Floats:
+        """Return the rotations (n, 3, 3) of triangles from the start to a time in seconds, in the emitter's frame."""
+        return np.asarray(np.einsum("nck,ndk->ncd", frames(self._corners(time)), self._start))
+
+    def _at(self, corners: Floats) -> Floats:
+        """Return roots (n, 3) on triangles (n, 3, 3)."""
+        roots = np.asarray(np.einsum("nk,nkc->nc", self.anchors.shares, corners))
+        return roots if self._off is None else roots + np.einsum("nck,nk->nc", frames(corners), self._off)
 
     def _corners(self, time: float) -> Floats:
         from ..mesh_file.read import vertices_at
 
-        found: Floats = vertices_at(self.scene.emitter.shape, self.scene.time.pose_time(time))[self._triangles]
+        vertices = vertices_at(self._ground, self.scene.time.pose_time(time))
+        if self._pose is not None:
+            vertices = vertices @ np.array(self._pose.rotation).T + np.array(self._pose.translation)
+        found: Floats = vertices[self._triangles]
         return found
 
 
@@ -67,12 +84,12 @@ def frames(corners: Floats) -> Floats:
 def deforming(scene: Scene, groom: Groom) -> Deforming | None:
     """Return the moving roots of a groom, None where they do not move in the emitter's frame."""
     carried = any(use.name == "emitter_motion" for use in scene.rules)
-    return Deforming(scene, groom) if carried and roots_deform(scene.emitter) else None
+    return Deforming(scene, groom) if carried and deforming_ground(scene) is not None else None
 
 
 def at_start(scene: Scene, groom: Groom) -> Groom:
     """Return a groom with roots and directions as they are at the start."""
-    if not roots_deform(scene.emitter):
+    if deforming_ground(scene) is None:
         return groom
     roots, directions = Deforming(scene, groom, emitted=True).at(0.0)
     return replace(groom, roots=roots, directions=directions)

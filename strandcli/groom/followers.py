@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
+from ..blocks import lanes, unpack
 from ..constants import W
 from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
 from ..scene.touched import touched
+from .deforming import deforming
 from .record import Groom
 
 if TYPE_CHECKING:
@@ -48,6 +50,8 @@ class Following:
     """(k, P) share of each guide's length that the strand follows."""
     along: NDArray[np.float64]
     """(G, n) how far along its strand each particle of a guide is, as a share of the length."""
+    guides: Groom | None = None
+    """The guides, where roots may move with a mesh that deforms."""
 
 
 class Followers:
@@ -66,6 +70,8 @@ class Followers:
         self.rest = rest.copy()
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
         self._pose = emitter_pose(scene.emitter, 0.0)
+        self._roots = deforming(scene, following.groom)
+        self._guides = None if self._roots is None or following.guides is None else deforming(scene, following.guides)
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """The tones of all strands whose guides (blocks, n + 1, 3 W) are finite, and their places in the file. Raises
@@ -97,7 +103,18 @@ class Followers:
         out = scratch.borrow("followers", (-(-count // W), points + 1, 3 * W), np.float32)
         stretch = scratch.borrow("followers_stretch", len(out), np.float32)
         kernel.follow(part, table, solids.pack_all(touched(self.scene), self.scene.emitter, at), out, stretch)
+        if self._roots is not None:
+            roots = self._roots.roots(at)
+            self._shift(out, roots if part is self._whole else roots[self.standing(ids)], at)  # type: ignore[arg-type]
         return out, stretch
+
+    def _shift(self, out: NDArray[np.float32], roots: NDArray[np.float64], at: float) -> None:
+        """Move strands (blocks, m + 1, 3 W) as a whole to their roots (k, 3), given in the emitter's frame: those of
+        guides move otherwise where the mesh between them is stretched."""
+        pose = self._now(at)
+        wanted = roots @ np.array(pose.rotation).T + np.array(pose.translation)
+        shift = wanted - unpack(out[:, 1:2], len(roots))[:, 0]
+        out += lanes(shift)[:, None]
 
     def standing_of(
         self, ids: NDArray[np.int32] | None
@@ -123,13 +140,19 @@ class Followers:
         found[places] = np.arange(len(places))
         return found
 
+    def _now(self, at: float) -> Pose:
+        return emitter_pose(self.scene.emitter, self.scene.time.pose_time(at) if self._carried else 0.0)
+
     def _turn(self, at: float) -> NDArray[np.float64]:
-        """(4,) the rotation of the emitter since the start, a unit quaternion."""
-        time = self.scene.time.pose_time(at) if self._carried else 0.0
-        now = emitter_pose(self.scene.emitter, time)
+        """(G, 4) rotations of guides' roots since the start, unit quaternions: the emitter's, and before it those of
+        triangles that deform."""
+        now, count = self._now(at), len(self.following.along)
+        outer, start = np.array(now.rotation), np.array(self._pose.rotation).T
+        if self._guides is not None:
+            return np.array([quaternion(outer @ turn @ start) for turn in self._guides.turns(at)])
         if now.rotation == self._pose.rotation:
-            return np.array([1.0, 0.0, 0.0, 0.0])
-        return quaternion(np.array(now.rotation) @ np.array(self._pose.rotation).T)
+            return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        return np.tile(quaternion(outer @ start), (count, 1))
 
     @cached_property
     def _joints(self) -> NDArray[np.float32]:

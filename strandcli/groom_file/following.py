@@ -132,8 +132,9 @@ def _guided(
     drawn = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
         widths=None if groom.widths is None else groom.widths[some], colours=groom.colours,
+        anchors=None if groom.anchors is None else groom.anchors.of(some),
     )  # fmt: skip
-    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, along)
+    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, along, guides)
     share = deviation / groom.lengths[own]
     return Guided(guides, following, float(deviation.max()), float(share.max()))
 

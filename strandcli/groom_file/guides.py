@@ -122,6 +122,7 @@ def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom
         groom.tones[own],
         places=np.argsort(np.argsort(placed)).astype(np.int32),
         ways=ways,
+        anchors=None if groom.anchors is None else groom.anchors.of(own),
     )
     return guides, along / whole[:, None], deviation
 

@@ -18,8 +18,10 @@ from numpy.typing import NDArray
 from ..errors import UsageError
 from ..exchange.change import strands_of
 from ..exchange.strands import Strands, offsets
-from ..mesh_file.prepared import Key, key_of
-from ..scene.motion import Pose, emitter_pose, own_pose, solid_pose
+from ..groom.record import Anchors
+from ..mesh_file.prepared import Key, key_of, prepared
+from ..meshes.closest import closest
+from ..scene.motion import Pose, pose_in_emitter
 from .fits import UP, Frame, better, words
 from .kernels import bend
 from .surface import Near, Surface
@@ -88,11 +90,9 @@ def head_of(scene: Scene) -> Head | None:
     if given is None or not given.on:
         return None
     solid: Any = next(one for one in scene.solids if one.name == given.on)
-    if solid.follow == "emitter":
-        pose = own_pose(solid, 0.0)
-    else:
-        pose = _relative(emitter_pose(scene.emitter, 0.0), solid_pose(solid, scene.emitter, 0.0))
-    return Head(solid, pose, given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None)
+    return Head(
+        solid, pose_in_emitter(solid, scene.emitter), given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None
+    )
 
 
 def put_on(
@@ -127,6 +127,16 @@ def put_on(
         _put_batch(strands, some, shifts, surface, (turn, shift), fit, moved)
     notes += said(fit, surface, head, file)
     return replace(strands, points=moved) if fit.seated or fit.led_out else strands
+
+
+def anchors_on(head: Head | None, roots: NDArray[np.float32]) -> Anchors | None:
+    """Return the places of a mesh that are nearest to roots (n, 3), metres, in the emitter's frame, where the mesh
+    deforms; else None."""
+    if head is None or head.mesh is None or not head.solid.deform:
+        return None
+    own = (roots.astype(np.float64) - np.array(head.pose.translation)) @ np.array(head.pose.rotation)
+    found = closest(prepared(head.mesh).bvh, own)
+    return Anchors(found.triangles, found.barycentrics)
 
 
 def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
@@ -269,12 +279,3 @@ def _by_size(ratio: float) -> str:
         factor = 1 / unit if ratio > 1 else unit
         return f"the hair may be in another unit: multiply emitter.groom.scale by {factor:.4g}"
     return "move, scale or turn one of them"
-
-
-def _relative(outer: Pose, pose: Pose) -> Pose:
-    """Return a pose of the world in the frame of another one."""
-    turn = np.array(outer.rotation).T
-    rotation = turn @ np.array(pose.rotation)
-    a, b, c = (tuple(map(float, row)) for row in rotation)
-    x, y, z = (float(one) for one in turn @ (np.array(pose.translation) - np.array(outer.translation)))
-    return Pose((a, b, c), (x, y, z))  # type: ignore[arg-type]

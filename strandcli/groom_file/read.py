@@ -25,7 +25,7 @@ from ..groom.emit import stream
 from ..groom.record import Groom
 from .colours import colours_of
 from .measure import Seen, box_of, seen_of
-from .on_solid import Head, head_of, put_on
+from .on_solid import Head, anchors_on, head_of, put_on
 from .rows import most_points, packed, with_at_most
 from .widths import widths_of
 
@@ -144,6 +144,7 @@ def _made(
         points=points,
         widths=None if widths is None else widths.scale[order],
         colours=None if colours is None else colours.palette,
+        anchors=anchors_on(head, roots[order]),
     )
     width = None if widths is None else widths.mean
     return FromFile(counts.size, groom, most, seen, width, None if colours is None else colours.mean, tuple(notes))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..decision import Decision, left_out
-from ..scene.motion import roots_deform
+from ..scene.motion import deforming_ground
 from ..scene.rule_type import OWN_OF
 from ..simulate.rules import idle, registry
 
@@ -29,9 +29,10 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
     for name in registry():
         if name not in listed:
             yield left_out(f"rule {name}", "the preset does not list it")
-    if "emitter_motion" not in listed and (len(emitter.keys) > 1 or roots_deform(scene.emitter)):
+    if "emitter_motion" not in listed and (len(emitter.keys) > 1 or deforming_ground(scene) is not None):
         yield left_out(
-            "emitter keys" if emitter.keys else "emitter.shape.deform", "no rule emitter_motion carries the roots along"
+            "emitter keys" if emitter.keys else "deform under the roots",
+            "no rule emitter_motion carries the roots along",
         )
     if not _moving(scene):
         return

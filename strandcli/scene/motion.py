@@ -13,10 +13,10 @@ import functools
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from .fields import Vector
-from .model import Camera, CameraKey, Emitter, MeshShape, PoseKey, Solid
+from .model import Camera, CameraKey, Emitter, PoseKey, Scene, Solid
 
 Matrix = tuple[Vector, Vector, Vector]
 """Three rows."""
@@ -48,9 +48,24 @@ class _Key(Protocol):
 Key = TypeVar("Key", bound=_Key)
 
 
-def roots_deform(emitter: Emitter) -> bool:
-    """Whether strands stand on a mesh that deforms."""
-    return emitter.groom is None and isinstance(emitter.shape, MeshShape) and len(emitter.shape.deform) > 0
+def deforming_ground(scene: Scene) -> Any:
+    """The settings of the mesh that strands stand on, the emitter's or a solid's, where it deforms; else None."""
+    given = scene.emitter.groom
+    ground: Any = scene.emitter.shape if given is None else None
+    if given is not None and given.on:
+        ground = next((one for one in scene.solids if one.name == given.on), None)
+    return ground if len(getattr(ground, "deform", ())) > 0 else None
+
+
+def pose_in_emitter(solid: Solid, emitter: Emitter) -> Pose:
+    """A solid's pose in the emitter's frame, at the start."""
+    if solid.follow == "emitter":
+        return own_pose(solid, 0.0)
+    outer, pose = emitter_pose(emitter, 0.0), own_pose(solid, 0.0)
+    (a, b, c), (d, e, f), (g, h, i) = outer.rotation
+    back: Matrix = ((a, d, g), (b, e, h), (c, f, i))
+    p, q = pose.translation, outer.translation
+    return Pose(multiply(back, pose.rotation), rotate(back, (p[0] - q[0], p[1] - q[1], p[2] - q[2])))
 
 
 def emitter_pose(emitter: Emitter, time: float) -> Pose:

@@ -89,6 +89,11 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = TORSIONAL_RIGIDITY[shape.coiled]
         self.mass = self.material.mass.copy()
+        self._across: NDArray[Any] | None = None
+        """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
+        if self.deforming is not None and shape.curled:
+            rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
+            self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._dragged: float | None = None
         self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         self._gravity = tuple(self.surroundings.gravity.tolist())
@@ -135,6 +140,9 @@ class RodSolver(Solver):
         forcing, past = self.forcing, np.array(self.pose.rotation, self.dtype)
         before = forcing.roots.copy()
         roots, directions = self.deforming.at(time)
+        if self._across is not None:
+            across = np.einsum("nij,nj->ni", self.deforming.turns(time), self._across)
+            self.material.bends[:, 0] = packed(across, self.dtype)
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = _turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 

@@ -1,4 +1,5 @@
-"""The solver of strands from a file: they move rigidly with their emitter."""
+"""The solver of strands from a file: they move rigidly with their emitter, or each with its triangle of a mesh that
+deforms."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..blocks import lanes, pack
 from ..constants import W
+from ..groom.deforming import Deforming, deforming
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .solver import Solver
@@ -32,6 +34,7 @@ class StillSolver(Solver):
         self.positions = groom.points
         self.lengths = lanes(groom.lengths[:, None] / np.float32(groom.points.shape[1] - 2))
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
+        self.deforming = deforming(scene, groom)
         self._pose = IDENTITY
         self.advance(1)
 
@@ -46,6 +49,9 @@ class StillSolver(Solver):
         """Set the positions of all strands at a frame."""
         time = self.scene.time.pose_time((frame - 1) / self.scene.time.fps) if self._carried else 0.0
         pose = emitter_pose(self.scene.emitter, time)
+        if self.deforming is not None:
+            self._deform(self.deforming, (frame - 1) / self.scene.time.fps, pose)
+            return
         if pose == self._pose:
             return
         if self.positions is self.given:
@@ -55,6 +61,18 @@ class StillSolver(Solver):
             moved = np.einsum("ij,rjk->rik", turn, block.reshape(-1, 3, W)) + shift[:, None]
             out.reshape(-1, 3, W)[...] = moved
         self._pose = pose
+
+    def _deform(self, roots: Deforming, at: float, pose: Pose) -> None:
+        """Set the positions of all strands, each of which moves rigidly with its triangle and then with the emitter."""
+        if self.positions is self.given:
+            self.positions = np.empty_like(self.given)
+        outer, shift = np.array(pose.rotation), np.array(pose.translation)
+        turns = np.einsum("ij,njk->nik", outer, roots.turns(at))
+        shifts = roots.roots(at) @ outer.T + shift - np.einsum("nij,nj->ni", turns, self.groom.roots)
+        rows = np.minimum(np.arange(len(self.given) * W), self.strands - 1).reshape(-1, W)
+        for block, out, some in zip(self.given, self.positions, rows, strict=True):
+            moved = np.einsum("kij,rjk->rik", turns[some], block.reshape(-1, 3, W)) + shifts[some].T
+            out.reshape(-1, 3, W)[...] = moved
 
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """Set the particles of a frame, (strands or more, particles, 3) metres."""

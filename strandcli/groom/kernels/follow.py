@@ -57,11 +57,11 @@ class Strands(NamedTuple):
 @parallel
 def motions(positions, rest, joints, turn, table):
     """Write a table (G, T, `COLUMNS`) of guides at positions (blocks, n + 1, 3 W), which lay at ``rest`` in the same
-    layout; joints (G, T) float32: the particle, a fraction too, at each row; turn (4,) the rotation at the roots, a
-    unit quaternion with its real part first."""
+    layout; joints (G, T) float32: the particle, a fraction too, at each row; turn (G, 4) the rotations at their roots,
+    unit quaternions with their real parts first."""
     for g in prange(table.shape[0]):
         turns = np.empty((rest.shape[1] - 1, 4), np.float64)
-        trace(positions[g // W], rest[g // W], g % W, joints[g], turn, turns, table[g])
+        trace(positions[g // W], rest[g // W], g % W, joints[g], turn[g], turns, table[g])
 
 
 @device
