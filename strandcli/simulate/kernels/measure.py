@@ -7,12 +7,10 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import function, inlined, parallel, prange
-from ...simd import any_lane, broadcast, lane_count, load3, pointer, reduce_max, sqrt
+from ...jit import function, parallel, prange
+from ...simd import any_lane, broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
 from ...solids.kernels import box, capsule, other, plane, sphere
 
-ZERO = np.float32(0)
-ONE = np.float32(1)
 ROW = 3 * W
 """Numbers of a row of positions."""
 STRETCH, NOT_FINITE = 0, 1
@@ -30,24 +28,36 @@ def strands(positions, lengths, out):
     positions (blocks, n + 1, 3 W), lengths (blocks, W), metres.
     """
     for b in prange(positions.shape[0]):
-        block = positions[b]
-        stretch = ZERO
+        own = np.int64(b)
+        stretch, finite = stretches(positions, lengths, own)
         bad = 0
-        for i in range(1, block.shape[0]):
-            x = block[i]
-            for j in range(3 * W):
-                if not math.isfinite(x[j]):
-                    bad += 1
-            if i == 1:
-                continue
-            q = block[i - 1]
-            for k in range(W):
-                dx = x[k] - q[k]
-                dy = x[W + k] - q[W + k]
-                dz = x[2 * W + k] - q[2 * W + k]
-                stretch = max(stretch, abs(math.sqrt(dx * dx + dy * dy + dz * dz) / lengths[b, k] - ONE))
+        if not finite:
+            for i in range(1, positions.shape[1]):
+                for j in range(ROW):
+                    if not math.isfinite(positions[own, i, j]):
+                        bad += 1
         out[b, STRETCH] = stretch
         out[b, NOT_FINITE] = bad
+
+
+@function
+def stretches(positions, lengths, b):
+    """Return the greatest stretch of block b, and whether all of its coordinates are finite."""
+    x, size = pointer(positions), pointer(lengths)
+    rows = positions.shape[1]
+    stretch = broadcast(x, 0.0)
+    none = stretch
+    for k in range(0, W, lane_count(x)):
+        length = load(size, b * W + k)
+        p = load3(x, (b * rows + 1) * ROW + k, W)
+        none = none + (p[0] * 0.0 + p[1] * 0.0 + p[2] * 0.0)  # NaN in lanes where one is not finite
+        for i in range(2, rows):
+            q = load3(x, (b * rows + i) * ROW + k, W)
+            none = none + (q[0] * 0.0 + q[1] * 0.0 + q[2] * 0.0)
+            dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+            stretch = max(stretch, abs(sqrt(dx * dx + dy * dy + dz * dz) / length - 1.0))
+            p = q
+    return reduce_max(stretch), not any_lane(none != 0.0)
 
 
 @parallel
@@ -71,44 +81,23 @@ def deepest(positions, b, solids):
     """Return the greatest depth of a particle of block b, and of any point of its segments, in solids of the four
     shapes."""
     spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
-    x = pointer(positions)
+    x = half_width_pointer(positions)  # of whole ones there are more than registers hold
     balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
+    particles = positions.shape[1] - 1
     most = broadcast(x, 0.0)
     along = most
-    for i in range(2, positions.shape[1]):
-        first = i == 2
-        for k in range(0, W, lane_count(x)):
-            p = load3(x, (b * positions.shape[1] + i - 1) * ROW + k, W)
-            q = load3(x, (b * positions.shape[1] + i) * ROW + k, W)
-            e = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-            size = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
-            for m in range(0, spheres.size, spheres.shape[1]):
-                depth = sphere.depth(balls, m, q[0], q[1], q[2])
-                most = max(most, depth)
-                if any_lane(depth + size > 0.0):
-                    under = sphere.depth(balls, m, p[0], p[1], p[2])
-                    along = max(along, beyond_root(sphere.segment_depth(balls, m, p, e), under, first))
-            for m in range(0, capsules.size, capsules.shape[1]):
-                depth = capsule.depth(pills, m, q[0], q[1], q[2])
-                most = max(most, depth)
-                if any_lane(depth + size > 0.0):
-                    under = capsule.depth(pills, m, p[0], p[1], p[2])
-                    along = max(along, beyond_root(capsule.segment_depth(pills, m, p, e), under, first))
-            for m in range(0, planes.size, planes.shape[1]):
-                depth = plane.depth(flats, m, q[0], q[1], q[2])
-                most = max(most, depth)
-                under = plane.depth(flats, m, p[0], p[1], p[2])
-                along = max(along, beyond_root(max(depth, under), under, first))
-            for m in range(0, boxes.size, boxes.shape[1]):
-                depth = box.depth(cubes, m, q[0], q[1], q[2])[0]
-                most = max(most, depth)
-                if any_lane(depth + size > 0.0):
-                    under = box.depth(cubes, m, p[0], p[1], p[2])[0]
-                    along = max(along, beyond_root(box.segment_depth(cubes, m, p, e), under, first))
+    for k in range(0, W, lane_count(x)):
+        roots = (b * positions.shape[1] + 1) * ROW + k
+        for m in range(0, spheres.size, spheres.shape[1]):
+            ends, inner = sphere.deepest(balls, m, x, roots, particles)
+            most, along = max(most, ends), max(along, inner)
+        for m in range(0, capsules.size, capsules.shape[1]):
+            ends, inner = capsule.deepest(pills, m, x, roots, particles)
+            most, along = max(most, ends), max(along, inner)
+        for m in range(0, planes.size, planes.shape[1]):
+            ends, inner = plane.deepest(flats, m, x, roots, particles)
+            most, along = max(most, ends), max(along, inner)
+        for m in range(0, boxes.size, boxes.shape[1]):
+            ends, inner = box.deepest(cubes, m, x, roots, particles)
+            most, along = max(most, ends), max(along, inner)
     return reduce_max(most), reduce_max(along)
-
-
-@inlined
-def beyond_root(depth, under, first):
-    """Return the depth of a segment; of the ``first``, what exceeds the depth ``under`` of its root."""
-    return depth - max(under, 0.0) if first else depth

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device
+from ...simd import broadcast, load3
 from ..shapes.plane import HEIGHT, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -41,6 +42,21 @@ def outside(p, m, x, y, z, clear):
 def depth(p, m, x, y, z):
     """Return the depth of points below plane m, negative above; vectors of lanes."""
     return p[m + HEIGHT] - (x * p[m + X] + y * p[m + Y] + z * p[m + Z])
+
+
+@device
+def deepest(p, m, x, o, rows):
+    """Return the greatest depths of particles and of points of segments, which are those of their ends, as
+    `sphere.deepest`."""
+    a = load3(x, o, W)
+    most = broadcast(x, 0.0)
+    along = most
+    for i in range(1, rows):
+        b = load3(x, o + i * 3 * W, W)
+        most = max(most, depth(p, m, b[0], b[1], b[2]))
+        if i == 1:
+            along = max(along, most - max(0.0, depth(p, m, a[0], a[1], a[2])))
+    return most, max(along, most) if rows > 2 else along
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

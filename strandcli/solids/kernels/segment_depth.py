@@ -24,6 +24,8 @@ HALF_PART = 0.5 / PARTS
 CLOSE_SEARCH = 6
 """Steps of a search between two of those places, which narrow it to 2 % of the segment's length."""
 CLOSER = (math.sqrt(5.0) - 1.0) / 2.0
+MARGIN = np.float32(1.00001)
+"""Factor of a radius, for more than the rounding of a distance that is compared with it."""
 LEVER = np.float32(0.1)
 """Least share of a segment by which a depth is divided, as `collision_segments.LEAST_SHARE`."""
 
@@ -126,7 +128,12 @@ def deepest_of_block(distance, deepest, p, positions, b):
         for k in range(W):
             x, y, z = positions[b, i - 1, k], positions[b, i - 1, W + k], positions[b, i - 1, 2 * W + k]
             qx, qy, qz = positions[b, i, k], positions[b, i, W + k], positions[b, i, 2 * W + k]
+            size = math.sqrt((qx - x) * (qx - x) + (qy - y) * (qy - y) + (qz - z) * (qz - z))
             for m in range(p.rows.shape[0]):
+                dx, dy, dz = qx - p.rows[m, X], qy - p.rows[m, Y], qz - p.rows[m, Z]
+                reach = MARGIN * (p.rows[m, REACH] + size)
+                if dx * dx + dy * dy + dz * dz > reach * reach:
+                    continue  # all of the segment is outside of the solid's ball
                 root = max(-distance(p, m, x, y, z), ZERO) if i == 2 else ZERO
                 under = -distance(p, m, qx, qy, qz)
                 _, depth = deepest(p, m, (x, y, z), (qx - x, qy - y, qz - z))
