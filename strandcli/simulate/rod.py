@@ -80,11 +80,13 @@ class RodSolver(Solver):
             for j, edge in enumerate(world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
         rest = rest_of(scene, shape, matter, self.pose, self.dtype)
-        flags = Flags(rod.integrator == "bdf2", shape.curled, self.surroundings.any_solids, self.surroundings.segments)
+        around = self.surroundings
+        deforming = self.deforming is not None
+        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming)
         self.second = flags.second
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
-        self.forcing = forcing_of(groom, len(self.state.edges), self.dtype)
+        self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = TORSIONAL_RIGIDITY[shape.coiled]

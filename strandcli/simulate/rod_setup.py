@@ -172,9 +172,10 @@ def material_of(matter: Matter, rest: Rest, dtype: Any) -> Material:
     )  # fmt: skip
 
 
-def forcing_of(groom: Groom, packs: int, dtype: Any) -> Forcing:
+def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags) -> Forcing:
     """What moves strands, before a first step has set its numbers."""
+    drifting = groom.roots if flags.deforming else groom.roots[:1]
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
-        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(groom.roots), dtype),
+        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(drifting), dtype),
     )  # fmt: skip

@@ -67,7 +67,7 @@ class Material(NamedTuple):
 
 
 class Forcing(NamedTuple):
-    """What moves strands in a step."""
+    """What moves strands in a step; ``drift`` as members of `State`."""
 
     roots: Any
     """(P, 3 S) in the emitter's frame, metres."""
@@ -80,7 +80,7 @@ class Forcing(NamedTuple):
     numbers: Any
     """(`NUMBERS`,)"""
     drift: Any
-    """(P, 3 S) displacement of roots in the step beside that of the emitter, metres."""
+    """(P, 3 S) displacement of roots in the step beside that of the emitter, metres; needed by roots that deform."""
 
 
 class Flags(NamedTuple):
@@ -94,6 +94,8 @@ class Flags(NamedTuple):
     """Whether there are solids."""
     segments: Any
     """Whether solids keep whole segments out, and not only particles."""
+    deforming: Any
+    """Whether roots move in the emitter's frame."""
 
 
 class Place(NamedTuple):

@@ -42,7 +42,7 @@ from .work_queue import TASKS, take
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
 # own, and the address and shape of each array of their data
-SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, SCRATCH, SCRATCH_BYTES, STATE = 2, 3, 4, 5, 6, 7, 8, 9, 10
+SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING, SCRATCH, SCRATCH_BYTES, STATE = range(2, 12)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -110,7 +110,8 @@ def forcing_of(kind, descriptor):
 def flags_of(descriptor):
     """`Flags` as booleans."""
     return Flags(
-        descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0
+        descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
+        descriptor[DEFORMING] != 0,
     )  # fmt: skip
 
 
@@ -173,7 +174,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         strand = pack * PACK + lane
         position = rod_sweep.position_of(strand, n)
         at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
-        place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing)
+        place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(numbers[THIRD], flags.second, touched)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
@@ -199,7 +200,7 @@ def rotated(turn, k, x, y, z):
 
 
 @device
-def place_root(s, local, place, positions, forcing):
+def place_root(s, local, place, positions, forcing, deforming):
     """Set the root's position, its displacement `ROOT_SHIFT`, and the clamped direction as the edge before the first.
     ``local``: place of the strand in (P, 3 S); ``place``: of its root in the positions."""
     pose = forcing.pose
@@ -207,8 +208,11 @@ def place_root(s, local, place, positions, forcing):
     px, py, pz = rotated(pose, ROTATION, x, y, z)
     store3(positions, place, W, px + pose[TRANSLATION], py + pose[TRANSLATION + 1], pz + pose[TRANSLATION + 2])
     px, py, pz = rotated(pose, TURNED, x, y, z)
-    dx, dy, dz = load3(forcing.drift, local, PACK)
-    store3(s, ROOT_SHIFT, 1, px + pose[SHIFTED] + dx, py + pose[SHIFTED + 1] + dy, pz + pose[SHIFTED + 2] + dz)
+    px, py, pz = px + pose[SHIFTED], py + pose[SHIFTED + 1], pz + pose[SHIFTED + 2]
+    if deforming:
+        dx, dy, dz = load3(forcing.drift, local, PACK)
+        px, py, pz = px + dx, py + dy, pz + dz
+    store3(s, ROOT_SHIFT, 1, px, py, pz)
     x, y, z = load3(forcing.directions, local, PACK)
     x, y, z = rotated(pose, ROTATION, x, y, z)
     store3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1, x, y, z)
