@@ -61,11 +61,11 @@ def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.f
 def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any, time: float, dtype: Any) -> Solids:
     """The packed solids of strandcli's own kinds together with the `others` among ``solids``."""
     found = others(solids)
-    blended = any(getattr(one, "blend", 0) > 0 for one in solids)
     if not found:
+        blended = any(getattr(one, "blend", 0) > 0 for one in solids)
         return (Solids if blended else SeparateSolids)(*shipped)
     rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
-    made: Solids = other_code.type_of(found, blended)(*shipped, rows, *other.data_of(found, time))
+    made: Solids = other_code.type_of(solids, found)(*shipped, rows, *other.data_of(found, time))
     return made
 
 

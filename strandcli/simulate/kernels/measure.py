@@ -10,6 +10,7 @@ from ...constants import W
 from ...jit import function, parallel, prange
 from ...simd import any_lane, broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
 from ...solids.kernels import box, capsule, other, plane, sphere
+from ...solids.kernels.built_in import device_if_built_in
 
 ROW = 3 * W
 """Numbers of a row of positions."""
@@ -70,14 +71,14 @@ def depths(positions, solids, out):
     """
     for b in prange(positions.shape[0]):
         own = np.int64(b)
-        most, along = deepest(positions, own, solids)
+        most, along = deepest(solids, positions, own)
         other_most, other_along = other.deepest(solids, positions, own)
         out[b, PARTICLES] = max(most, other_most)
         out[b, SEGMENTS] = max(along, other_along)
 
 
-@function
-def deepest(positions, b, solids):
+@device_if_built_in(lambda solids, positions, b: (np.float32(0.0), np.float32(0.0)))
+def deepest(solids, positions, b):
     """Return the greatest depth of a particle of block b, and of any point of its segments, in solids of the four
     shapes."""
     spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes

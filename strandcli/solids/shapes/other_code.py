@@ -27,10 +27,12 @@ class Kind(NamedTuple):
     shape: Any
 
 
-def type_of(solids: Sequence[Any], blended: bool) -> Any:
-    """The named tuple's type for the kinds of some solids, and of others of which some blend, or none."""
-    module = module_for(solids)
-    return module.Solids if blended else module.SeparateSolids
+def type_of(solids: Sequence[Any], others: Sequence[Any]) -> Any:
+    """The named tuple's type for solids, of which ``others`` have no kernels of their own."""
+    module = module_for(others)
+    if any(getattr(one, "blend", 0) > 0 for one in solids):
+        return module.Solids
+    return module.SeparateSolids if len(solids) > len(others) else module.LoneSolids
 
 
 def together(solids: Sequence[Any], rows: NDArray[Any], time: float) -> Any:

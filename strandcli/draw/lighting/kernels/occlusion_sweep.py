@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....solids.kernels import capsule, sphere
+from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count as count_solids
 from ....solids.kernels.outside import outside
 from ...common.kernels.approximations import exp
@@ -204,6 +205,24 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
 def occlude(work, n, x, y, z, solids, skin):
     """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
     `rays.visibility`."""
+    past_round(solids, work, n, x, y, z, skin)
+    for d in range(n):
+        if flat_or_other(solids) and work[LIGHT + d] > ZERO:
+            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
+            work[LIGHT + d] *= rays.visibility_past_flat(
+                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
+            )
+
+
+@device_if_built_in(lambda solids: True)
+def flat_or_other(solids):
+    """Return whether there are other solids than spheres and capsules."""
+    return count_solids(solids) > solids.spheres.shape[0] + solids.capsules.shape[0]
+
+
+@device_if_built_in(lambda solids, work, n, x, y, z, skin: None)
+def past_round(solids, work, n, x, y, z, skin):
+    """Set the row `LIGHT` to 0 where a sphere or a capsule occludes the light."""
     for s in range(solids.spheres.shape[0]):
         for d in range(n):
             work[LIGHT + d] *= sphere.visibility(
@@ -220,13 +239,6 @@ def occlude(work, n, x, y, z, solids, skin):
                 ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
                 t = capsule.meet(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
                 work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
-    others = count_solids(solids) - solids.spheres.shape[0] - solids.capsules.shape[0]
-    for d in range(n):
-        if others > 0 and work[LIGHT + d] > ZERO:
-            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            work[LIGHT + d] *= rays.visibility_past_flat(
-                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
-            )
 
 
 @device

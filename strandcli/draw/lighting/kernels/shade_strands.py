@@ -12,8 +12,6 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
-from ....solids.kernels import sphere
-from ....solids.kernels.outside import count as count_solids
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     ARRIVES,
@@ -55,9 +53,9 @@ from ...fibre.kernels.dual_scattering import dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import mix
 from ...fibre.kernels.width_highlights import width_highlights
+from ...shadows.kernels.hard_shadows import hard_shadows
 from ...shadows.kernels.soft_shadows import soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
-from ...solids.kernels import rays
 from .ambient import ambient_light
 from .light import toward
 
@@ -188,7 +186,7 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
 def past_solids(work, n, lights, i, solids, skin, sized):
     """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows."""
     if sized is None:
-        occlude(work, n, solids, skin)
+        hard_shadows(work, n, solids, skin)
     else:
         soft_shadows(work, n, lights, i, solids, skin)
 
@@ -253,24 +251,6 @@ def aim(work, n, lights, i):
         work[REACH + k] = reach
         work[ARRIVES + k] = falloff
         work[INSIDE + k] = ZERO
-
-
-@device
-def occlude(work, n, solids, skin):
-    """Set the rows `ARRIVES` to 0 where a solid occludes the light."""
-    for s in range(solids.spheres.shape[0]):
-        for k in range(n):
-            work[ARRIVES + k] *= sphere.visibility(
-                solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
-                work[REACH + k], skin,
-            )  # fmt: skip
-    if count_solids(solids) > solids.spheres.shape[0]:
-        for k in range(n):
-            if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= rays.visibility_past_others(
-                    solids, work[X + k], work[Y + k], work[Z + k],
-                    work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
-                )  # fmt: skip
 
 
 @function

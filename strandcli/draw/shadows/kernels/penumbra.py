@@ -19,11 +19,13 @@ import numpy as np
 
 from ....jit import device, function, inlined
 from ....solids.kernels import other
+from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import box as box_columns
 from ....solids.shapes import capsule as capsule_columns
 from ....solids.shapes import plane as plane_columns
 from ....solids.shapes import sphere as ball_columns
 from ...common.kernels.approximations import asin
+from ...common.kernels.golden_section import search
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...solids.kernels import rays
 
@@ -37,7 +39,6 @@ CLEAR = np.float32(2.0)
 """Stands for no occlusion; greater than any sine."""
 SURELY = np.float32(1.0001)
 INV_PI = np.float32(1 / math.pi)
-CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
 STEPS = np.int64(32)
 """Steps of a search along the ray to the light."""
 ALONG = np.int64(16)
@@ -88,9 +89,17 @@ def soft_visibility(solids, ray, skin, size, point):
     """
     x, y, z, lx, ly, lz, reach = ray
     radius = seen_from(size, point, reach)
-    x += skin * lx
-    y += skin * ly
-    z += skin * lz
+    lifted = LightRay(x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz, reach)
+    least = lowest_sine(solids, lifted, skin, radius)
+    way = lx, ly, lz
+    least = min(least, other.lowest_sine(solids, lifted.x, lifted.y, lifted.z, way, (reach, radius, skin)))
+    return share(least, radius)
+
+
+@device_if_built_in(lambda solids, ray, skin, radius: radius)
+def lowest_sine(solids, ray, skin, radius):
+    """Return the least sine of the angles to the edges of solids of the four shapes; at most ``radius``."""
+    x, y, z, lx, ly, lz, reach = ray
     least = radius
     for m in range(solids.spheres.shape[0]):
         r = solids.spheres[m, ball_columns.RADIUS] - skin
@@ -100,8 +109,7 @@ def soft_visibility(solids, ray, skin, size, point):
         least = min(least, ball(r, cx, cy, cz, lx, ly, lz, reach))
     for m in range(solids.capsules.shape[0]):
         if least > -radius:
-            lifted = LightRay(x, y, z, lx, ly, lz, reach)
-            least = min(least, capsule(solids.capsules, m, lifted, skin, radius))
+            least = min(least, capsule(solids.capsules, m, ray, skin, radius))
     for m in range(solids.planes.shape[0]):
         nx, ny = solids.planes[m, plane_columns.X], solids.planes[m, plane_columns.Y]
         nz = solids.planes[m, plane_columns.Z]
@@ -111,10 +119,8 @@ def soft_visibility(solids, ray, skin, size, point):
             least = min(least, over / reach + up)
     for m in range(solids.boxes.shape[0]):
         if least > -radius:
-            lifted = LightRay(x, y, z, lx, ly, lz, reach)
-            least = min(least, box(solids.boxes, m, lifted, skin, radius))
-    least = min(least, other.lowest_sine(solids, x, y, z, (lx, ly, lz), (reach, radius, skin)))
-    return share(least, radius)
+            least = min(least, box(solids.boxes, m, ray, skin, radius))
+    return least
 
 
 @inlined
@@ -266,34 +272,6 @@ def on_ray(t, at):
     """Return the distance of a box from the point at distance t from o along d, divided by t."""
     ox, oy, oz, dx, dy, dz, hx, hy, hz = at
     return box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
-
-
-def search(of: Any) -> Any:
-    """Return a device function (at, low, high, steps) that finds the least value of of(t, at) for low <= t <= high by
-    golden-section search. There must be a single minimum."""
-
-    @device
-    def lowest(at, low, high, steps):
-        near = high - CLOSER * (high - low)
-        far = low + CLOSER * (high - low)
-        at_near = of(near, at)
-        at_far = of(far, at)
-        for _ in range(steps):
-            if at_near < at_far:
-                high = far
-                far = near
-                at_far = at_near
-                near = high - CLOSER * (high - low)
-                at_near = of(near, at)
-            else:
-                low = near
-                near = far
-                at_near = at_far
-                far = low + CLOSER * (high - low)
-                at_far = of(far, at)
-        return min(at_near, at_far)
-
-    return lowest
 
 
 lowest_on_axis = search(on_axis)

@@ -14,8 +14,10 @@ from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other
+from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
+from ...common.kernels.golden_section import CLOSER
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...common.kernels.soft_rows import (
     ASKED,
@@ -59,6 +61,19 @@ def soft_shadows(work, n, lights, i, solids, skin):
         work[RADIUS + k] = radius
         # without incoming light the point counts as fully occluded
         work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
+    past_built_in(solids, work, n, skin)
+    if other.count(solids) > 0:
+        if other.takes_vectors(solids):
+            by_vectors(work, n, solids, skin)
+        else:
+            by_distance(work, n, solids, skin)
+    for k in range(n):
+        work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
+
+
+@device_if_built_in(lambda solids, work, n, skin: None)
+def past_built_in(solids, work, n, skin):
+    """Reduce the rows `LEAST` to the sines of the angles to solids of the four shapes."""
     for m in range(solids.spheres.shape[0]):
         x, y, z = solids.spheres[m, sphere.X], solids.spheres[m, sphere.Y], solids.spheres[m, sphere.Z]
         by_ball(work, n, x, y, z, solids.spheres[m, sphere.RADIUS] - skin, skin)
@@ -74,13 +89,6 @@ def soft_shadows(work, n, lights, i, solids, skin):
                 ray = penumbra.LightRay(x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
                 least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
                 work[LEAST + k] = min(work[LEAST + k], least)
-    if other.count(solids) > 0:
-        if other.takes_vectors(solids):
-            by_vectors(work, n, solids, skin)
-        else:
-            by_distance(work, n, solids, skin)
-    for k in range(n):
-        work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
 
 
 @inlined
@@ -211,8 +219,8 @@ def search(work, count, r, bx, by, bz):
     for j in range(count):
         work[LOW + j] = ZERO
         work[HIGH + j] = ONE
-        work[NEAR + j] = ONE - penumbra.CLOSER * (ONE - ZERO)
-        work[FAR + j] = ZERO + penumbra.CLOSER * (ONE - ZERO)
+        work[NEAR + j] = ONE - CLOSER * (ONE - ZERO)
+        work[FAR + j] = ZERO + CLOSER * (ONE - ZERO)
     for j in range(count):
         work[AT_NEAR + j] = on_axis(work, j, r, bx, by, bz, work[NEAR + j])
         work[AT_FAR + j] = on_axis(work, j, r, bx, by, bz, work[FAR + j])
@@ -223,7 +231,7 @@ def search(work, count, r, bx, by, bz):
             nearer = at_near < at_far
             low = low if nearer else near
             high = far if nearer else high
-            step = penumbra.CLOSER * (high - low)
+            step = CLOSER * (high - low)
             s = high - step if nearer else low + step
             found = on_axis(work, j, r, bx, by, bz, s)
             work[LOW + j] = low

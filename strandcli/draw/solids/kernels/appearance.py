@@ -8,7 +8,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ....solids.kernels import other
+from ....solids.kernels import built_in, other
 from ...common.kernels.batch import EX, EY, EZ, X, Y, Z
 from ...common.kernels.surface_batch import ALBEDO, LIFT, NX, NY, NZ, PIXEL
 
@@ -22,19 +22,13 @@ no facet that is seen is shaded from behind."""
 @device
 def looks(solids, which):
     """Return whether solid number `which` has a look of its own."""
-    return other.has_look(solids) and which >= first(solids)
-
-
-@device
-def first(solids):
-    """Return the number of the first solid without kernels of its own."""
-    return solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0] + solids.boxes.shape[0]
+    return other.has_look(solids) and which >= built_in.count(solids)
 
 
 @device
 def folds(solids, which):
     """Return whether solid number `which` may have edges in front of itself, besides those that blend."""
-    return which >= first(solids) and other.folds(solids, which - first(solids))
+    return which >= built_in.count(solids) and other.folds(solids, which - built_in.count(solids))
 
 
 @device
@@ -49,7 +43,7 @@ def plain(work, n, paint, which):
 @device
 def face(work, n, solids, which):
     """Store unit normals, lifts and colours of points of a solid that has a look of its own."""
-    m = which - first(solids)
+    m = which - built_in.count(solids)
     for k in range(n):
         x, y, z = work[X + k], work[Y + k], work[Z + k]
         eye = work[EX + k], work[EY + k], work[EZ + k]

@@ -107,7 +107,7 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
         for m in range(frames.shape[0]):
             blends = blended.blends(solids, m)
             if blends and any_inside(pixels, width, begin, end, frames, m):
-                blended.meet_all(work, (end - begin) * WHOLE, solids)
+                blended.meet_all(solids, work, (end - begin) * WHOLE)
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
                     for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):

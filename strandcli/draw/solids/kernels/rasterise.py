@@ -42,7 +42,7 @@ def draw(solids, frames, view, width, height, keys):
                     count = min(part.shape[0] - low, W)
                     for x in range(count):
                         aim(work, x, view, (begin + np.float32(low + x)) / view[FOCAL], up)
-                    blended.meet_all(work, count, solids)
+                    blended.meet_all(solids, work, count)
                     for x in range(count):
                         key = key_at(work[sphere_tracing.MET + x], view, flat, far, identity)
                         part[low + x] = min(part[low + x], key)

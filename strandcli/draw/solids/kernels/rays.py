@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from ....jit import device, function
-from ....solids.kernels import box, capsule, other, plane, sphere
+from ....solids.kernels import box, built_in, capsule, other, plane, sphere
+from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels.view_columns import (
     EYE_X,
     EYE_Y,
@@ -39,9 +40,17 @@ INF = np.float32(np.inf)
 @function
 def meet(solids, which, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
-    m = which
-    if blended.blends(solids, m):
+    if blended.blends(solids, which):
         return blended.meet(solids, ox, oy, oz, dx, dy, dz)
+    others = built_in.count(solids)
+    if which < others:
+        return meet_built_in(solids, which, ox, oy, oz, dx, dy, dz)
+    return other.meet(solids, which - others, ox, oy, oz, dx, dy, dz)
+
+
+@device_if_built_in(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
+def meet_built_in(solids, m, ox, oy, oz, dx, dy, dz):
+    """Return `meet` for a solid that has kernels of its own."""
     if m < solids.spheres.shape[0]:
         return sphere.meet(solids.spheres, m, ox, oy, oz, dx, dy, dz)
     m -= solids.spheres.shape[0]
@@ -50,18 +59,23 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     m -= solids.capsules.shape[0]
     if m < solids.planes.shape[0]:
         return plane.meet(solids.planes, m, ox, oy, oz, dx, dy, dz)
-    m -= solids.planes.shape[0]
-    if m < solids.boxes.shape[0]:
-        return box.meet(solids.boxes, m, ox, oy, oz, dx, dy, dz)
-    return other.meet(solids, m - solids.boxes.shape[0], ox, oy, oz, dx, dy, dz)
+    return box.meet(solids.boxes, m - solids.planes.shape[0], ox, oy, oz, dx, dy, dz)
 
 
 @function
 def normal(solids, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
-    m = which
-    if blended.blends(solids, m):
+    if blended.blends(solids, which):
         return blended.normal(solids, x, y, z)
+    others = built_in.count(solids)
+    if which < others:
+        return normal_built_in(solids, which, x, y, z)
+    return other.normal(solids, which - others, x, y, z)
+
+
+@device_if_built_in(lambda solids, m, x, y, z: (ZERO, ONE, ZERO))
+def normal_built_in(solids, m, x, y, z):
+    """Return `normal` for a solid that has kernels of its own."""
     if m < solids.spheres.shape[0]:
         nx, ny, nz = sphere.normal(solids.spheres, m, x, y, z)
     elif m < solids.spheres.shape[0] + solids.capsules.shape[0]:
@@ -70,8 +84,6 @@ def normal(solids, which, x, y, z):
         nx, ny, nz = plane.normal(solids.planes, m - solids.spheres.shape[0] - solids.capsules.shape[0], x, y, z)
     else:
         m -= solids.spheres.shape[0] + solids.capsules.shape[0] + solids.planes.shape[0]
-        if m >= solids.boxes.shape[0]:
-            return other.normal(solids, m - solids.boxes.shape[0], x, y, z)
         nx, ny, nz = box.normal(solids.boxes, m, x, y, z)
     size = ONE / math.sqrt(max(nx * nx + ny * ny + nz * nz, TINY))
     return nx * size, ny * size, nz * size
@@ -84,10 +96,18 @@ def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     The ray begins `skin` metres from the point, so that a root, which may lie slightly below a surface, is not shaded
     by the solid that it grows from.
     """
+    if visibility_past_spheres(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+        return ZERO
+    return visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin)
+
+
+@device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
+def visibility_past_spheres(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past spheres."""
     for s in range(solids.spheres.shape[0]):
         if sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
-    return visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin)
+    return ONE
 
 
 @device
@@ -96,16 +116,32 @@ def visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin):
     px = x + skin * lx
     py = y + skin * ly
     pz = z + skin * lz
-    for s in range(solids.capsules.shape[0]):
-        if capsule.visibility(solids.capsules, s, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
-            return ZERO
+    if visibility_past_capsules(solids, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
+        return ZERO
     return visibility_past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
+
+
+@device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
+def visibility_past_capsules(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past capsules, from a point that has been moved by `skin` along l."""
+    for s in range(solids.capsules.shape[0]):
+        if capsule.visibility(solids.capsules, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+            return ZERO
+    return ONE
 
 
 @device
 def visibility_past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
     """Return `visibility` past all solids but spheres and capsules, from a point that has been moved by `skin` along
     l."""
+    if visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+        return ZERO
+    return other.visibility(solids, x, y, z, lx, ly, lz, reach, skin)
+
+
+@device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
+def visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past planes and boxes, from a point that has been moved by `skin` along l."""
     for s in range(solids.planes.shape[0]):
         t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
@@ -114,7 +150,7 @@ def visibility_past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
         t = box.meet(solids.boxes, s, x, y, z, lx, ly, lz)
         if skin < t < reach:
             return ZERO
-    return other.visibility(solids, x, y, z, lx, ly, lz, reach, skin)
+    return ONE
 
 
 @device

@@ -1,0 +1,41 @@
+"""Hard shadows of solids at a batch of points: `rays.visibility`, vectorised over points where solids are spheres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import device
+from ....solids.kernels import sphere
+from ....solids.kernels.built_in import device_if_built_in
+from ....solids.kernels.outside import count
+from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
+from ...solids.kernels import rays
+
+ZERO = np.float32(0.0)
+
+
+@device
+def hard_shadows(work, n, solids, skin):
+    """Set the rows `ARRIVES` of the first n points of a batch to 0 where a solid occludes the light.
+
+    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `rays.visibility`.
+    """
+    past_spheres(solids, work, n, skin)
+    if count(solids) > solids.spheres.shape[0]:
+        for k in range(n):
+            if work[ARRIVES + k] > ZERO:
+                work[ARRIVES + k] *= rays.visibility_past_others(
+                    solids, work[X + k], work[Y + k], work[Z + k],
+                    work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
+                )  # fmt: skip
+
+
+@device_if_built_in(lambda solids, work, n, skin: None)
+def past_spheres(solids, work, n, skin):
+    """Set the rows `ARRIVES` to 0 where a sphere occludes the light."""
+    for s in range(solids.spheres.shape[0]):
+        for k in range(n):
+            work[ARRIVES + k] *= sphere.visibility(
+                solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
+                work[REACH + k], skin,
+            )  # fmt: skip

@@ -1,0 +1,33 @@
+"""Functions that are compiled only for some types of an argument; elsewhere something short stands in their place."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from numba import config
+from numba.extending import overload
+
+from . import BARE, LEAN
+
+
+def device_where(needed: Callable[[Any], bool], otherwise: Any) -> Any:
+    """A decorator: `device` where ``needed`` of the type of the first argument is true, else ``otherwise``, a function
+    of the same parameters.
+
+    A test of a type within a function would not spare the compiler what stands behind it.
+    """
+
+    def decorate(function: Any) -> Any:
+        if config.DISABLE_JIT:  # type: ignore[attr-defined]
+            return function
+
+        def choose(*types: Any) -> Any:
+            return function if needed(types[0]) else otherwise
+
+        choose.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+        overload(function, jit_options={**LEAN, **BARE})(choose)
+        return function
+
+    return decorate
