@@ -195,4 +195,5 @@ def test_scenes_without_it_have_the_type_that_they_had() -> None:
     assert type(pack_all([SphereSolid()], STILL, 0.0)) is SeparateSolids
     assert type(pack_all([SphereSolid(blend=0.1)], STILL, 0.0)) is Solids
     assert type(packed(SphereSolid())) is not Solids
-    assert type(packed(SphereSolid())) is type(packed())
+    assert type(packed(SphereSolid())) is type(packed(SphereSolid(), SphereSolid()))
+    assert type(packed()) is not type(packed(SphereSolid()))  # kernels for it have none of the four shapes
