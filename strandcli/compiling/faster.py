@@ -115,8 +115,7 @@ def _emit_whole_kernels() -> None:
 
     Numba optimises a loop's body by itself, in its caller, in that one's caller and in the kernel. Here it is optimised
     by itself, where its arrays are known not to overlap, and linked to the kernel afterwards. What loops and kernels
-    call is optimised where it has been inlined, not by itself before that, and once: the cheap passes that Numba runs
-    first look for counted references, of which kernels have next to none.
+    call is optimised where it has been inlined, not by itself before that.
     """
     from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 
@@ -140,11 +139,8 @@ def _emit_whole_kernels() -> None:
         self._finalized = True
 
     def optimise_module(self: Any) -> None:
-        if kernel.depth == 0:
+        if self.name.startswith(_LOOP[0]) or not kernel.is_part(self):
             optimise(self)
-        elif self.name.startswith(_LOOP[0]) or not kernel.is_part(self):
-            passes, builder = self._codegen._module_pass_manager()
-            passes.run(self._final_module, builder)
         for loop in getattr(self, "_loops", ()):
             self._reload_init.update(loop._reload_init)
             self._final_module.link_in(loop._get_module_for_linking(), preserve=True)
