@@ -27,7 +27,7 @@ def device_where(needed: Callable[[Any], bool], otherwise: Any) -> Any:
             return function if needed(types[0]) else otherwise
 
         choose.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
-        overload(function, jit_options={**LEAN, **BARE})(choose)
+        overload(function, jit_options=LEAN | BARE)(choose)  # type: ignore[arg-type]
         return function
 
     return decorate

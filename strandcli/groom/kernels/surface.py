@@ -18,7 +18,8 @@ def place(line, ends, corners, weights, edges, pieces, shares):
     corners (P, 3, 3): places of its corners; weights (P, 3): density there, linear between; edges: scratch (n, 9).
     """
     for i in prange(line.shape[0]):
-        one(line[i], ends, corners, weights, edges[i], pieces, shares, i)
+        k = np.int64(i)
+        one(line[k], ends, corners, weights, edges[k], pieces, shares, k)
 
 
 @device

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...jit import device
+from ...jit.indices import FIRST, SECOND, THIRD
 from .arrays import COLOURS, UV, surface_of, texture_of
 
 ONE = np.float32(1.0)
@@ -25,11 +26,12 @@ def colour_at(data, k, row, u, v, width, facing):
     """
     if data.table[k, COLOURS] != 0:
         colours = surface_of(data, k).colours
-        return mixed(colours, row, 0, u, v), mixed(colours, row, 1, u, v), mixed(colours, row, 2, u, v)
+        return mixed(colours, row, FIRST, u, v), mixed(colours, row, SECOND, u, v), mixed(colours, row, THIRD, u, v)
     if data.table[k, UV] != 0:
         uv = surface_of(data, k).uv
         texels = width * surface_of(data, k).density[row] / math.sqrt(max(facing, SLANT))
-        return texture_at(texture_of(data, k), mixed(uv, row, 0, u, v), mixed(uv, row, 1, u, v), np.float32(texels))
+        s, t = mixed(uv, row, FIRST, u, v), mixed(uv, row, SECOND, u, v)
+        return texture_at(texture_of(data, k), s, t, np.float32(texels))
     return NONE
 
 
@@ -69,9 +71,9 @@ def bilinear(texture, level, s, t):
     base = levels[level, 0]
     above, below = base + (j + high) % high * wide, base + (j + 1) % high * wide
     return (
-        between(texels, linear, above + left, above + right, below + left, below + right, 0, p, q),
-        between(texels, linear, above + left, above + right, below + left, below + right, 1, p, q),
-        between(texels, linear, above + left, above + right, below + left, below + right, 2, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, FIRST, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, SECOND, p, q),
+        between(texels, linear, above + left, above + right, below + left, below + right, THIRD, p, q),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...jit import device, parallel, prange
 from ...simd import any_lane, broadcast, load, pointer, sqrt, store, where
 from .packets import PacketTree, nearest, winding
@@ -21,7 +23,8 @@ def fill(boxes, child, counts, moments, rows, lanes, low, spacing, closed, out):
     and y; low: (3,) float32, the first node; spacing: of nodes; closed: whether the mesh has no edge where its winding
     number changes.
     """
-    for task in prange(out.shape[0] * out.shape[1]):
+    for place in prange(out.shape[0] * out.shape[1]):
+        task = np.int64(place)
         tree = PacketTree(boxes, child, counts, moments, rows)
         column(tree, lanes, low, spacing, closed, out[task // out.shape[1], task % out.shape[1]], task, out.shape[1])
 

@@ -180,7 +180,8 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
     them; straight: whether segments stay straight; first (strands + 1,) int64 vertex offsets; world (V, 3) float32,
     metres, written.
     """
-    for s in prange(strands):
+    for strand in prange(strands):
+        s = np.int64(strand)
         if first[s + 1] != first[s]:
             write_polyline(positions[s // W], lengths, s, pieces, fixed, as_printed, straight, first[s], world)
 

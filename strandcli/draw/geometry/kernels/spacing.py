@@ -29,9 +29,11 @@ def nearest(positions, strands, points, own, out):
     """
     blocks = np.int64((strands + W - 1) // W)
     boxes = np.empty((blocks, 6), np.float32)
-    for block in prange(blocks):
+    for one in prange(blocks):
+        block = np.int64(one)
         bound(positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes)
-    for p in prange(points.shape[0]):
+    for point in prange(points.shape[0]):
+        p = np.int64(point)
         least = np.empty(W, np.float32)
         for k in range(out.shape[1]):
             out[p, k] = np.inf

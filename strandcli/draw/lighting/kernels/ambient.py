@@ -17,7 +17,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X, Y, Z
-from .light import around
+from .light import STRAND, around
 from .occlusion import sky_visibility
 
 ZERO = np.float32(0.0)
@@ -38,7 +38,7 @@ def ambient_light(work, n, surround):
     if sky.shape[0] > 0:
         for c in range(3):
             for k in range(n):
-                whole = around(sky, 0, c, work[TX + k], work[TY + k], work[TZ + k])
+                whole = around(sky, STRAND, c, work[TX + k], work[TY + k], work[TZ + k])
                 work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
     if surround.volume.shape[0] > 0:
         for k in range(n):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ....jit import device, function
+from ....jit.indices import FIRST, SECOND
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 
 ZERO = np.float32(0.0)
@@ -14,6 +15,8 @@ ONE = np.float32(1.0)
 THREE = np.float32(3.0)
 TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
+STRAND, SURFACE = FIRST, SECOND
+"""Rows of environment light: on a white strand, by its tangent; on a white surface, by its normal."""
 
 
 @device
@@ -31,8 +34,8 @@ def toward(lights, i, x, y, z):
 
 @function
 def around(sky, which, c, x, y, z):
-    """Return the radiance in channel c of a white strand (which = 0) by its unit tangent, or of a white surface (1) by
-    its unit normal, in environment light; at least 0. sky (2, 9, 3): from `strandcli.draw.lighting.environment`."""
+    """Return the radiance in channel c of a white `STRAND` by its unit tangent, or of a white `SURFACE` by its unit
+    normal, in environment light; at least 0. sky (2, 9, 3): from `strandcli.draw.lighting.environment`."""
     even = sky[which, 0, c] + sky[which, 4, c] * x * y + sky[which, 5, c] * y * z
     even += sky[which, 6, c] * (THREE * z * z - ONE) + sky[which, 7, c] * x * z + sky[which, 8, c] * (x * x - y * y)
     return max(even + sky[which, 1, c] * x + sky[which, 2, c] * y + sky[which, 3, c] * z, ZERO)

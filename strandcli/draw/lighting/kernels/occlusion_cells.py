@@ -8,6 +8,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function
+from ....jit.indices import FIRST, SECOND, THIRD
 from .occlusion_columns import (
     COUNT_X,
     COUNT_Y,
@@ -70,9 +71,9 @@ def piece(x, y, z, dx, dy, dz, length, width, box, cells):
     tz = dz / length
     for i in range(np.int64(steps)):
         t = (np.float32(i) + HALF) * per
-        a = place(x + t * dx, box, 0)
-        b = place(y + t * dy, box, 1)
-        c = place(z + t * dz, box, 2)
+        a = place(x + t * dx, box, FIRST)
+        b = place(y + t * dy, box, SECOND)
+        c = place(z + t * dz, box, THIRD)
         cell = (a * np.int64(box[COUNT_Y]) + b) * np.int64(box[COUNT_Z]) + c
         cells[cell, DENSITY] += share
         cells[cell, XX] += share * tx * tx

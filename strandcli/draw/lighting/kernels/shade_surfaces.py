@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ....jit.indices import FIRST, SECOND, THIRD
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.light_columns import MAP_LAYERS
@@ -38,7 +39,7 @@ from ...solids.kernels import appearance, blended, coat, rays
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
-from .light import around
+from .light import SURFACE, around
 from .reflection import bend, deepest, gleam, lift, reflect, reflect_from_below, rise, unbend
 from .shade_strands import aim, past_solids
 
@@ -83,9 +84,9 @@ def surroundings(surround, x, y, z):
     ambient, sky = surround.ambient, surround.sky
     r, g, b = ambient[0], ambient[1], ambient[2]
     if sky.shape[0] > 0:
-        r += around(sky, 1, 0, x, y, z)
-        g += around(sky, 1, 1, x, y, z)
-        b += around(sky, 1, 2, x, y, z)
+        r += around(sky, SURFACE, FIRST, x, y, z)
+        g += around(sky, SURFACE, SECOND, x, y, z)
+        b += around(sky, SURFACE, THIRD, x, y, z)
     return r, g, b
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, parallel, prange
+from ....jit.indices import FIRST, SECOND, THIRD
 from ....meshes.kernels.rays import meet, sheared
 from ....solids.kernels.distance_field import ray_in_own, through
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
@@ -127,7 +128,7 @@ def seen(corners, i, corner, rays):
 def winding(corners, i, rays, view):
     """A number that is negative for a triangle whose normal is towards the eye, and positive for one that is turned
     away."""
-    a, b, c = seen(corners, i, 0, rays), seen(corners, i, 1, rays), seen(corners, i, 2, rays)
+    a, b, c = seen(corners, i, FIRST, rays), seen(corners, i, SECOND, rays), seen(corners, i, THIRD, rays)
     nx, ny, nz = cross(minus(b, a), minus(c, a))
     # right, up and forward are left-handed
     if view[PERSPECTIVE] > ZERO:
@@ -181,7 +182,7 @@ def draw(corners, listed, begin, solid, rays, view, frame, spans, identity, keys
         high = min(low + BAND, frame[BOTTOM])
         depths = np.full((BAND, frame[RIGHT] - frame[LEFT]), INF, np.float32)
         for at in range(begin[b], begin[b + 1]):
-            draw_one(corners, listed[at], solid, rays, view, frame, spans, low, high, depths)
+            draw_one(corners, np.int64(listed[at]), solid, rays, view, frame, spans, low, high, depths)
         for y in range(low, high):
             for x in range(depths.shape[1]):
                 key = key_at(depths[y - low, x], view, flat, far, identity)
@@ -193,8 +194,8 @@ def draw_one(corners, i, solid, rays, view, frame, spans, low, high, depths):
     """Take triangle i into the depths (`BAND`, width) of the rows from low on, below high."""
     sign = -1.0 if spans.turned[i] > 0 else 1.0
     first, second, third = (
-        edge(corners, i, 0, sign, rays, view), edge(corners, i, 1, sign, rays, view),
-        edge(corners, i, 2, sign, rays, view),
+        edge(corners, i, FIRST, sign, rays, view), edge(corners, i, SECOND, sign, rays, view),
+        edge(corners, i, THIRD, sign, rays, view),
     )  # fmt: skip
     for y in range(max(low, np.int64(spans.box[i, TOP])), min(high, np.int64(spans.box[i, BOTTOM]))):
         b = (view[AXIS_Y] - y - 0.5) / view[FOCAL]
@@ -225,11 +226,11 @@ def depth_at(corners, i, solid, view, frame, at, y):
     begin = np.float32(frame[LEFT]) + HALF - view[AXIS_X]
     up = (view[AXIS_Y] - np.float32(y) - HALF) / view[FOCAL]
     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(at)) / view[FOCAL], up)
-    start, end = through(solid, 0, ox, oy, oz, dx, dy, dz)
+    start, end = through(solid, FIRST, ox, oy, oz, dx, dy, dz)
     if end < start:
         return INF
     px, py, pz, ux, uy, uz = ray_in_own(
-        solid, 0, ox + start * dx, oy + start * dy, oz + start * dz, dx, dy, dz
+        solid, FIRST, ox + start * dx, oy + start * dy, oz + start * dz, dx, dy, dz
     )  # fmt: skip
     t, _, _ = meet(corners, i, px, py, pz, sheared(ux, uy, uz))
     return start + np.float32(t) if t >= 0.0 else INF

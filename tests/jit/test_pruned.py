@@ -1,0 +1,55 @@
+"""What a type of argument does not need is not compiled."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numba import TypingError, njit
+
+from strandcli.jit.pruned import device_where
+
+
+class Whole(NamedTuple):
+    numbers: Any
+
+
+class Bare(Whole):
+    needed = False
+
+
+def is_needed(one: Any) -> bool:
+    return bool(getattr(one.instance_class, "needed", True))
+
+
+@device_where(is_needed, lambda one, factor: -1.0)
+def total(one, factor):  # type: ignore[no-untyped-def]
+    return factor * one.numbers.sum()
+
+
+@device_where(is_needed, lambda one: 0.0)
+def cannot_be_compiled(one):  # type: ignore[no-untyped-def]
+    return one.no_such_field
+
+
+@njit
+def call_total(one: Any) -> Any:
+    return total(one, 2.0)
+
+
+@njit
+def call_broken(one: Any) -> Any:
+    return cannot_be_compiled(one)
+
+
+NUMBERS = np.array([1.0, 2.0])
+
+
+def test_the_function_stands_where_it_is_needed_and_the_other_elsewhere() -> None:
+    assert call_total(Whole(NUMBERS)) == 6.0
+    assert call_total(Bare(NUMBERS)) == -1.0
+
+
+def test_what_is_not_needed_is_not_even_typed() -> None:
+    assert call_broken(Bare(NUMBERS)) == 0.0
+    with pytest.raises(TypingError, match="no_such_field"):
+        call_broken(Whole(NUMBERS))
