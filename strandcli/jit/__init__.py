@@ -28,7 +28,8 @@ parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_kept)
 LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 function: Any = _cached(**LEAN, **_kept)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
-each array and call: the kernel keeps them. So kernels alone take memory, and hand it on."""
+each array and call: the kernel keeps them. So kernels alone take memory, and hand it on; a function may return an array
+in a tuple, but only one that it was given."""
 
 BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 device: Any = njit(**LEAN, **BARE)

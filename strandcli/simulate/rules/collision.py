@@ -59,7 +59,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     from . import collision_segments as segments
 
     packed = Packed(parameters, scene)
-    ends = _ends(packed, scene)
+    ends = _ends(packed)
     if not parameters.segments:
         return ends
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
@@ -82,7 +82,7 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     places = [k for k, use in enumerate(scene.rules) if use.parameters is parameters]
     later = scene.rules[places[0] + 1 :] if places else ()
     packed = Packed(parameters, scene)
-    ends = _ends(packed, scene)
+    ends = _ends(packed)
     lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
     if lengths:
         return (ends + lengths[:1]) * ROUNDS + [Pass(way_out.turn, packed.all)]
@@ -91,7 +91,7 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     return ends if later else []
 
 
-def _ends(packed: Packed, scene: Scene) -> list[Pass]:
+def _ends(packed: Packed) -> list[Pass]:
     """One pass a kind of solid, for particles alone."""
     from ...solids import others
     from ...solids.kernels import box, capsule, plane, sphere
@@ -99,7 +99,7 @@ def _ends(packed: Packed, scene: Scene) -> list[Pass]:
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
     found = [Pass(points[kind], packed.kind(kind)) for kind in packed.kinds]
-    foreign = others(chosen(packed.parameters, scene))
+    foreign = others(packed.chosen)
     if foreign:
         found.append(Pass(other_code.module_for(foreign).collide, packed.others))
     return found
@@ -109,25 +109,23 @@ class Packed:
     """The solids of a rule as its passes take them, packed once a step."""
 
     def __init__(self, parameters: Parameters, scene: Scene) -> None:
-        self.parameters = parameters
-        self.kinds = [one for one in _SHIPPED if one in {solid.kind for solid in chosen(parameters, scene)}]
+        from ...solids import pack
+
+        self.chosen = chosen(parameters, scene)
+        """The solids of the scene that the rule is for."""
+        self.kinds = [one for one in _SHIPPED if one in {solid.kind for solid in self.chosen}]
         """Kinds of those that have kernels of their own, in the order of their passes."""
-        self._chosen = chosen(parameters, scene)
         self._last: tuple[Moment | None, dict[str, Any]] = None, {}
-        self._pack: Any = None
+        self._pack = pack
 
     def of_kind(self, kind: str, moment: Moment) -> Any:
         """Return those of a kind at a moment."""
-        if self._pack is None:  # an import takes longer than what it imports is needed for
-            from ...solids import pack
-
-            self._pack = pack
         last, rows = self._last
         if last is not moment:
             rows = {one: rows[one] for one in rows if one not in self.kinds}  # none of a kind are none at any moment
             self._last = moment, rows
         if kind not in rows:
-            rows[kind] = self._pack(kind, self._chosen, moment.scene.emitter, moment.pose_time)
+            rows[kind] = self._pack(kind, self.chosen, moment.scene.emitter, moment.pose_time)
         return rows[kind]
 
     def kind(self, kind: str) -> Callable[[Moment], Any]:
@@ -142,7 +140,7 @@ class Packed:
 
         scene = moment.scene
         shipped = [self.of_kind(kind, moment) for kind in SHAPES]
-        return joined(shipped, chosen(self.parameters, scene), scene.emitter, moment.pose_time, np.float32)
+        return joined(shipped, self.chosen, scene.emitter, moment.pose_time, np.float32)
 
     def others(self, moment: Moment) -> Any:
         """Return those without kernels of their own, with the data of their shapes."""
@@ -152,6 +150,6 @@ class Packed:
         from ...solids import others
         from ...solids.shapes import other, other_code
 
-        there = others(chosen(self.parameters, moment.scene))
+        there = others(self.chosen)
         poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
         return other_code.together(there, other.pack(there, poses, np.float32), moment.pose_time)
