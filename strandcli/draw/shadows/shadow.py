@@ -24,7 +24,7 @@ from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, sort_into_bands, to_screen
 from .kernels import minmax as kernel
-from .kernels import opacity, opacity_maps
+from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
 from .shadow_model import casts_map, model_of
 
@@ -159,7 +159,7 @@ class ShadowMaps:
         opacity_maps.draw(
             opacity_maps.StrandsInMap(first, screen, width, taper, lines.scale, lines.along), bands, size,
             opacity_maps.MapView(far, near, np.float32(view.focal)),
-            opacity_maps.OpacityMap(self.extents[number], np.float32(self.over), layers, stack),
+            splats.OpacityMap(self.extents[number], np.float32(self.over), layers, stack),
         )  # fmt: skip
 
 

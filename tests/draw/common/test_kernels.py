@@ -26,6 +26,7 @@ from strandcli.draw.shadows.kernels import (
     penumbra,
     percentage_closer,
     soft_shadows,
+    splats,
 )
 from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
@@ -105,10 +106,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "place texel": (filter_window.place_texel, (LIT, 1, ONE, ONE, ONE)),
     "count in front": (percentage_closer.count_in_front, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
     "add loss": (percentage_closer.add_loss, (LIT, 1, TABLE)),
-    "segment of an opacity map": (
-        opacity_maps.accumulate_segment,
-        (*[ONE] * 8, raster.Window(0, 8, 8),
-         opacity_maps.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
+    "splats in an opacity map": (
+        splats.add,
+        (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, raster.Window(0, 8, 8),
+         splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (
         opacity_maps.widen_extents, (*[ONE] * 6, raster.Window(0, 8, 8), np.ones((16, 2), np.float32)),

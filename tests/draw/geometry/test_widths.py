@@ -14,7 +14,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
-from strandcli.draw.shadows.kernels import opacity, opacity_maps
+from strandcli.draw.shadows.kernels import opacity, opacity_maps, splats
 from strandcli.draw.view.camera import View
 from strandcli.draw.zbuffer.kernels.bands import Bands
 from strandcli.draw.zbuffer.raster import draw, to_screen
@@ -199,7 +199,7 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     bands = Bands(np.array([0, 1]), np.zeros(1, np.int32), size, 1)
     seen = opacity_maps.MapView(np.float32(0), np.float32(view.near), np.float32(view.focal))
     for layered in (False, True):
-        opacity_map = opacity_maps.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
+        opacity_map = splats.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
         opacity_maps.draw(strands, bands, size, seen, opacity_map)
         if not layered:
             count = opacity_maps.number_cells(extents, rows)

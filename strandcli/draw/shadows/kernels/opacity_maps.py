@@ -1,8 +1,7 @@
-"""Building of deep opacity maps (see `opacity`): extents of cells, layers between them, and splatting of strands."""
+"""Building of deep opacity maps (see `opacity`): extents of cells, layers between them, and strands in these."""
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,14 +10,13 @@ from numpy.typing import NDArray
 from ....jit import device, function, parallel, prange
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
+from . import splats
 from .minmax import FARTHEST, NEAREST
-from .opacity import FIVE, HEAD, SCALE, START, cell_of
+from .opacity import FIVE, HEAD, SCALE, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-SHORT = np.float32(1.5)
-"""Longest segment, in texels, that is splatted as one sample, whose footprint is two texels wide."""
 
 
 class StrandsInMap(NamedTuple):
@@ -49,19 +47,6 @@ class MapView(NamedTuple):
     """float32: texels a metre; for a perspective view at a depth of one metre."""
 
 
-class OpacityMap(NamedTuple):
-    """One map under construction."""
-
-    extents: NDArray[np.float32]
-    """(cells, 2) before `divide`: `NEAREST` and `FARTHEST` depth, metres, (inf, −inf) in empty cells; after it:
-    `opacity.START` and `opacity.SCALE`, 0 in empty cells."""
-    over: Any
-    """float32: 1 / h, 1/m."""
-    layers: int
-    stacks: NDArray[np.float32] | None
-    """(`opacity.numbers_of`,) the map itself; None in the pass that finds the extents."""
-
-
 @parallel
 def draw(strands, bands, size, view, opacity_map):
     """Draw strands into one map: widen its extents if its `stacks` is None, otherwise add to its layers.
@@ -70,13 +55,24 @@ def draw(strands, bands, size, view, opacity_map):
     view: `MapView`; opacity_map: `OpacityMap`.
     """
     for task in prange(bands.workers):
+        work = np.zeros(splats.ROWS * splats.BATCH, np.float32)
         for b in range(task, bands.begin.shape[0] - 1, bands.workers):
             top = b * bands.rows
             window = Window(top, min(top + bands.rows, size), size)
+            n = np.int64(0)
             for m in range(bands.begin[b], bands.begin[b + 1]):
-                s = bands.members[m]
-                width = width_of(strands.width, strands.scale, s)
-                draw_strand(strands, s, width, window, view, opacity_map, opacity_map.stacks, strands.along)
+                n = draw_strand(
+                    work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
+                    strands.along,
+                )  # fmt: skip
+            add_rest(work, n, window, opacity_map, opacity_map.stacks)
+
+
+@device
+def add_rest(work, n, window, opacity_map, stacks):
+    """Run `splats.add`; nothing in the pass that finds the extents."""
+    if stacks is not None:
+        splats.add(work, n, window, opacity_map)
 
 
 @device
@@ -86,9 +82,12 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(strands, s, width, window, view, opacity_map, stacks, along):
-    """Draw the part of strand s within the window; width: at its root, metres; stacks: those of the map; along: of
-    the strands."""
+def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
+    """Draw the part of strand s within the window; return how many splats the batch holds then, which held n.
+
+    work: rows of `splats`; stacks: those of the map; along: of the strands.
+    """
+    width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a, end = strands.first[s], strands.first[s + 1]
     thin = width * strands.taper / np.float32(max(end - a - 1, 1))
@@ -120,12 +119,13 @@ def draw_strand(strands, s, width, window, view, opacity_map, stacks, along):
         if stacks is None:
             widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
         else:
-            accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map)
+            n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+    return n
 
 
 @function
 def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
-    """Widen the extents of all cells in the window to which `accumulate_segment` may add. The segment is divided into
+    """Widen the extents of all cells in the window to which `splats.collect` may add. The segment is divided into
     short parts, so that few other cells are widened. x, y: texels; d: metres; extents: of `OpacityMap`."""
     top, bottom, size = window
     dx = x1 - x0
@@ -151,57 +151,6 @@ def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
                 cell = np.uint64(row * (size >> 1) + column)
                 extents[cell, NEAREST] = min(extents[cell, NEAREST], min(da, db))
                 extents[cell, FARTHEST] = max(extents[cell, FARTHEST], max(da, db))
-
-
-@function
-def accumulate_segment(x0, y0, d0, x1, y1, d1, scale, w, window, opacity_map):
-    """Splat a segment into the layers of a map: one sample for each texel of its greatest extent, depth included, or
-    one at its centre if that is at most `SHORT`. x, y and the width w: texels; d: metres; scale: texels a metre."""
-    dx = x1 - x0
-    dy = y1 - y0
-    length = max(max(abs(dx), abs(dy)), abs(d1 - d0) * scale)
-    if not length <= np.float32(4 * window.width):  # the light is so near that a segment is longer than its map
-        return
-    spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
-    per = ONE / np.float32(spots)
-    share = w * math.sqrt(dx * dx + dy * dy) * per
-    dx *= per
-    dy *= per
-    rise = (d1 - d0) * per
-    for spot in range(spots):
-        t = np.float32(spot) + HALF
-        u = x0 + t * dx - HALF
-        v = y0 + t * dy - HALF
-        splat(u, v, d0 + t * rise, share, window, opacity_map)
-
-
-@device
-def splat(u, v, d, share, window, opacity_map):
-    """Distribute an area `share`, texels², bilinearly to the four texels around (u, v), in their layers at the depth d,
-    metres; texels outside of the window are skipped."""
-    top, bottom, size = window
-    heads, over, layers, stacks = opacity_map
-    left = np.floor(u)
-    up = np.floor(v)
-    u -= left
-    v -= up
-    for lower in range(2):
-        row = np.int64(up) + lower
-        if row < top or row >= bottom:
-            continue
-        part = share * (v if lower else ONE - v)
-        for right in range(2):
-            column = np.int64(left) + right
-            if column < 0 or column >= size:
-                continue
-            cell = np.uint64((row >> 1) * (size >> 1) + (column >> 1))
-            if heads[cell, SCALE] == ZERO:
-                continue
-            far = max((d - heads[cell, START]) * over, ZERO)
-            k = min(np.int64(heads[cell, SCALE] * (far / (far + ONE))), layers - 1)
-            at = HEAD + FIVE * (k + 1) + 2 * (row & 1) + (column & 1)
-            base = cell_of(row, column, np.uint64(0), size, layers, stacks)
-            stacks[base + np.uint64(at)] += part * (u if right else ONE - u)
 
 
 @function
