@@ -26,6 +26,7 @@ from ..zbuffer.raster import Bands, sort_into_bands, to_screen
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
+from .nearness import sort_by_place
 from .shadow_model import casts_map, model_of
 
 TEXEL = 1.5
@@ -146,7 +147,8 @@ class ShadowMaps:
             screen = to_screen(lines, view, scratch, "light_screen", stride)
             ends = np.arange(len(lines.first), dtype=np.int64)
             first = (lines.first - ends) // stride + ends
-            self._seen = lines, number, first, screen, sort_into_bands(first, screen, size, 1.0, workers, scratch)
+            sort = sort_by_place if layers else sort_into_bands
+            self._seen = lines, number, first, screen, sort(first, screen, size, 1.0, workers, scratch)
         _, _, first, screen, bands = self._seen
         far = np.float32(0.0 if view.perspective else view.far - view.near)
         near = np.float32(view.near)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
+from strandcli.draw.shadows.nearness import sort_by_place
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
+from strandcli.draw.zbuffer.raster import sort_into_bands, to_screen
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance
@@ -89,6 +92,68 @@ def test_a_map_counts_projected_area() -> None:
     across = np.linalg.norm(pieces - (pieces @ way)[..., None] * way, axis=2)
     width = WIDE.width * (1 - WIDE.taper * (np.arange(8) + 0.5) / 8)
     assert whole == pytest.approx((across * width).sum(), rel=1e-4)
+
+
+def splatted(maps: ShadowMaps, light: Light, lines: Polylines) -> np.ndarray:
+    """τ of each texel and layer (size, size, layers + 1), added splat by splat in double precision."""
+    size, layers, view = int(maps.sizes[0]), maps.layers[0], maps.views[0]
+    screen = to_screen(lines, view, Scratch()).astype(np.float64)
+    heads = maps.extents[0].reshape(size // 2, size // 2, 2)
+    found = np.zeros((size, size, layers + 1))
+    for a, b in pairwise(lines.first):
+        for number, (p, q) in enumerate(pairwise(screen[a:b])):
+            (x0, y0, z0), (x1, y1, z1) = p, q
+            d0, d1 = (view.near + (1 - z) * (view.far - view.near) for z in (z0, z1))
+            reach = max(abs(x1 - x0), abs(y1 - y0), abs(d1 - d0) * view.focal)
+            spots = int(reach) + 1 if reach > 1.5 else 1
+            wide = WIDE.width * (1 - WIDE.taper * (number + 0.5) / (b - a - 1)) * view.focal
+            for t in (np.arange(spots) + 0.5) / spots:
+                u, v, d = x0 + t * (x1 - x0) - 0.5, y0 + t * (y1 - y0) - 0.5, d0 + t * (d1 - d0)
+                for row, column in product((math.floor(v), math.floor(v) + 1), (math.floor(u), math.floor(u) + 1)):
+                    if min(row, column) < 0 or max(row, column) >= size:
+                        continue
+                    start, scale = heads[row // 2, column // 2]
+                    far = max((d - start) * maps.over, 0)
+                    layer = min(int(scale * far / (far + 1)), layers - 1)
+                    share = (1 - abs(u - column)) * (1 - abs(v - row))
+                    found[row, column, layer + 1] += share * wide * math.hypot(x1 - x0, y1 - y0) / spots
+    return found.cumsum(2)
+
+
+def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
+    """A splat at the edge of a layer may be rounded into the next one, so a few places differ."""
+    lines = straight(300, 4)
+    maps = maps_of(SUN, lines)
+    assert maps.stacks is not None
+    size, layers = int(maps.sizes[0]), maps.layers[0]
+    cells = (size // 2) ** 2
+    numbers = maps.stacks[:cells].astype(int)
+    rows = maps.stacks[cells:].reshape(-1, opacity.stride_for(layers))[numbers, opacity.HEAD :]
+    four = rows.reshape(size // 2, size // 2, layers + 1, opacity.FIVE)[..., : opacity.TEXELS]
+    texels = four.reshape(size // 2, size // 2, layers + 1, 2, 2).transpose(0, 3, 1, 4, 2).reshape(size, size, -1)
+    expected = splatted(maps, SUN, lines)
+    assert expected.max() > 0.05
+    apart = np.abs(texels - expected) > 1e-5
+    assert apart.mean() < 1e-4
+    np.testing.assert_allclose(texels[..., -1], expected[..., -1], atol=2e-6)
+
+
+def test_strands_in_the_order_of_their_places_are_all_of_them() -> None:
+    lines = straight(500, 3)
+    maps = maps_of(SUN, lines)
+    screen = to_screen(lines, maps.views[0], Scratch())
+    screen[7] = np.nan
+    given = lines.first, screen, int(maps.sizes[0]), 1.0
+    for workers in (1, 2):
+        plain, sorted_ = (sort(*given, workers, Scratch()) for sort in (sort_into_bands, sort_by_place))
+        assert (plain.begin == sorted_.begin).all()
+        steps = []
+        for bands in (plain, sorted_):
+            own = [bands.members[a:b] for a, b in pairwise(bands.begin)]
+            steps.append(np.mean([np.abs(np.diff(screen[lines.first[one] + 4, :2], axis=0)).sum(1) for one in own[:1]]))
+        for a, b in pairwise(plain.begin):
+            assert set(plain.members[a:b]) == set(sorted_.members[a:b])
+        assert steps[1] < 0.3 * steps[0]
 
 
 def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:

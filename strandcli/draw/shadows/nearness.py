@@ -1,0 +1,43 @@
+"""Strands in an order in which those near each other follow each other.
+
+They add to the same cells of a map, which then are in the processor's cache. Sums are rounded otherwise in another
+order, so the order is that of places on the map, and does not depend on the bands.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.scratch import Scratch
+from ..zbuffer.raster import Bands, sort_into_bands
+
+BITS = 8
+"""Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels, sort as 16-bit numbers."""
+
+
+def sort_by_place(
+    first: NDArray[np.int64], screen: NDArray[np.float32], side: int, margin: float, workers: int, scratch: Scratch
+) -> Bands:
+    """Return `sort_into_bands` of a map with ``side`` texels a side, the strands of each band in the order of a Z-curve
+    through their middle vertices."""
+    bands = sort_into_bands(first, screen, side, margin, workers, scratch)
+    middle = screen[(first[:-1] + first[1:]) // 2, :2]
+    places = np.clip(np.nan_to_num(middle) * np.float32(2**BITS / side), 0, 2**BITS - 1).astype(np.uint16)
+    keys = _apart(places[:, 0]) | _apart(places[:, 1]) << 1
+    members = bands.members.copy()
+    for begin, end in pairwise(bands.begin):
+        own = members[begin:end]
+        members[begin:end] = own[np.argsort(keys[own], kind="stable")]
+    return bands._replace(members=members)
+
+
+def _apart(x: NDArray[np.uint16]) -> NDArray[np.uint16]:
+    """Return numbers of eight bits with a zero bit after each."""
+    found: NDArray[Any] = x
+    for shift, mask in ((4, 0x0F0F), (2, 0x3333), (1, 0x5555)):
+        found = (found | found << shift) & mask
+    return found.astype(np.uint16)
