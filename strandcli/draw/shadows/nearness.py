@@ -25,7 +25,9 @@ def sort_by_place(
     """Return `sort_into_bands` of a map with ``side`` texels a side, the strands of each band in the order of a Z-curve
     through their middle vertices."""
     bands = sort_into_bands(first, screen, side, margin, workers, scratch)
-    middle = screen[(first[:-1] + first[1:]) // 2, :2]
+    if len(screen) == 0:
+        return bands
+    middle = screen[np.minimum((first[:-1] + first[1:]) // 2, len(screen) - 1), :2]  # strands may have no vertices
     places = np.clip(np.nan_to_num(middle) * np.float32(2**BITS / side), 0, 2**BITS - 1).astype(np.uint16)
     keys = _apart(places[:, 0]) | _apart(places[:, 1]) << 1
     members = bands.members.copy()
