@@ -82,7 +82,8 @@ PATCHES = (
     "emit_whole_kernels", "memoise_call_types", "run_passes_untimed", "compute_liveness_lazily", "raise_gc_threshold",
     "unregister_lock_callbacks",
 )  # fmt: skip
-"""Without the first, kernels take 40 % longer to compile, without any other one 9 to 15 %; without all, 80 %."""
+"""Each was measured alone when it was written: without any but the first, kernels take 9 to 15 % longer to compile;
+without the first over 40 %, which has come to spare another 11 % since."""
 
 
 def patch(without: Sequence[str] = ()) -> None:

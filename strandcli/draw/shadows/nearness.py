@@ -23,7 +23,10 @@ def sort_by_place(
     first: NDArray[np.int64], screen: NDArray[np.float32], side: int, margin: float, workers: int, scratch: Scratch
 ) -> Bands:
     """Return `sort_into_bands` of a map with ``side`` texels a side, the strands of each band in the order of a Z-curve
-    through their middle vertices."""
+    through their middle vertices.
+
+    first (S + 1,): vertex offsets; screen (V, 3): x and y in texels, and the depth number; margin: texels.
+    """
     bands = sort_into_bands(first, screen, side, margin, workers, scratch)
     if len(screen) == 0:
         return bands

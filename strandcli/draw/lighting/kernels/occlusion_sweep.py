@@ -206,8 +206,9 @@ def occlude(work, n, x, y, z, solids, skin):
     """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
     `rays.visibility`."""
     past_round(solids, work, n, x, y, z, skin)
+    further = flat_or_other(solids)
     for d in range(n):
-        if flat_or_other(solids) and work[LIGHT + d] > ZERO:
+        if further and work[LIGHT + d] > ZERO:
             ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
             work[LIGHT + d] *= rays.visibility_past_flat(
                 solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin

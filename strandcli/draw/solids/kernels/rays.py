@@ -42,10 +42,10 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
     if blended.blends(solids, which):
         return blended.meet(solids, ox, oy, oz, dx, dy, dz)
-    others = built_in.count(solids)
-    if which < others:
+    first = built_in.count(solids)  # number of the first without kernels of its own
+    if which < first:
         return meet_built_in(solids, which, ox, oy, oz, dx, dy, dz)
-    return other.meet(solids, which - others, ox, oy, oz, dx, dy, dz)
+    return other.meet(solids, which - first, ox, oy, oz, dx, dy, dz)
 
 
 @device_if_built_in(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
@@ -67,10 +67,10 @@ def normal(solids, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
     if blended.blends(solids, which):
         return blended.normal(solids, x, y, z)
-    others = built_in.count(solids)
-    if which < others:
+    first = built_in.count(solids)  # number of the first without kernels of its own
+    if which < first:
         return normal_built_in(solids, which, x, y, z)
-    return other.normal(solids, which - others, x, y, z)
+    return other.normal(solids, which - first, x, y, z)
 
 
 @device_if_built_in(lambda solids, m, x, y, z: (ZERO, ONE, ZERO))
