@@ -66,8 +66,12 @@ def _set_environment(name: str, environment: Any) -> None:
 
 
 def _raise_gc_threshold() -> None:
-    """Collect garbage seldom: Numba's trees are large, and next to nothing of them is garbage before the end."""
-    gc.set_threshold(100_000, 50, 1000)
+    """Collect garbage seldom, what has been imported never: Numba's trees are large, and little of them is garbage.
+
+    Not at all would spare no more, and memory would grow without bound in a process that compiles for hours.
+    """
+    gc.freeze()
+    gc.set_threshold(1_000_000, 20, 5)
 
 
 def _unregister_lock_callbacks() -> None:
