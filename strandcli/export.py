@@ -93,7 +93,7 @@ class _Exporter:
             self.scene, at, moved.positions, moved.lengths, tones, ids, Drawing(np.zeros((1, 1, 3), np.uint8))
         )
         lines = polylines(self.scene, found, self.curves, self.scratch)
-        order = slice(None) if ids is None else np.argsort(ids, kind="stable")
+        order = slice(None) if found.ids is None else np.argsort(found.ids, kind="stable")
         world: NDArray[np.float32] = lines.world.reshape(found.count, lines.per, 3)[order].copy()
         scale = None if found.level is None else found.level.scale
         widths = widths_along(self.scene.material, lines.per, found.count, scale)

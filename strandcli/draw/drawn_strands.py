@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..groom.children import Children
 from ..groom.followers import Followers
 from ..scene.detail import strands_needed
 from .geometry.detail import level_of, with_widths
 from .strand_batches import Strands
 
 if TYPE_CHECKING:
-    from ..groom.children import Children
     from ..groom.combed import Combed
     from ..groom.record import Groom
     from ..scene.model import Scene
@@ -42,12 +42,17 @@ class DrawnStrands:
         """The strands of a scene that are drawn at a time in seconds, from simulated ones (blocks, n + 1, 3 W) with
         segment rest lengths (blocks, W). ``tones`` and ``ids`` (strands,): of those that can be drawn, their tones and
         places in the order of emission, None: 0, 1, …"""
+        if isinstance(self.children, Children):
+            assert ids is not None
+            shown = ids < max(strands_needed(scene, at), int(ids.min()) + 1)
+            tones, ids = tones[shown], ids[shown]
+        elif ids is None:  # and so those that level of detail draws are the first
+            tones = tones[: strands_needed(scene, at)]
         count = len(tones)
-        if ids is None:  # and so those that level of detail draws are the first
-            count = min(strands_needed(scene, at), count)
         places, widths = ids, self._widths
         if self.children is not None:
-            positions, lengths = self.children.grow(positions, lengths, at, count, self.scratch, ids)
+            assert ids is not None
+            positions, lengths = self.children.grow(positions, lengths, at, ids, self.scratch)
             if self._followers is not None:
                 places, widths = self._followers.standing_of(ids)
                 drawing.follow_stretch_max = max(float(lengths.max()), drawing.follow_stretch_max or 0.0)
@@ -58,4 +63,4 @@ class DrawnStrands:
             positions = self.combed.join(positions, at, count, self.scratch, own)
             drawing.lap("combed")
         level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
-        return Strands(positions, None if self._uneven else lengths, count, level)
+        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids)

@@ -22,9 +22,8 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.detail import Level
 from .geometry.extent import Thickness, bounds_of, thickness_of
-from .geometry.spacing import MEASURED_STRANDS, spacing_of
+from .geometry.spacing import first_emitted, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
 from .lighting.lighting import Lighting
@@ -96,7 +95,7 @@ class Renderer:
         scene, camera = self.scene, self.scene.camera
         if self.children is not None:
             self.tones, self.ids = self.children.select(positions)
-        recorder = Recorder(scene.image, self.ids) if scene.image.aovs else None
+        recorder = Recorder(scene.image) if scene.image.aovs else None
         if not lens.is_sampled(camera):
             shot = lens.Exposure(at, 1.0)
             image, made = self._expose(positions, lengths, shot, workers, self._made, recorder)
@@ -146,7 +145,9 @@ class Renderer:
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
-        level = strands.level
+        level, self._tones = strands.level, strands.tones
+        if recorder is not None:
+            recorder.ids = strands.ids
         bounds = bounds_of(strands.positions, strands.count, None if level is None else level.fade)
         view = self._view(shot, bounds, pinhole)
         solids = self.solids(at)
@@ -186,7 +187,7 @@ class Renderer:
     ) -> tuple[ShadowMaps | None, Occlusion | None]:
         """Return empty shadow maps, and the ambient occlusion; None for what the scene does not have."""
         scene, positions, level = self.scene, strands.positions, strands.level
-        spacing = self._spacing(positions, strands.count, level)
+        spacing = self._spacing(strands)
         maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
         if not scene.occluded or scene.ambient_occlusion is None:
             return maps, None
@@ -249,7 +250,7 @@ class Renderer:
         visibility (lights, V): of each light with exact shadows, None if there are none.
         """
         colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
-        tones = self.tones[batch.begin : batch.end]
+        tones = self._tones[batch.begin : batch.end]
         lighting.shade_strands(batch.lines, marks, tones, visibility, batch.profiles, colours)
         return colours
 
@@ -282,13 +283,15 @@ class Renderer:
         width, height = self.scene.image.drawn
         return np.empty((height, width, 3), np.uint8)
 
-    def _spacing(self, positions: NDArray[np.float32], strands: int, level: Level | None) -> float:
+    def _spacing(self, strands: Strands) -> float:
         """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is
         measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
             return 0.0
-        spacing = spacing_of(positions, strands, MEASURED_STRANDS if self.ids is None else None)
-        return spacing if level is None else spacing * math.sqrt(strands / self._most / level.share)
+        count, level = strands.count, strands.level
+        even = strands.ids is None or isinstance(self.children, Children)
+        spacing = spacing_of(strands.positions, count, first_emitted(count, strands.ids) if even else None)
+        return spacing if level is None else spacing * math.sqrt(count / self._most / level.share)
 
 
 def shadows_of_any_view(scene: Scene) -> bool:

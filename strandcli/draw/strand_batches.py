@@ -34,6 +34,10 @@ class Strands:
     """Number of strands."""
     level: Level | None
     """Level of detail; None: all strands are drawn whole."""
+    tones: NDArray[np.float32]
+    """(count,) in [−1, 1): deviation of each strand's colour from the mean."""
+    ids: NDArray[np.int32] | None
+    """(count,) number of each in the order of emission; None: 0, 1, …"""
 
 
 @dataclass(frozen=True)

@@ -88,15 +88,15 @@ class Followers:
         return self.groom.tones[sound], places[sound]
 
     def grow(
-        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, strands: int, scratch: Any,
-        ids: NDArray[np.int32] | None = None,
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, ids: NDArray[np.int32],
+        scratch: Any,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
-        """The strands, or those with places ``ids`` in the file, at a time in seconds, from guides (blocks, n + 1,
-        3 W): positions (blocks, m + 1, 3 W), and the greatest share by which the length of a strand in a block would
-        have changed (blocks,). ``lengths`` and ``strands`` are what `Children.grow` needs besides."""
+        """The strands with places ``ids`` in the file, at a time in seconds, from guides (blocks, n + 1, 3 W):
+        positions (blocks, m + 1, 3 W), and the greatest share by which the length of a strand in a block would have
+        changed (blocks,). ``lengths`` are what `Children.grow` needs besides."""
         from .kernels import follow as kernel
 
-        part = self._whole if ids is None or len(ids) == self.groom.strands else self._part(ids)
+        part = self._whole if len(ids) == self.groom.strands else self._part(ids)
         table = scratch.borrow("guide_table", (*self._joints.shape, kernel.COLUMNS), np.float32)
         kernel.motions(positions, self.rest, self._joints, self._turn(at), table)
         count, points, _ = part.points.shape
@@ -105,7 +105,7 @@ class Followers:
         kernel.follow(part, table, solids.pack_all(touched(self.scene), self.scene.emitter, at), out, stretch)
         if self._roots is not None:
             roots = self._roots.roots(at)
-            self._shift(out, roots if part is self._whole else roots[self.standing(ids)], at)  # type: ignore[arg-type]
+            self._shift(out, roots if part is self._whole else roots[self.standing(ids)], at)
         return out, stretch
 
     def _shift(self, out: NDArray[np.float32], roots: NDArray[np.float64], at: float) -> None:

@@ -128,8 +128,8 @@ def test_children_follow_the_same_guides() -> None:
     grown = []
     for guides in (groom, arranged(groom)):
         solver, children = RodSolver(scene, guides), Children(scene, guides)
-        tones, _ = children.select(solver.positions)
-        positions, lengths = children.grow(solver.positions, solver.lengths, 0.0, len(tones), Scratch())
-        grown.append((unpack(positions, len(tones)), lengths.reshape(-1)[: len(tones)]))
+        _, ids = children.select(solver.positions)
+        positions, lengths = children.grow(solver.positions, solver.lengths, 0.0, ids, Scratch())
+        grown.append((unpack(positions, len(ids)), lengths.reshape(-1)[: len(ids)]))
     np.testing.assert_allclose(grown[1][0], grown[0][0], atol=1e-6)
     np.testing.assert_allclose(grown[1][1], grown[0][1], rtol=1e-6)

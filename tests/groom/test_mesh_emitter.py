@@ -211,11 +211,11 @@ def test_children_root_on_the_mesh_and_not_across_a_sheet(tmp_path: Path) -> Non
     guides = arranged(emit(made.emitter, made.seed))
     family = Children(made, guides).family
     own = Children(made, guides).every
-    sides = np.sign(own.directions[:, 1])
+    sides = np.sign(own.directions[family.ids, 1])
     of_guides = np.sign(guides.directions[:, 1])[family.parents]
     assert np.abs(sides).min() == 1
     assert ((of_guides == sides[:, None]) | (family.weights == 0)).all()
-    assert np.abs(own.roots[:, 1] - np.where(sides > 0, 0.002, 0)).max() < 1e-6
+    assert np.abs(own.roots[family.ids, 1] - np.where(sides > 0, 0.002, 0)).max() < 1e-6
 
 
 def test_plan_tells_area_triangles_and_density(ball: str) -> None:

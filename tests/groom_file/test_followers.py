@@ -46,7 +46,7 @@ def stage_of(given: Scene) -> tuple[SimulationStage, Followers]:
 
 def follow(children: Followers, positions: npt.NDArray[np.float32], at: float = 0.0) -> npt.NDArray[np.float32]:
     """The strands in the order of the file, (k, points, 3)."""
-    out, _ = children.grow(positions, positions, at, 0, Scratch())
+    out, _ = children.grow(positions, positions, at, children.select(positions)[1], Scratch())
     rows = unpack(out, children.groom.strands)[:, 1:]
     assert children.groom.places is not None
     return rows[np.argsort(children.groom.places)]
@@ -160,7 +160,7 @@ def test_short_strands_among_long_ones_move_as_the_part_near_the_root_does(tmp_p
     worst = []
     for following in (children.following, by_share):
         twin = Followers(given, following, children.rest)
-        worst.append(float(twin.grow(positions, positions, 11 / 24, 0, Scratch())[1].max()))
+        worst.append(float(twin.grow(positions, positions, 11 / 24, twin.select(positions)[1], Scratch())[1].max()))
     assert worst[0] < 0.5 * worst[1]
 
 
@@ -286,7 +286,7 @@ def test_strands_that_follow_a_lost_guide_are_left_out(tmp_path: Path) -> None:
     assert 0 < len(tones) < 200
     lost = ((children.following.parents == 3) & (children.following.weights > 0)).any(1)
     assert len(ids) == 200 - lost.sum()
-    out, _ = children.grow(positions, positions, 1 / 24, len(tones), Scratch(), ids)
+    out, _ = children.grow(positions, positions, 1 / 24, ids, Scratch())
     rows = unpack(out, len(ids))[:, 1:]
     assert (rows == all_of[ids]).all()
 

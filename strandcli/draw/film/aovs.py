@@ -44,12 +44,13 @@ LEAST = 1 / 64
 class Recorder:
     """Gathers the layers of one frame while it is drawn: `strands` after each batch, then `rest`."""
 
-    def __init__(self, image: Any, ids: NDArray[np.int32] | None) -> None:
-        """``image``: the scene's settings; ``ids``: index of each strand in the order of emission, or None if they are
-        in this order."""
+    ids: NDArray[np.int32] | None = None
+    """Number of each strand in the order of emission, or None if they are in this order."""
+
+    def __init__(self, image: Any) -> None:
+        """``image``: the scene's settings."""
         self._names: tuple[str, ...] = image.aovs
         self._samples: int = image.supersample
-        self._ids = ids
         width, height = image.drawn
         self._found: dict[str, NDArray[Any]] = {
             "strand_id": np.full((height, width), NOTHING, np.int32),
@@ -106,9 +107,9 @@ class Recorder:
 
     def layers(self, image: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
         """Return the requested layers; ``image`` is the linear picture in samples."""
-        if self._ids is not None:
+        if self.ids is not None:
             ids = self._found["strand_id"]
-            ids[ids >= 0] = self._ids[ids[ids >= 0]]
+            ids[ids >= 0] = self.ids[ids[ids >= 0]]
         if "linear" in self._names:
             height, width, _ = image.shape
             k = self._samples

@@ -19,8 +19,8 @@ NEIGHBOURS = 8
 POINTS = 32
 """Points of a groom at which the distance is measured."""
 MEASURED_STRANDS = 256
-"""Strands on which these points lie, if strands are in the order of emission, of which any prefix is evenly
-distributed: the points are then the same in every frame, however many strands level of detail draws."""
+"""Strands on which these points lie, the first that an emitter makes: the points are the same in every frame, however
+many strands level of detail draws."""
 
 
 def spacing_at(
@@ -40,13 +40,28 @@ def spacing_at(
     return math.sqrt(math.pi / neighbours) * away[:, -1].astype(np.float64)
 
 
-def spacing_of(positions: NDArray[np.float32], strands: int, measured: int | None = None) -> float:
+def spacing_of(
+    positions: NDArray[np.float32], strands: int, among: NDArray[np.integer] | None = None
+) -> float:  # fmt: skip
     """Return the distance between strands of a groom, metres: the median of `spacing_at` at `POINTS` points.
 
-    The points are evenly distributed along and over the strands, or the first ``measured`` strands.
+    The points are evenly distributed along and over the strands, or those that ``among`` says.
     """
     unit = (0.5 + np.arange(POINTS)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])) % 1.0
-    own = (unit[:, 0] * (strands if measured is None else min(measured, strands))).astype(np.int64)
+    own = (unit[:, 0] * (strands if among is None else len(among))).astype(np.int64)
+    own = own if among is None else among[own].astype(np.int64)
     rows = 1 + (unit[:, 1] * (positions.shape[1] - 1)).astype(np.int64)
     points = positions.reshape(*positions.shape[:2], 3, W)[own // W, rows, :, own % W]
     return float(np.median(spacing_at(positions, strands, np.ascontiguousarray(points), own)))
+
+
+def first_emitted(strands: int, ids: NDArray[np.int32] | None) -> NDArray[np.int64]:
+    """Return where the first `MEASURED_STRANDS` of so many strands are, the first emitted first.
+
+    ``ids`` (strands,): numbers in the order of emission, of which any prefix is evenly distributed; None: 0, 1, …
+    """
+    many = min(MEASURED_STRANDS, strands)
+    if ids is None:
+        return np.arange(many)
+    first = np.argpartition(ids, many - 1)[:many]
+    return np.asarray(first[np.argsort(ids[first])])

@@ -132,9 +132,12 @@ class Subject:
         self.positions, self.lengths = solver.positions, solver.lengths
         if scene.children is not None:
             children, strands = Children(scene, guides), self.groom.strands
-            tones, _ = children.select(solver.positions)
-            self.groom = dataclasses.replace(self.groom, tones=tones[:strands])
-            self.positions, self.lengths = children.grow(solver.positions, solver.lengths, self.at, strands, Scratch())
+            tones, ids = children.select(solver.positions)
+            first = np.argsort(ids)[:strands]
+            self.groom = dataclasses.replace(self.groom, tones=tones[first])
+            self.positions, self.lengths = children.grow(
+                solver.positions, solver.lengths, self.at, ids[first], Scratch()
+            )
         if self.scene.emitter.tie is not None:
             combed = Combed(self.scene, self.groom)
             self._joined = combed.join(self.positions, self.at, self.groom.strands, Scratch())

@@ -9,7 +9,7 @@ import pytest
 
 from strandcli.blocks import pack
 from strandcli.draw.geometry.kernels import spacing as kernel
-from strandcli.draw.geometry.spacing import NEIGHBOURS, spacing_at, spacing_of
+from strandcli.draw.geometry.spacing import NEIGHBOURS, first_emitted, spacing_at, spacing_of
 
 
 def upright(side: int, apart: float, rows: int = 6) -> np.ndarray:
@@ -86,6 +86,14 @@ def test_it_is_taken_where_strands_are_and_not_where_they_grow() -> None:
 def test_the_first_strands_speak_for_all_that_follow_them() -> None:
     """Asked for at the same places, it changes by no more than the strands that come."""
     packed = pack(upright(40, 0.1))
-    some = [spacing_of(packed, count, 256) for count in (1500, 1501, 1502, 1503)]
+    some = [spacing_of(packed, count, first_emitted(count, None)) for count in (1500, 1501, 1502, 1503)]
     assert np.ptp(some) < 0.03 * some[0]
     assert NEIGHBOURS < 256
+
+
+def test_the_same_strands_are_measured_in_whatever_order_they_are() -> None:
+    packed, order = upright(40, 0.1), np.random.default_rng(3).permutation(1600).astype(np.int32)
+    found = first_emitted(1600, order)
+    np.testing.assert_array_equal(order[found], np.arange(256))
+    mixed = spacing_of(pack(packed[order]), 1600, found)
+    assert mixed == spacing_of(pack(packed), 1600, first_emitted(1600, None)) > 0

@@ -1,0 +1,207 @@
+"""What children have for life: guides, clumps, waves, lengths and colours (see `strandcli.groom.children`)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
+from . import fringe
+from .arrange import spatial_order
+from .emit import sides, stream
+from .record import Groom, frame
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene, Wave
+
+PARENTS = 3
+"""Guides of a child."""
+STRAY_PULL = 0.15
+"""Factor of a clump's strength for stray strands."""
+WAVE_SPREAD = 0.35
+"""Relative spread of wavelengths between clumps."""
+SHARED = np.float32(0.4)
+"""Share of a strand's tone that is that of its clumps."""
+PLAIN = 4
+"""Coordinates by which strands are compared, but on meshes."""
+FACING = 0.1
+"""What a difference of normals by 1 counts between strands on a mesh, as a share of its extent."""
+RANDOM = 20
+"""Number of the first random stream that is used here."""
+
+
+class Family(NamedTuple):
+    """Constants of all children, as in `kernels.inputs`, neighbours next to each other.
+
+    A: children; C: levels of clumps; V: waves.
+    """
+
+    ids: NDArray[np.int32]
+    """(A,) number of each in the order of emission."""
+    tones: NDArray[np.float32]
+    roots: NDArray[np.float64]
+    parents: NDArray[np.int32]
+    """(A, 3)"""
+    weights: NDArray[np.float32]
+    """(A, 3)"""
+    shares: NDArray[np.float32]
+    """(A,) ratio of a child's length to that of its guides."""
+    middles: NDArray[np.int32]
+    """(C, A) where the child at the centre of each child's clump is here."""
+    pulls: NDArray[np.float32]
+    """(C, A)"""
+    radii: NDArray[np.float32]
+    """(V, A) amplitude, metres; 0 for children without this wave."""
+    phases: NDArray[np.float32]
+    """(V, A) radians."""
+    turns: NDArray[np.float32]
+    """(V, A) radians a metre."""
+    across: NDArray[np.float64]
+    """(A, 3) unit vectors perpendicular to the direction of each child's clump, in the emitter's frame."""
+
+    def of(self, order: NDArray[np.int32]) -> Family:
+        """Return the children in another order; ``order`` (A,): where each is here."""
+        standing = np.empty_like(order)
+        standing[order] = np.arange(len(order), dtype=np.int32)
+        levels = {"middles", "pulls", "radii", "phases", "turns"}
+        moved = {name: one[:, order] if name in levels else one[order] for name, one in self._asdict().items()}
+        return self._replace(**moved | {"middles": standing[moved["middles"]]})
+
+
+def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -> Family:
+    """Return the constants of children. ``groom``: the guides; ``every``: the children as emitted, the guides first;
+    ``waves``: those that move anything."""
+    settings, emitter, count = scene.children, scene.emitter, every.strands
+    assert settings is not None
+    seed: int = scene.seed
+    where = _places(emitter, every)
+    parents, weights = _parents(where, groom)
+    lots = stream(seed, RANDOM, count)
+    levels = _Levels(emitter, settings.clumps, where, seed)
+    pulls = [
+        clump.strength
+        * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[levels.middles[number]])
+        * np.where(lots < clump.stray, STRAY_PULL, 1.0)
+        for number, clump in enumerate(settings.clumps)
+    ]
+    shares = 1.0 - settings.cut * stream(seed, RANDOM + 1, count)
+    shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
+    if settings.fringe is not None:
+        shares *= fringe.lengths(settings.fringe, seed, count, groom.strands)
+    # strands of a clump share their waves
+    clump_of = levels.middles[0] if settings.clumps else np.zeros(count, np.int32)
+    radii, phases, turns = [], [], []
+    for number, wave in enumerate(waves):
+        each = stream(seed, RANDOM + 40 + 2 * number, count)[clump_of]
+        own = stream(seed, RANDOM + 41 + 2 * number, count)
+        radii.append(np.where(stream(seed, RANDOM + 100 + number, count) < wave.share, wave.radius, 0.0))
+        phases.append(2 * np.pi * (each + wave.disorder * (own - 0.5)))
+        longer = stream(seed, RANDOM + 80 + number, count)[clump_of] - 0.5
+        turns.append(2 * np.pi / (wave.length * (1.0 + WAVE_SPREAD * longer)))
+    tones = every.tones
+    if settings.clumps and every.colours is None:
+        tones = (1 - SHARED) * tones + SHARED * tones[levels.middles].mean(0)
+    axes = every.directions.astype(np.float64)
+    across = frame(axes[clump_of])[0]
+    emitted = Family(
+        np.arange(count, dtype=np.int32),
+        tones,
+        every.roots.astype(np.float64),
+        parents,
+        weights,
+        np.maximum(shares, 1e-3).astype(np.float32),
+        levels.middles,
+        np.array(pulls, np.float32).reshape(-1, count),
+        np.array(radii, np.float32).reshape(-1, count),
+        np.array(phases, np.float32).reshape(-1, count),
+        np.array(turns, np.float32).reshape(-1, count),
+        across,
+    )
+    return emitted.of(spatial_order(every.roots))
+
+
+def _parents(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Return the guides of each child, (A, P), and their weights."""
+    guides = groom.strands
+    found, squares = _nearest(where, where[:guides], min(PARENTS + 1, guides))
+    used = min(PARENTS, guides)
+    d = np.sqrt(squares.astype(np.float64))
+    reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
+    d = np.maximum(d[:, :used], 1e-30)
+    weights = np.maximum(1.0 / d - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
+    weights[weights.sum(1) == 0, 0] = 1.0
+    weights /= weights.sum(1, keepdims=True)
+    weights[:guides] = 0.0
+    parents = np.ascontiguousarray(found[:, :used])
+    parents[:guides, 0] = np.arange(guides)
+    weights[:guides, 0] = 1.0
+    # a guide of weight 0 must not matter, not even if it is NaN
+    parents = np.where(weights > 0, parents, parents[:, :1])
+    return groom.emitted(np.arange(guides, dtype=np.int32))[parents], weights.astype(np.float32)
+
+
+class _Levels:
+    """Nested levels of clumps."""
+
+    def __init__(self, emitter: Emitter, clumps: tuple[Any, ...], where: NDArray[np.float32], seed: int) -> None:
+        count = len(where)
+        self.middles = np.zeros((len(clumps), count), np.int32)
+        """(C, A) number of the child at the centre of each child's clump."""
+        inner = np.arange(count)
+        for number in range(len(clumps) - 1, -1, -1):
+            size = clumps[number].size
+            clump_count = min(max(round(_area(emitter) / size**2), 1), count)
+            moved = where[:clump_count].copy()
+            for c in range(3):
+                lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
+                moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
+            self.middles[number] = _nearest(where, moved, 1)[0][:, 0][inner]
+            inner = self.middles[number]
+
+
+def _nearest(
+    points: NDArray[np.float32], others: NDArray[np.float32], many: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    from .kernels.alike import most_alike
+    from .kernels.nearest import nearest
+
+    found = np.empty((len(points), many), np.int32)
+    squares = np.empty((len(points), many), np.float32)
+    order = np.argsort(others[:, 0], kind="stable").astype(np.int32)
+    search = nearest if points.shape[1] == PLAIN else most_alike
+    search(points, np.ascontiguousarray(others[order]), order, found, squares)
+    return found, squares
+
+
+def _places(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
+    """Return the coordinates for distances between strands, (N, 4): roots, and the side of the parting, farther apart
+    than any roots; on a mesh (N, 7): normals, too, so that strands on the other side of an ear are far away."""
+    roots = every.roots
+    apart = 10.0 * float(np.abs(roots).max())
+    found: list[NDArray[Any]] = [roots, apart * sides(emitter, roots)]
+    if isinstance(emitter.shape, MeshShape) and every.anchors is not None and emitter.tie is None:
+        from .on_mesh import at_anchors, seedbed
+
+        normals = at_anchors(seedbed(emitter.shape).mesh, every.anchors)[1]
+        found.append(FACING * float(np.ptp(roots, axis=0).max()) * normals)
+    return np.column_stack(found).astype(np.float32)
+
+
+def _area(emitter: Emitter) -> float:
+    """Return the area of the surface from which simulated strands begin, m²."""
+    shape = emitter.shape
+    if emitter.tie is not None:
+        return math.pi * emitter.tie.radius**2
+    if isinstance(shape, DiscShape):
+        return math.pi * shape.radius**2
+    if isinstance(shape, PlaneShape):
+        return shape.width * shape.depth
+    if isinstance(shape, MeshShape):
+        from .on_mesh import seedbed
+
+        return seedbed(shape).even
+    return 2 * math.pi * shape.radius**2 * (1 - math.cos(math.radians(shape.cap)))
