@@ -82,7 +82,8 @@ def grain_of(image: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]] | No
     if image.horizon is None:
         return None
     x, y = (image.crop or (0, 0))[:2]
-    return level_sizes(image.tone), np.array([image.supersample, x, y, 2.0**image.exposure], np.float32)
+    frame = [image.supersample, x, y, 2.0**image.exposure, 2.0**-image.exposure]
+    return level_sizes(image.tone), np.array(frame, np.float32)
 
 
 def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:

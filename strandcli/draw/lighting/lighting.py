@@ -28,7 +28,7 @@ NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
 
-NO_GRAIN = (np.zeros(0, np.float32), np.zeros(4, np.float32))
+NO_GRAIN = (np.zeros(0, np.float32), np.zeros(5, np.float32))
 
 
 def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]:

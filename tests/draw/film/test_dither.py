@@ -64,7 +64,7 @@ def test_what_is_white_or_black_stays_so(tone: str) -> None:
         rows = np.full((8, 3), light, np.float32)
         image = film.dithered(rows, 64, 1, tone, 0.0)
         assert film._response(image.astype(float), tone, 0.0).min() > (254 if tone == "srgb" else 220)
-    frame = np.array([1, 0, 0, 1], np.float32)
+    frame = np.array([1, 0, 0, 1, 1], np.float32)
     levels = film.level_sizes(tone)
     for light in (0.0, 1e9, np.inf):
         assert dither.dithered(np.float32(light), np.float32(-0.5), levels, frame) == np.float32(light)

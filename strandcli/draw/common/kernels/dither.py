@@ -11,8 +11,9 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 MOST = np.float32(1e6)
 BITS = np.float32(2.0**-24)
-SAMPLES, CORNER_X, CORNER_Y, EXPOSURE = range(4)
-"""Columns of a frame: samples along a side of a pixel; position in the full picture, pixels; scale of light."""
+SAMPLES, CORNER_X, CORNER_Y, EXPOSURE, PER_EXPOSURE = range(5)
+"""Columns of a frame: samples along a side of a pixel; position in the full picture, pixels; scale of light, and its
+inverse."""
 
 
 @function
@@ -28,15 +29,18 @@ def noise(x, y):
 @device
 def noise_at(column, row, frame):
     """Return the noise of the pixel that holds a sample; frame: its columns."""
-    samples = np.int64(frame[SAMPLES])
-    return noise(column // samples + np.int64(frame[CORNER_X]), row // samples + np.int64(frame[CORNER_Y]))
+    x, y = np.uint32(column), np.uint32(row)
+    samples = np.uint32(frame[SAMPLES])
+    if samples > np.uint32(1):
+        x, y = x // samples, y // samples
+    return noise(x + np.uint32(frame[CORNER_X]), y + np.uint32(frame[CORNER_Y]))
 
 
 @function
 def dithered(light, share, levels, frame):
     """Return light with `share` of an 8-bit level more; levels (n,): `film.level_sizes`; frame: its columns."""
     exposed = light * frame[EXPOSURE]
-    if not (exposed > ZERO and exposed < MOST):
-        return light
-    step = levels[np.int64(exposed / (ONE + exposed) * np.float32(levels.shape[0]))]
-    return max(light + share * step / frame[EXPOSURE], ZERO)
+    some = exposed > ZERO and exposed < MOST
+    exposed = exposed if some else ZERO
+    step = levels[np.uint32(exposed / (ONE + exposed) * np.float32(levels.shape[0]))]
+    return max(light + share * step * frame[PER_EXPOSURE], ZERO) if some else light

@@ -92,7 +92,7 @@ class Screen(NamedTuple):
     levels: NDArray[np.float32]
     """(n,) `strandcli.draw.film.film.level_sizes`; no rows: solids are not dithered."""
     frame: NDArray[np.float32]
-    """(4,) columns of `strandcli.draw.common.kernels.dither`."""
+    """(5,) columns of `strandcli.draw.common.kernels.dither`."""
 
 
 class Coating(NamedTuple):

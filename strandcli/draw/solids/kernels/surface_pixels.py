@@ -9,7 +9,7 @@ from ....jit import device
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
-from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
+from ...common.kernels.surface_batch import DISTANCE, NOISE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, blended, rays
 
@@ -115,13 +115,16 @@ def dither(work, n, which, screen, width):
     """Add the noise of their pixels to the radiance of the first n points of a batch."""
     spots, levels, frame = screen.spots, screen.levels, screen.frame
     for k in range(n):
-        row = which[k] // width
-        column = which[k] - row * width
         if spots.shape[0] > 0:
-            column, row = np.int64(spots[which[k], 0]), np.int64(spots[which[k], 1])
-        share = noise_at(column, row, frame)
-        for c in range(3):
-            work[RADIANCE + c * W + k] = dithered(work[RADIANCE + c * W + k], share, levels, frame)
+            work[NOISE + k] = noise_at(spots[which[k], 0], spots[which[k], 1], frame)
+        else:
+            pixel = np.uint32(which[k])
+            row = pixel // np.uint32(width)
+            work[NOISE + k] = noise_at(pixel - row * np.uint32(width), row, frame)
+    for c in range(3):
+        for k in range(n):
+            light = work[RADIANCE + c * W + k]
+            work[RADIANCE + c * W + k] = dithered(light, work[NOISE + k], levels, frame)
 
 
 @device
