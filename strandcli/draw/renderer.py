@@ -19,7 +19,7 @@ from .common.scratch import Scratch
 from .coverage.coverage import Coverage
 from .drawn_strands import DrawnStrands
 from .film.aovs import Recorder
-from .film.film import backdrop_of, curve_of
+from .film.film import backdrop_of, curve_of, grain_of
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .geometry.extent import Thickness, bounds_of, thickness_of
@@ -78,7 +78,7 @@ class Renderer:
             model_of(light).thins for light in scene.lights if casts_map(light)
         )
         self.drawn = DrawnStrands(groom, children, combed, self._thins, self.scratch)
-        self.backdrop = backdrop_of(scene.image)
+        self.backdrop, self.grain = backdrop_of(scene.image), grain_of(scene.image)
         self._drawing: Drawing
         self._made: Lighting | None = None
 
@@ -172,7 +172,7 @@ class Renderer:
             ]
         drawing.lap("shadow")
         lights = pack_lights(scene.lights, maps, bounds)
-        lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids)
+        lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids, self.grain)
         canvas = Canvas(
             self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, recorder,
             workers, drawing, self.scratch, self.trace_unseen,

@@ -18,6 +18,9 @@ def srgb_curve() -> NDArray[np.uint8]:
 
 GREY = 0.18
 CONTRAST = 1.3
+WHITE = 254.5
+"""8-bit level from which on nothing is dithered."""
+LEVELS = 4096
 
 
 def filmic(light: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -53,9 +56,34 @@ def dithered(
     slope = (_response(lines + step, tone, exposure) - _response(lines - step, tone, exposure)) / (2 * step)
     x, y = np.arange(width // samples, dtype=np.uint32), np.arange(len(lines), dtype=np.uint32)
     noise = _noise(x + np.uint32(corner[0]), (y + np.uint32(corner[1]))[:, None])[..., None] - 0.5
-    spread = noise / np.maximum(slope, 1e-3)[:, None]
+    white = _response(lines, tone, exposure) >= WHITE  # where noise of any size would only make it darker
+    spread = np.where(white, 0.0, 1.0 / np.maximum(slope, 1e-3))[:, None] * noise
     wide = np.repeat(np.repeat(spread, samples, 0), samples, 1)
     return np.maximum(rows[:, None] + wide, 0).astype(np.float32)
+
+
+@functools.cache
+def level_sizes(tone: str) -> NDArray[np.float32]:
+    """Return a table (LEVELS,) over x / (1 + x) of exposed light x, in even steps over [0, 1]: how much light makes one
+    8-bit level more there; 0 where the picture is white."""
+    rolled = (np.arange(LEVELS) + 0.5) / LEVELS
+    light = rolled / (1 - rolled)
+    known = np.concatenate([[0.0], np.geomspace(1e-7, light[-1], 20_000)])
+    levels = _response(known, tone, 0.0)
+    rising = levels < WHITE
+    here = np.minimum(_response(light, tone, 0.0), WHITE)
+    ends = [np.interp(here + side, levels[rising], known[rising]) for side in (-0.5, 0.5)]
+    return np.asarray(np.where(here < WHITE, ends[1] - ends[0], 0.0), np.float32)
+
+
+def grain_of(image: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+    """Return levels and frame of `strandcli.draw.lighting.kernels.inputs.Screen`; None where backdrop and solids are
+    not dithered."""
+    if image.horizon is None:
+        return None
+    x, y = (image.crop or (0, 0))[:2]
+    frame = [image.supersample, x, y, 2.0**image.exposure, 2.0**-image.exposure]
+    return level_sizes(image.tone), np.array(frame, np.float32)
 
 
 def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:

@@ -28,6 +28,8 @@ NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
 
+NO_GRAIN = (np.zeros(0, np.float32), np.zeros(5, np.float32))
+
 
 def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]:
     """Return the array, or one without rows of this shape for None. Kernels test its length; with None, another type,
@@ -52,6 +54,8 @@ class Lighting:
     occlusion: Occlusion | None
     solids: Solids | None
     """The visible solids, packed by `strandcli.solids.pack`."""
+    grain: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
+    """Levels and frame of `kernels.inputs.Screen`, if solids are dithered."""
 
     @property
     def skin(self) -> np.float32:
@@ -94,7 +98,7 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            Screen(keys, self.view.pack(), spots), self._surround(),
+            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN)), self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
             map_arrays(self.maps), self.solids, Coating(paint, given(coats_of(seen), 7)), image,
         )  # fmt: skip

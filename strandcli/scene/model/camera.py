@@ -71,7 +71,10 @@ class Image:
     size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc='width and height, as [w, h] or "800x600"')
     supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
     background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
-    horizon: Colour | None = colour(None, doc="background at the bottom; absent: one colour everywhere")
+    horizon: Colour | None = colour(
+        None,
+        doc="background at the bottom, with noise against bands, as in solids; absent: one colour everywhere, no noise",
+    )
     haze: float | None = number(
         None,
         above=0,

@@ -26,7 +26,10 @@ class SolidSettings:
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     coat: float = number(
-        0.0, low=0, high=1, doc="share of light that a coat mirrors straight on, .04 is varnish or wax; 0: matte"
+        0.0,
+        low=0,
+        high=1,
+        doc="share of light that a coat mirrors straight on, .04 is varnish or wax, .007 skin; 0: matte",
     )
     roughness: float = number(0.3, low=0.05, high=1, doc="of the coat; 0.1 is polished, 0.5 satin")
     mottle: float = number(0.0, low=0, high=1, doc="spread of brightness from patch to patch")

@@ -89,6 +89,20 @@ def test_a_wide_lights_gleam_is_the_mean_over_its_disc(rough: float, degrees: fl
     assert point > 1.3 * mean
 
 
+@pytest.mark.parametrize("rough", [0.2, 0.58])
+def test_a_coat_weaker_than_waters_covers_part_of_the_surface(rough: float) -> None:
+    """A third of what one of .02 mirrors, the Fresnel term at grazing angles included, of lights as of the sky."""
+    for theta in (0.1, 0.8, 1.5):
+        eye = towards(theta, np.pi)
+        for angle in (0.2, 1.0, 1.52):
+            third, whole = (brdf(coat, rough, towards(angle), eye) for coat in (0.02 / 3, 0.02))
+            assert whole == pytest.approx(exact(0.02, rough, towards(angle), eye), rel=2e-3)
+            assert third == pytest.approx(whole / 3, rel=1e-4)
+        numbers = (np.float32(rough), np.float32(np.cos(theta)))
+        third, whole = (kernel.mirrored(np.float32(coat), *numbers) for coat in (0.02 / 3, 0.02))
+        assert third == pytest.approx(whole / 3, rel=1e-4)
+
+
 SCENE = """
 emitter: {strands: 1, length: 0.01, shape: {kind: sphere, radius: 0.01}}
 rules: []

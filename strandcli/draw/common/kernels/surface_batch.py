@@ -10,6 +10,8 @@ NX, NY, NZ = layout.allocate("normal", 3, surfaces="ambient:out")
 SX, SY, DISTANCE = layout.allocate("place on the screen", 3, surfaces="gather:ambient")
 PIXEL = layout.allocate_row("width of a pixel", surfaces="ambient")
 THERE = layout.allocate_row("share of the picture", surfaces="ambient:out")
+# Noise of a pixel, in 8-bit levels.
+NOISE = layout.allocate_row("noise of a pixel", surfaces="out")
 # Light that a coat reflects, red, green and blue; its transmittance.
 COAT = layout.allocate("light of the coat", 3, surfaces="ambient:out")[0]
 UNDER = layout.allocate_row("share under the coat", surfaces="ambient:out")

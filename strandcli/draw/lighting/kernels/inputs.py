@@ -89,6 +89,10 @@ class Screen(NamedTuple):
     """(`view_columns.SIZE`,) packed camera."""
     spots: NDArray[np.float32]
     """(height * width, 2) position of each pixel on the screen; no rows if each is at its own position."""
+    levels: NDArray[np.float32]
+    """(n,) `strandcli.draw.film.film.level_sizes`; no rows: solids are not dithered."""
+    frame: NDArray[np.float32]
+    """(5,) columns of `strandcli.draw.common.kernels.dither`."""
 
 
 class Coating(NamedTuple):

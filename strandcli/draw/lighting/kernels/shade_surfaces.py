@@ -75,7 +75,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
                 batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
                 if fine:
                     average(work, n)
-                composite(work, np.int64(1) if fine else n, which, picture)
+                composite(work, np.int64(1) if fine else n, which, screen, width, picture)
 
 
 @device

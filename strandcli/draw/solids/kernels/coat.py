@@ -7,6 +7,10 @@ of angular radius a, half vectors lie within a / 2, and in the mirror direction 
 of a disc. Ambient light is mirrored as a whole, with a Fresnel term that rises less the rougher the coat is. The base
 receives what the coat does not mirror, so that a white solid in uniform light is as bright as the light.
 
+No liquid or solid has an index of refraction below that of water, which mirrors 2 % straight on. A weaker coat covers
+part of the surface with one of 2 %: at grazing angles it mirrors that part of the light, not all of it. Measured skin
+is such a surface: .2 to .3 of a smooth layer (Weyrich et al. 2006; d'Eon and Luebke 2007).
+
 Patches are three-dimensional noise in octaves, each faded out where it is finer than a pixel.
 """
 
@@ -28,6 +32,8 @@ QUARTER = np.float32(0.25)
 INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
 BITS = np.float32(2.0**-24)
+WATER = np.float32(0.02)
+"""Least reflectance of a coat that covers all of the surface, straight on."""
 COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
 SUBSURFACE = 4
 """Columns of `strandcli.draw.solids.solids.coats_of`; the last one is followed by those of green and blue."""
@@ -35,9 +41,11 @@ SUBSURFACE = 4
 
 @device
 def fresnel(coat, edge, cosine):
-    """Return the reflectance at a cosine: ``coat`` at normal incidence, ``edge`` at grazing angles (Schlick 1994)."""
+    """Return the reflectance at a cosine: ``coat`` at normal incidence; at grazing angles ``edge`` of what the coat
+    covers (Schlick 1994)."""
     x = min(max(ONE - cosine, ZERO), ONE)
     square = x * x
+    edge = max(edge, WATER) * min(coat / WATER, ONE)
     return coat + (edge - coat) * square * square * x
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import RADIANCE
+from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
-from ...common.kernels.surface_batch import DISTANCE, SX, SY, THERE
+from ...common.kernels.surface_batch import DISTANCE, NOISE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, blended, rays
 
@@ -98,12 +99,32 @@ def average(work, n):
 
 
 @device
-def composite(work, n, which, picture):
-    """Composite the first n points of a batch over the picture (3 P,)."""
+def composite(work, n, which, screen, width, picture):
+    """Composite the first n points of a batch over the picture (3 P,), dithered if there are levels; screen:
+    `inputs.Screen`; width: samples a row."""
+    if screen.levels.shape[0] > 0:
+        dither(work, n, which, screen, width)
     for k in range(n):
         p = 3 * which[k]
         for c in range(3):
             picture[p + c] += work[THERE + k] * (work[RADIANCE + c * W + k] - picture[p + c])
+
+
+@device
+def dither(work, n, which, screen, width):
+    """Add the noise of their pixels to the radiance of the first n points of a batch."""
+    spots, levels, frame = screen.spots, screen.levels, screen.frame
+    for k in range(n):
+        if spots.shape[0] > 0:
+            work[NOISE + k] = noise_at(spots[which[k], 0], spots[which[k], 1], frame)
+        else:
+            pixel = np.uint32(which[k])
+            row = pixel // np.uint32(width)
+            work[NOISE + k] = noise_at(pixel - row * np.uint32(width), row, frame)
+    for c in range(3):
+        for k in range(n):
+            light = work[RADIANCE + c * W + k]
+            work[RADIANCE + c * W + k] = dithered(light, work[NOISE + k], levels, frame)
 
 
 @device
