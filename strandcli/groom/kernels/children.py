@@ -19,6 +19,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
+from ...solids.kernels import built_in, other
 from ...solids.kernels.outside import count as count_solids
 from ...solids.kernels.outside import outside
 from .inputs import ONSET, ROUNDNESS
@@ -33,6 +34,9 @@ solid, and triangles may lie above their grid of distances."""
 TOWARD = np.float32(0.3)
 """Share of its lateral distance from the target path that a strand corrects within a segment."""
 ROUNDS = 3
+SURE = np.float32(0.55)
+"""Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes between
+nodes of a grid grow by √3 a metre at most."""
 
 
 @parallel
@@ -174,6 +178,8 @@ def write_strand(path, i, rest, waves, solids, out, b, lane):
     with waves, segments of the length ``rest``, and outside of solids."""
     m = path.shape[0] - 1
     solid = count_solids(solids) > 0
+    mixed = built_in.count(solids) > 0
+    free = ZERO  # metres that the strand may go on before any solid can be met
     # previous points of the path with waves (w), and of the strand (p)
     wx = px = path[1, 0]
     wy = py = path[1, 1]
@@ -202,7 +208,12 @@ def write_strand(path, i, rest, waves, solids, out, b, lane):
         py += rest * ey
         pz += rest * ez
         if solid:
-            px, py, pz = keep_out(px, py, pz, ox, oy, oz, rest, solids)
+            free -= rest
+            if not free > ZERO:
+                if not mixed:
+                    free = SURE * (other.least_distance(solids, px, py, pz) - CLEAR * rest)
+                if not free > ZERO:
+                    px, py, pz = keep_out(px, py, pz, ox, oy, oz, rest, solids)
         out[b, j, lane] = px
         out[b, j, W + lane] = py
         out[b, j, 2 * W + lane] = pz

@@ -181,6 +181,19 @@ def _outside(solids, x, y, z, clear):
     return lambda solids, x, y, z, clear: field.put_outside_all(distance, outward, among(solids), x, y, z, clear)
 
 
+def least_distance(solids, x, y, z):
+    """A distance, metres, that no surface of these is nearer than; negative inside of one."""
+
+
+@overload(least_distance)
+def _least_distance(solids, x, y, z):
+    form = form_of(solids)
+    if form is None:
+        return lambda solids, x, y, z: field.INF
+    distance, among = form.distance, form.among
+    return lambda solids, x, y, z: field.least_distance_of_all(distance, among(solids), x, y, z)
+
+
 def deepest(solids, positions, b):
     """Greatest depth of a block's particles in these and of its segments, metres."""
 
