@@ -48,13 +48,14 @@ def test_windows_are_tiles_with_strands_in_the_order_of_how_rough_they_are(monke
         picture[2 * row, 2 * column] = tile
         points.append([100 + 2 * column + 0.5, 10 + 2 * row + 1.5])
     points += [[99.0, 11.0], [113.0, 11.0], [100.5, 9.0]]  # beside the picture
-    found, mean = spread(np.array(points), picture, (100, 10), 3, 0.5)
+    found, mean, tiles = spread(np.array(points), picture, (100, 10), 3, 0.5)
+    assert tiles == 12
     assert mean == pytest.approx(sum(range(12)) / 4 / 12)
     assert found == [(104, 10, 2, 2), (100, 12, 2, 2), (108, 12, 2, 2)]  # the tiles 2, 6 and 10
-    others, _ = spread(np.array(points), picture, (100, 10), 3, 0.0)
+    others, _, _ = spread(np.array(points), picture, (100, 10), 3, 0.0)
     assert not set(found) & set(others)
     assert len(set(spread(np.array(points), picture, (100, 10), 40, 0.5)[0])) == 12
-    assert spread(np.array(points[-3:]), picture, (100, 10), 3, 0.5) == ([], 0.0)
+    assert spread(np.array(points[-3:]), picture, (100, 10), 3, 0.5) == ([], 0.0, 0)
 
 
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])
@@ -76,6 +77,15 @@ def test_windows_are_what_the_whole_picture_has_there(
     np.testing.assert_array_equal(subject.apart(found.pixels)[2], subject.cut(whole.pixels)[2])
     frame = next(iter(strandcli.render(scene, frames=[1])))
     np.testing.assert_array_equal(subject.draw_whole(subject.scene).pixels, frame.image)
+
+
+def test_what_a_frame_takes_grows_with_its_pixels() -> None:
+    subject = object.__new__(Windows)
+    subject._share, subject._own = 10.0, {"raster": (3.0, 0.5), "shadow": (4.0, 2.0)}
+    assert subject._of_frame({"raster": 0.7, "shadow": 3.0, "film": 1.0}) == {
+        "raster": pytest.approx(5.0), "shadow": pytest.approx(6.0), "film": 1.0
+    }  # fmt: skip
+    assert subject._of_frame({"raster": 0.25}) == {"raster": pytest.approx(1.5)}
 
 
 def data(*points: tuple[float | None, float | None, float]) -> dict[str, Any]:

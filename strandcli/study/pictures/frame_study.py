@@ -4,12 +4,15 @@ picture=ERROR` chooses by."""
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import RefusedError
 from ...output.flip import mean_flip
+from ...plan import make_plan, require_memory
 from ...scene.look import LOOKS
 from ...scene.quality import settings_for, shadowed
 from ..axes import Request
@@ -21,6 +24,8 @@ from .windows import Windows
 
 PATIENCE = 40.0
 """Seconds for the reference and all settings; those that are left then are not tried."""
+ALWAYS = 2
+"""Settings that are tried in any case: the finest and the preset's own."""
 FINEST = 6
 """Level of curves where a tolerance decides."""
 STUDIED, CHECKED = 2 / 3, 1 / 3
@@ -62,6 +67,20 @@ class FrameStudy(WholeStudy):
             found += [{"image.supersample": samples} for samples in (2, 3, 4, 6, 8)]
         return found
 
+    def _fitting(self, knobs: Knobs) -> Knobs | None:
+        """A choice with the highest level of curves that the whole frame has memory for; None where it has none."""
+        assert self.request.scene is not None
+        for level in (None, 5, 4, 3, 2):
+            made = dict(knobs)
+            if level is not None:
+                if not knobs.get("curves.level", 0) > level:
+                    continue
+                made["curves.level"] = level
+            with suppress(RefusedError):
+                require_memory(make_plan(changed(self.request.scene, made), (self.subject.frame,)))
+                return made
+        return None
+
     def converged(self) -> dict[str, Any]:
         """The settings of the reference: those of the axis end to end, but always sorted, which converges sooner, and
         with no fewer layers than the preset has."""
@@ -74,11 +93,14 @@ class FrameStudy(WholeStudy):
         return fine
 
     def settings(self) -> list[Knobs]:
-        """The choices that are left by what was set by hand, and by the look."""
+        """The choices that are left by what was set by hand, by the look and by the memory that is free."""
         looks, drawn = LOOKS.get(self.scene.look, ()), []
         allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
         found = []
-        for knobs in super().settings():
+        for chosen in super().settings():
+            knobs = self._fitting(chosen)
+            if knobs is None:
+                continue
             scene = changed(self.scene, knobs)
             if scene not in drawn and all(value in allowed.get(path, (value,)) for path, value in knobs.items()):
                 drawn.append(scene)
@@ -87,7 +109,7 @@ class FrameStudy(WholeStudy):
 
     def reference(self) -> dict[str, Any]:
         """Draw the reference, and learn what a whole frame takes."""
-        self._began = time.monotonic()
+        self._began, self._measured = time.monotonic(), 0
         self.draw_reference()
         what = (
             f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
@@ -113,8 +135,9 @@ class FrameStudy(WholeStudy):
         return {"material.width": self.scene.material.width, "material.taper": self.scene.material.taper}
 
     def measure(self, knobs: Knobs) -> Point:
-        """Draw one setting; after `PATIENCE` none, and the point has no error."""
-        if time.monotonic() - self._began > PATIENCE:
+        """Draw one setting; after `PATIENCE` none but the first two, and the point has no error."""
+        self._measured += 1
+        if self._measured > ALWAYS and time.monotonic() - self._began > PATIENCE:
             return Point(knobs=knobs, seconds=0.0, error={"rmse": None, "flip": None}, series=self.series(knobs))
         return super().measure(knobs)
 

@@ -29,6 +29,8 @@ WINDOWS = 8
 MANY = 2_000_000
 LOOKED_AT = 20_000
 """Strands, at most, that tell where in the picture strands are."""
+SAMPLED = ("raster", "shade", "film")
+"""Stages whose time grows with the samples."""
 MARGIN = 96
 """Pixels about a window in which curves are as fine as in it."""
 MAPPED = 4
@@ -101,7 +103,10 @@ class Windows(Subject):
         self.windows: list[Window] = []
         self.mean = 0.0
         """Light of all of the picture that has strands."""
-        self._factors: dict[str, float] = {}
+        self._share = 1.0
+        """Pixels that have strands over those of the windows."""
+        self._own: dict[str, tuple[float, float]] = {}
+        """Seconds by stage of the whole frame and of its windows, with the scene's own settings."""
         super().__init__(replace(request, strands=scene.drawn_strands, size=scene.image.size))
 
     def move(self) -> None:
@@ -114,9 +119,10 @@ class Windows(Subject):
         seen, inside = on_screen(points[:: -(-len(points) // LOOKED_AT), 1:], self.view(self.scene))
         whole = self.draw_whole(self.scene).image
         number = WINDOWS if self.scene.emitter.strands * self.scene.emitter.particles < MANY else WINDOWS // 2
-        self.windows, self.mean = spread(seen[inside], whole, self._corner(), number, self._phase)
+        self.windows, self.mean, tiles = spread(seen[inside], whole, self._corner(), number, self._phase)
         if not self.windows:
             raise UsageError(f"{self.name}: frame {self.frame} shows no strands; choose the settings by hand")
+        self._share = tiles / len(self.windows)
 
     def _corner(self) -> tuple[int, int]:
         """x and y of the picture's upper left corner: of the crop window, where there is one."""
@@ -133,12 +139,15 @@ class Windows(Subject):
         counts: dict[str, int] = {}
         for picture in made:
             for stage, took in picture.seconds.items():
-                seconds[stage] = seconds.get(stage, 0.0) + took * self._factors.get(stage, 1.0)
+                seconds[stage] = seconds.get(stage, 0.0) + took
             for name, value in picture.counts.items():
                 counts[name] = max(value, counts.get(name, 0))
         pixels = [picture.pixels for picture in made if picture.pixels is not None]
         return Picture(
-            np.concatenate([picture.image for picture in made]), seconds, counts, pixels=np.concatenate(pixels)
+            np.concatenate([picture.image for picture in made]),
+            self._of_frame(seconds),
+            counts,
+            pixels=np.concatenate(pixels),
         )
 
     def draw_whole(self, scene: Scene) -> Picture:
@@ -148,11 +157,21 @@ class Windows(Subject):
     def calibrate(self) -> float:
         """Draw the whole frame with the scene's own settings, and return the seconds that it took: by what windows take
         with these, `draw` learns what a frame takes with others."""
-        whole = self.draw_whole(self.scene)
-        self._factors = {}
+        whole = self.draw_whole(self.scene).seconds
+        self._own = {}
         parts = self.draw(self.scene).seconds
-        self._factors = {stage: took / parts[stage] for stage, took in whole.seconds.items() if parts.get(stage)}
-        return sum(whole.seconds.values())
+        self._own = {stage: (took, parts[stage]) for stage, took in whole.items() if parts.get(stage)}
+        return sum(whole.values())
+
+    def _of_frame(self, seconds: dict[str, float]) -> dict[str, float]:
+        """What a whole frame takes by stage where its windows take ``seconds``; these where nothing is known. What more
+        samples take grows with the pixels that have strands, all else in proportion."""
+        found = {}
+        for stage, took in seconds.items():
+            whole, part = self._own.get(stage, (took, took))
+            more = stage in SAMPLED and took > part
+            found[stage] = whole + self._share * (took - part) if more else whole * took / part if part else took
+        return found
 
     def cut(self, picture: NDArray[Any]) -> list[NDArray[Any]]:
         """The windows of a picture of the whole frame (height, width, …), each a view of it."""
@@ -166,8 +185,8 @@ class Windows(Subject):
 
 def spread(
     points: NDArray[np.float64], picture: NDArray[np.float64], corner: tuple[int, int], number: int, phase: float
-) -> tuple[list[Window], float]:
-    """Windows that stand for all of a picture that has strands, and the mean light of all that.
+) -> tuple[list[Window], float, int]:
+    """Windows that stand for all of a picture that has strands, the mean light of all that, and how many they are of.
 
     points (n, 2): places of particles, pixels; picture (height, width, 3): linear light, its upper left pixel at
     ``corner``. The picture is cut into tiles of `SIDE` pixels (smaller where it is), those without points are left out,
@@ -186,9 +205,10 @@ def spread(
     kept = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
     occupied = np.unique((row[kept] * columns + column[kept]).astype(np.int64))
     if not len(occupied):
-        return [], 0.0
+        return [], 0.0, 0
     order = occupied[np.argsort(rough[occupied], kind="stable")]
     number = min(number, len(order))
     places = [min(math.floor((part + phase) * len(order) / number), len(order) - 1) for part in range(number)]
     chosen = [divmod(int(order[place]), columns) for place in places]
-    return [(x + column * wide, y + row * high, wide, high) for row, column in chosen], float(means[occupied].mean())
+    found = [(x + column * wide, y + row * high, wide, high) for row, column in chosen]
+    return found, float(means[occupied].mean()), len(occupied)
