@@ -163,7 +163,7 @@ def test_render_keeps_under_an_error_and_says_how_it_knows(run: Runner, monkeypa
     assert 0 < told["predicted"]["rmse"] <= 0.1
     assert 0 < told["measured"]["rmse"] <= 0.2
     assert 0 < told["measured"]["flip"] < 0.5
-    assert told["measured"]["redrawn_apart"] == 0
+    assert told["measured"]["redrawn_apart"] < 1e-3
     assert told["study"] == {"remembered": False, "untried": 0}
 
     monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("studied again"))

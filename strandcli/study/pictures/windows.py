@@ -142,13 +142,9 @@ class Windows(Subject):
                 seconds[stage] = seconds.get(stage, 0.0) + took
             for name, value in picture.counts.items():
                 counts[name] = max(value, counts.get(name, 0))
-        pixels = [picture.pixels for picture in made if picture.pixels is not None]
-        return Picture(
-            np.concatenate([picture.image for picture in made]),
-            self._of_frame(seconds),
-            counts,
-            pixels=np.concatenate(pixels),
-        )
+        image = np.concatenate([picture.image for picture in made])
+        pixels = np.concatenate([picture.pixels for picture in made if picture.pixels is not None])
+        return Picture(image, self._of_frame(seconds), counts, pixels=pixels)
 
     def draw_whole(self, scene: Scene) -> Picture:
         """Draw the whole frame."""
