@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from cli_runs import Runner
 from strandcli.errors import MismatchError
 from strandcli.output import flip as module
+from strandcli.output.compare import write_image
 from strandcli.output.flip import flip, mean_flip
 
 pairs = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
@@ -108,3 +112,16 @@ def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_sizes_that_differ_are_a_mismatch() -> None:
     with pytest.raises(MismatchError, match="sizes differ: 6x4 against 6x3"):
         flip(even(0, 0, 0), even(0, 0, 0, size=(3, 6)))
+
+
+def test_compare_tells_it_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    one, two = tmp_path / "a.png", tmp_path / "b.png"
+    write_image(one, even(0, 0, 0))
+    write_image(two, even(255, 255, 255))
+    done = run("compare", str(one), str(two), "--flip", "--allow", "100")
+    assert done.code == 0, done.err
+    assert "ꟻLIP 0.96" in done.out
+    told = json.loads(run("compare", str(one), str(one), "--flip", "--json").out)
+    assert told["flip"] == 0
+    assert "flip" not in json.loads(run("compare", str(one), str(one), "--json").out)
