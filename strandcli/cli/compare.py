@@ -24,6 +24,7 @@ from .say import say
     help="Share of pixels that may be counted before it is a mismatch.",
 )  # fmt: skip
 @click.option("--rmse", type=click.FloatRange(0, 255), metavar="X", help="Greatest RMSE, of 255.  [default: no limit]")
+@click.option("--flip", "perceived", is_flag=True, help="Also measure ꟻLIP: how far they are apart to the eye, 0 to 1.")
 @options.as_json
 @options.quiet
 @options.debug
@@ -34,12 +35,14 @@ def command(
     threshold: int,
     allow: float,
     rmse: float | None,
+    perceived: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
     """Compare the pixels of two images A and B, or of the frames in two folders; ends with exit code 3 if they differ
     by more than allowed."""
     from ..output.compare import compare_files, difference_image, write_image
+    from ..output.flip import mean_flip
 
     if output is not None:
         options.require_png(output)
@@ -50,12 +53,15 @@ def command(
         found, one, two = compare_files(a, b, threshold)
         if output is not None:
             write_image(output, difference_image(one, two))
+        seen = {"flip": mean_flip(one, two)} if perceived else {}
         if as_json:
-            options.print_json({"a": str(a), "b": str(b), **found.as_dict()})
+            options.print_json({"a": str(a), "b": str(b), **found.as_dict(), **seen})
         elif not quiet:
             say(f"{a.name}: {found}" if folders else str(found))
             if not found.equal and found.psnr_db is not None:
                 say(f"PSNR {found.psnr_db:.1f} dB")
+            if perceived:
+                say(f"ꟻLIP {seen['flip']:.4f}")
         if 100 * found.over_fraction > allow:
             raise MismatchError(f"{a} and {b} differ: {found}")
         if rmse is not None and found.rmse > rmse:

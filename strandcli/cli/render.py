@@ -12,10 +12,10 @@ import click
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, options, signals
 from .frame_range import FrameRange
-from .progress import Progress, beginner, stepper, warner
+from .progress import Progress, warner
+from .render_error import PictureError, advised, max_error_option
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
-from .study import max_error as max_error_option
 from .values import KindsType, LayersType
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def command(
     output: Path | None,
     frames: FrameRange | None,
     threads: int | None,
-    max_error: float | None,
+    max_error: dict[str, float] | None,
     animate: tuple[str, ...] | None,
     aovs: tuple[str, ...] | None,
     exr: bool,
@@ -70,9 +70,10 @@ def command(
     Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
     wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its
     length (thesis), or the solver's iterations leave it off by its whole length. With --max-error
-    substeps, iterations and particles are the cheapest that a study finds to keep under it; those set by hand stay.
+    settings are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the
+    picture (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
-    options.exclusive(max_error=max_error is not None, from_cache=from_cache is not None)
+    options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
@@ -81,11 +82,10 @@ def command(
         for words in () if quiet else notes:
             say(f"warning: {words}", err=True)
     scene = options.load_scene(preset, **scene_settings)
+    bound = None
     if max_error is not None:
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
-        chosen = _advised(scene, preset, max_error, scene_settings, talk, quiet)
-        scene_settings["overrides"] += chosen
-        scene = options.load_scene(preset, **scene_settings)
+        scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
     scene = _with_layers(scene, exr)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
@@ -113,7 +113,7 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
-        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress)
+        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if as_json:
         options.print_json(data)
@@ -136,31 +136,6 @@ def _with_layers(scene: Scene, exr: bool) -> Scene:
     return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
 
 
-def _advised(
-    scene: Scene,
-    preset: str,
-    max_error: float,
-    given: Mapping[str, Any],
-    progress: Progress,
-    quiet: bool,
-) -> tuple[str, ...]:
-    """Settings under an error, as after --set; those that the user gave are left alone."""
-    from .. import runtime
-    from ..study.advice import advise
-    from ..study.chart import share
-
-    fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
-    if given["particles"] is not None:
-        fixed.add("emitter.particles")
-    with progress:
-        runtime.start(1, progress.note)  # as `strandcli study` does
-        name = options.preset_name(preset)
-        advice = advise(scene, name, max_error, sorted(fixed), stepper(progress), beginner(progress))
-    if not quiet:
-        say(f"{name}: under {share(max_error)}: {advice.text()}", err=True)
-    return tuple(f"{path}={value}" for path, value in advice.settings.items())
-
-
 def _run(
     scene: Scene,
     writer: FrameWriter,
@@ -170,6 +145,7 @@ def _run(
     keep_going: bool,
     quiet: bool,
     progress: Progress,
+    bound: PictureError | None = None,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
 
@@ -193,14 +169,18 @@ def _run(
 
                 found = pipeline.render(
                     scene, writer.wanted, threads=threads, positions=positions, keep_going=keep_going,
-                    notify=progress.note, warn=warn,
+                    keep_positions=bound is not None, notify=progress.note, warn=warn,
                 )  # fmt: skip
                 for frame in found:
                     report.add(frame.number, frame.report)
+                    if bound is not None:
+                        bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
                     progress.step(frame_line(frame.number, frame.report))
                     signals.check()
+            if bound is not None:
+                bound.check(report, warn, progress.note)
         status = "complete"
     except SimulationError as error:
         if error.trouble is not None:

@@ -30,6 +30,31 @@ class ErrorType(click.ParamType):
         return share
 
 
+class BoundsType(click.ParamType):
+    """Errors by what they are of: ``1%`` (of motion), ``picture=2%``, ``motion=1%,flip=0.05``."""
+
+    name = "ERRORS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
+        if isinstance(value, dict):
+            return value
+        found: dict[str, float] = {}
+        for word in str(value).split(","):
+            name, given, error = word.rpartition("=")
+            name = name.strip() if given else BOUNDS[0]
+            if name not in BOUNDS:
+                self.fail(f"'{name}' has no error; write {', '.join(f'{one}=2%' for one in BOUNDS)}", param, ctx)
+            if name in found:
+                self.fail(f"'{value}' names two errors of {name}", param, ctx)
+            found[name] = ErrorType().convert(error, param, ctx)
+        return found
+
+
+BOUNDS = ("motion", "picture", "flip")
+"""What `render --max-error` bounds: where strands are, light in the picture, and what the eye sees of that. The first
+is meant where none is named."""
+
+
 class ListType(click.ParamType):
     """Values separated by commas."""
 

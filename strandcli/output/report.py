@@ -101,6 +101,8 @@ class RunReport:
         self.frames: dict[int, dict[str, Any]] = {}
         self.failure: dict[str, Any] | None = None
         self.warnings: list[str] = []
+        self.picture_error: dict[str, Any] | None = None
+        """What is known of the pictures' error, where one was asked for: `study.picture_advice`."""
         self._start = time.perf_counter()
 
     def add(self, frame: int, report: Mapping[str, Any]) -> None:
@@ -147,6 +149,7 @@ class RunReport:
             "status": status,
             **({"failure": self.failure} if self.failure is not None else {}),
             **({"warnings": self.warnings} if self.warnings else {}),
+            **({"picture_error": self.picture_error} if self.picture_error is not None else {}),
             "preset": self.preset,
             "scene": self.scene or None,
             "machine": dict(machine) if machine is not None else None,

@@ -76,7 +76,7 @@ def advise(
             request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
             study = sweep.run(find("motion"), request, None, step, begin)
             data = finite({**study.as_dict(), "margin": study.margins[scene.solver]})
-            _keep(path, data)
+            keep(path, data)
         try:
             return choose(data, name, scene.solver, max_error, fixed, reused)
         except MismatchError:
@@ -151,7 +151,7 @@ def _read(path: Path, solver: str) -> dict[str, Any] | None:
     return data if sound and isinstance(points, list) else None
 
 
-def _keep(path: Path, data: dict[str, Any]) -> None:
+def keep(path: Path, data: dict[str, Any]) -> None:
     """Keep a study; a folder that cannot be written costs the next run the same time again, and nothing else."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

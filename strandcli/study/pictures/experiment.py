@@ -26,12 +26,16 @@ class Pictures(ABC):
     def __init__(self, request: Request) -> None:
         self.request = request
         self.absent: list[dict[str, str]] = []
-        self.subject = Subject(request)
+        self.subject = self.open_subject(request)
         scene = self.subject.scene
         size = "×".join(map(str, scene.image.size))
         strands, every = scene.emitter.strands, self.subject.all_strands
         of_all = "" if strands == every else f" of {every}"
         self.title = f"{request.name}, {strands}{of_all} strands at {size}: {self.axis}"
+
+    def open_subject(self, request: Request) -> Subject:
+        """What is drawn: the first strands, small."""
+        return Subject(request)
 
     @property
     def scene(self) -> Scene:

@@ -48,6 +48,8 @@ class Picture:
     counts: dict[str, int]
     shaded: list[tuple[Polylines, NDArray[np.float32]]] = field(default_factory=list)
     """Where asked for: polylines, with the light at their vertices (V, 3); NaN where none was needed."""
+    pixels: NDArray[np.uint8] | None = None
+    """(height, width, 3) sRGB, as it would be written."""
 
 
 class LinearRenderer(Renderer):
@@ -63,7 +65,7 @@ class LinearRenderer(Renderer):
 
     def develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
         """As in `Renderer`."""
-        height, width = self.scene.image.size[1], self.scene.image.size[0]
+        width, height = self.scene.image.drawn
         samples = image.shape[0] // height
         self.linear = (
             image.reshape(height, samples, width, samples, 3).mean((1, 3), dtype=np.float64) if samples else None
@@ -115,10 +117,13 @@ class Subject:
         self.positions: NDArray[np.float32] = np.empty(0, np.float32)
         self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
         self.widened = scene.material.width == 0
+        self.given: NDArray[np.floating] | None = None
+        """(strands, particles, 3) metres of the simulated strands at the frame, where they are known."""
         self._joined: NDArray[np.float32] | None = None
 
     def move(self) -> None:
-        """Simulate up to the frame, once. Raises `SimulationError` where strands cannot be drawn."""
+        """Simulate up to the frame, once, or take the positions given. Raises `SimulationError` where strands cannot
+        be drawn."""
         from ...simulate import solver_of
 
         if self.positions.size:
@@ -126,7 +131,10 @@ class Subject:
         scene = self._guiding
         guides = self.groom if scene.children is None else emit(scene.emitter, scene.seed)
         solver = solver_of(scene)(scene, guides)
-        solver.advance(self.frame)
+        if self.given is not None and len(self.given) >= guides.strands:
+            solver.take(self.frame, self.given)
+        else:
+            solver.advance(self.frame)
         if not np.isfinite(solver.particles()).all():
             raise SimulationError(f"{self.name}: at frame {self.frame} strands are no longer finite; study another")
         self.positions, self.lengths = solver.positions, solver.lengths
@@ -198,7 +206,7 @@ class Subject:
         Raises `RefusedError` where the samples would not fit into memory."""
         import numba
 
-        need = SAMPLE_BYTES * math.prod(scene.image.size) * scene.image.supersample**2
+        need = SAMPLE_BYTES * math.prod(scene.image.drawn) * scene.image.supersample**2
         free = available_memory()
         if free is not None and need > free:
             raise RefusedError(
@@ -215,7 +223,8 @@ class Subject:
             for stage, took in drawing.seconds.items():
                 seconds[stage] = min(took, seconds.get(stage, math.inf))
         assert renderer.linear is not None
-        return Picture(renderer.linear, seconds, dict(drawing.counts), list(renderer.shaded.values()))
+        shaded = list(renderer.shaded.values())
+        return Picture(renderer.linear, seconds, dict(drawing.counts), shaded, drawing.image)
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:

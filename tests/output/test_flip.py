@@ -1,0 +1,127 @@
+"""ꟻLIP against closed forms, filters of two dimensions, and its properties."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from cli_runs import Runner
+from strandcli.errors import MismatchError
+from strandcli.output import flip as module
+from strandcli.output.compare import write_image
+from strandcli.output.flip import flip, mean_flip
+
+pairs = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
+    lambda size: st.tuples(*[hnp.arrays(np.uint8, (*size, 3))] * 2)
+)
+
+
+def even(*colour: int, size: tuple[int, int] = (4, 6)) -> np.ndarray:
+    return np.full((*size, 3), colour, np.uint8)
+
+
+def lightness(level: int) -> float:
+    """L* of a grey of 8 bits, by CIE 15 and IEC 61966-2-1."""
+    s = level / 255
+    y = ((s + 0.055) / 1.055) ** 2.4 if s > 0.04045 else s / 12.92
+    return 116 * y ** (1 / 3) - 16 if y > (6 / 29) ** 3 else y * (29 / 3) ** 3
+
+
+@settings(deadline=None, max_examples=30)
+@given(pairs)
+def test_it_is_symmetric_within_bounds_and_zero_for_the_same(pair: tuple[np.ndarray, np.ndarray]) -> None:
+    found = flip(*pair)
+    assert found.shape == pair[0].shape[:2]
+    assert (found >= 0).all()
+    assert (found <= 1).all()
+    np.testing.assert_array_equal(found, flip(pair[1], pair[0]))
+    assert not flip(pair[0], pair[0]).any()
+
+
+def test_even_greys_differ_by_their_lightness() -> None:
+    """Filters leave even pictures as they are and find no feature in them, so that the difference is that of lightness
+    to the power .7, on a range of which the greatest, green against blue, is 41.2761."""
+    knee = 0.4 * 41.2761
+    for a, b in ((0, 255), (0, 10), (100, 140), (30, 200)):
+        apart = abs(lightness(a) - lightness(b)) ** 0.7
+        expected = 0.95 * apart / knee if apart < knee else 0.95 + 0.05 * (apart - knee) / (41.2761 - knee)
+        np.testing.assert_allclose(flip(even(a, a, a), even(b, b, b)), expected, atol=2e-5)
+
+
+def test_black_against_white_is_about_one() -> None:
+    assert 0.95 < mean_flip(even(0, 0, 0), even(255, 255, 255)) <= 1
+    assert mean_flip(even(0, 255, 0), even(0, 0, 255)) == pytest.approx(1.0)
+
+
+def test_one_step_of_a_level_is_hardly_seen_and_more_is_seen_more() -> None:
+    found = [mean_flip(even(120, 120, 120), even(120 + step, 120, 120 - step)) for step in (1, 5, 25, 100)]
+    assert found == sorted(found)
+    assert found[0] < 0.05
+
+
+def test_what_is_too_fine_to_be_seen_counts_for_less_than_what_is_coarse() -> None:
+    y, x = np.mgrid[:64, :64]
+    grey = even(128, 128, 128, size=(64, 64))
+    fine, coarse = (np.where(((x // step) + (y // step)) % 2, 150, 106)[..., None] for step in (1, 16))
+    one, other = (mean_flip(grey, np.broadcast_to(check, grey.shape).astype(np.uint8)) for check in (fine, coarse))
+    assert 2 * one < other
+
+
+def test_filters_are_those_of_two_dimensions() -> None:
+    """The separable filters beside the paper's, made in two dimensions, at a place that no side is near."""
+    rng = np.random.default_rng(3)
+    density, size = 20.0, 25
+    picture = rng.random((size, size, 3))
+    found = module._blurred(picture, density)[size // 2, size // 2]
+    r = math.ceil(3 * math.sqrt(0.04 / (2 * math.pi**2)) * density)
+    y, x = np.mgrid[-r : r + 1, -r : r + 1] / density
+    part = picture[size // 2 - r : size // 2 + r + 1, size // 2 - r : size // 2 + r + 1]
+    for channel, parts in enumerate((((1, 0.0047),), ((1, 0.0053),), ((34.1, 0.04), (13.5, 0.025)))):
+        kernel = sum(a * math.sqrt(math.pi / b) * np.exp(-(math.pi**2) * (x**2 + y**2) / b) for a, b in parts)
+        assert found[channel] == pytest.approx((part[..., channel] * kernel).sum() / kernel.sum(), rel=1e-12)
+
+
+def test_a_ramp_has_an_edge_and_no_point() -> None:
+    """Along an even ramp the filter of edges finds slope times the mean distance of its weights from the middle, that
+    of points nothing."""
+    density = 30.0
+    sigma = 0.5 * 0.082 * density
+    ramp = np.broadcast_to(np.linspace(0, 50, 61), (40, 61)).copy()
+    x = np.arange(-math.ceil(3 * sigma), math.ceil(3 * sigma) + 1)
+    weights = np.maximum(x, 0) * np.exp(-(x**2) / (2 * sigma**2))
+    slope = (50 / 60) / 116 * 2 * (weights * x).sum() / weights.sum()
+    found = module._feature_difference(ramp, np.zeros_like(ramp), density)[20, 30]
+    assert found == pytest.approx(math.sqrt(slope / math.sqrt(2)), rel=1e-9)
+
+
+def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(5)
+    one, two = rng.integers(0, 256, (2, 60, 7, 3), dtype=np.uint8)
+    whole = flip(one, two)
+    monkeypatch.setattr(module, "BAND", 7 * 11)
+    np.testing.assert_allclose(flip(one, two), whole, rtol=1e-12)
+
+
+def test_sizes_that_differ_are_a_mismatch() -> None:
+    with pytest.raises(MismatchError, match="sizes differ: 6x4 against 6x3"):
+        flip(even(0, 0, 0), even(0, 0, 0, size=(3, 6)))
+
+
+def test_compare_tells_it_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    one, two = tmp_path / "a.png", tmp_path / "b.png"
+    write_image(one, even(0, 0, 0))
+    write_image(two, even(255, 255, 255))
+    done = run("compare", str(one), str(two), "--flip", "--allow", "100")
+    assert done.code == 0, done.err
+    assert "ꟻLIP 0.96" in done.out
+    told = json.loads(run("compare", str(one), str(one), "--flip", "--json").out)
+    assert told["flip"] == 0
+    assert "flip" not in json.loads(run("compare", str(one), str(one), "--json").out)
