@@ -35,8 +35,8 @@ TOWARD = np.float32(0.3)
 """Share of its lateral distance from the target path that a strand corrects within a segment."""
 ROUNDS = 3
 SURE = np.float32(0.55)
-"""Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes between
-nodes of a grid grow by √3 a metre at most."""
+"""Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes
+between nodes of a grid grow by √3 a metre at most."""
 
 
 @parallel
