@@ -42,7 +42,8 @@ def _light(renderer: Renderer) -> None:
     image = renderer.backdrop.copy()
     marks = mark(keys, lines, 0, renderer.scratch)[0] if renderer.coverage is None else np.zeros(1, np.uint8)
     visibility = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
-    colours = renderer.shade(lighting, StrandBatch(0, 1, lines, lines.world, None, None), marks, visibility)
+    batch = StrandBatch(0, 1, lines, renderer.tones[:1], lines.world, None, None)
+    colours = renderer.shade(lighting, batch, marks, visibility)
     if renderer.coverage is None:
         film.colours(keys, 0, lines.world, lines.per, lines.stride, colours, image)
     else:

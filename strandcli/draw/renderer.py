@@ -145,7 +145,7 @@ class Renderer:
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
-        level, self._tones = strands.level, strands.tones
+        level = strands.level
         if recorder is not None:
             recorder.ids = strands.ids
         bounds = bounds_of(strands.positions, strands.count, None if level is None else level.fade)
@@ -202,8 +202,8 @@ class Renderer:
         segments = strands.positions.shape[1] - 1
         ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
-            self.scene, strands.positions, strands.lengths, strands.level, view, self._thins, ranges,
-            mapped or bool(self.traced), len(self.traced), self._drawing, self.scratch,
+            self.scene, strands, view, self._thins, ranges, mapped or bool(self.traced), len(self.traced), self._drawing,
+            self.scratch,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
@@ -250,8 +250,7 @@ class Renderer:
         visibility (lights, V): of each light with exact shadows, None if there are none.
         """
         colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
-        tones = self._tones[batch.begin : batch.end]
-        lighting.shade_strands(batch.lines, marks, tones, visibility, batch.profiles, colours)
+        lighting.shade_strands(batch.lines, marks, batch.tones, visibility, batch.profiles, colours)
         return colours
 
     def solids(self, at: float) -> Solids | None:

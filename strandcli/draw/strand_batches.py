@@ -47,6 +47,8 @@ class StrandBatch:
     begin: int
     end: int
     lines: Polylines
+    tones: NDArray[np.float32]
+    """(end − begin,) of the strands, as in `Strands`."""
     screen: NDArray[np.float32]
     """(V, 3) from `strandcli.draw.zbuffer.raster.to_screen`."""
     widths: NDArray[np.float32] | None
@@ -61,12 +63,7 @@ class StrandBatches:
     """The strands of one exposure, their view, and how they are divided into batches."""
 
     scene: Scene
-    positions: NDArray[np.float32]
-    """(blocks, n + 1, 3 W) metres."""
-    lengths: NDArray[np.float32] | None
-    """(blocks, W) rest length of each strand's segments, metres; None if the segments of a strand differ."""
-    level: Level | None
-    """Level of detail; None: all strands are drawn whole."""
+    strands: Strands
     view: View
     thins: bool
     """Whether strands that fade become thinner; else they become shorter."""
@@ -103,18 +100,19 @@ class StrandBatches:
             if scene.material.rounded and not self.traced:
                 profiles = profiles_of(here, screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
-            yield StrandBatch(begin, end, here, screen, widths, profiles)
+            yield StrandBatch(begin, end, here, self.strands.tones[begin:end], screen, widths, profiles)
 
     def _flatten(self, begin: int, end: int) -> Polylines:
         """Return the polylines of the strands begin <= s < end."""
-        blocks, level = slice(begin // W, -(-end // W)), self.level
+        strands, blocks = self.strands, slice(begin // W, -(-end // W))
+        level = strands.level
         fade = None if level is None else level.fade[begin:end]
         curves = self.scene.curves
         if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
             curves = replace(curves, mode="off")
         lines = flatten(
-            self.positions[blocks], None if self.lengths is None else self.lengths[blocks], end - begin, curves,
-            self.view, self.off_screen, self.scratch, fade,
+            strands.positions[blocks], None if strands.lengths is None else strands.lengths[blocks], end - begin,
+            curves, self.view, self.off_screen, self.scratch, fade,
         )  # fmt: skip
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])
