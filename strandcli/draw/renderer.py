@@ -202,8 +202,8 @@ class Renderer:
         segments = strands.positions.shape[1] - 1
         ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
-            self.scene, strands, view, self._thins, ranges, mapped or bool(self.traced), len(self.traced), self._drawing,
-            self.scratch,
+            self.scene, strands, view, self._thins, ranges, mapped or bool(self.traced), len(self.traced),
+            self._drawing, self.scratch,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:

@@ -13,13 +13,12 @@ from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from . import fringe
 from .arrange import spatial_order
 from .emit import sides, stream
+from .kernels.inputs import PARENTS
 from .record import Groom, frame
 
 if TYPE_CHECKING:
     from ..scene.model import Scene, Wave
 
-PARENTS = 3
-"""Guides of a child."""
 STRAY_PULL = 0.15
 """Factor of a clump's strength for stray strands."""
 WAVE_SPREAD = 0.35

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from ...constants import W
 from ...jit import device, parallel, prange
 from ...solids.kernels.outside import count as count_solids
-from .children import keep_out
+from .keep_out import keep_out
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)

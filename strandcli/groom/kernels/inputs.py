@@ -1,7 +1,7 @@
 """Inputs of the kernels of children: flat tuples of arrays.
 
-A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child; V: waves; m: particles of a
-guide.
+A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child, at most `PARENTS`; V: waves;
+m: particles of a guide.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+PARENTS = 3
+"""Guides of a child, at most."""
 ROUNDNESS, ONSET = 0, 1
 """Columns of `Waves.forms`."""
 

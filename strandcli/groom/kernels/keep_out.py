@@ -1,0 +1,65 @@
+"""Moving particles of drawn strands out of solids."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...constants import W
+from ...jit import device
+from ...solids.kernels import built_in, other
+from ...solids.kernels.outside import outside
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-30)
+CLEAR = np.float32(0.1)
+"""Distance of particles from solids as a share of a segment: between two particles a curve lies below the surface of a
+solid, and triangles may lie above their grid of distances."""
+ROUNDS = 3
+SURE = np.float32(0.55)
+"""Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes
+between nodes of a grid grow by √3 a metre at most."""
+
+
+@device
+def keep_lane_out(rows, b, j, lane, rest, solids):
+    """Move particle j of a lane of block b of rows (blocks, m + 1, 3 W) out of solids, as `keep_out`. Return how far
+    the strand may go on from there before any solid can be met, metres; 0 if that is not known."""
+    x = rows[b, j, lane]
+    y = rows[b, j, W + lane]
+    z = rows[b, j, 2 * W + lane]
+    if built_in.count(solids) == 0:
+        way = SURE * (other.least_distance(solids, x, y, z) - CLEAR * rest)
+        if way > ZERO:
+            return way
+    ox = rows[b, j - 1, lane]
+    oy = rows[b, j - 1, W + lane]
+    oz = rows[b, j - 1, 2 * W + lane]
+    x, y, z = keep_out(x, y, z, ox, oy, oz, rest, solids)
+    rows[b, j, lane] = x
+    rows[b, j, W + lane] = y
+    rows[b, j, 2 * W + lane] = z
+    return ZERO
+
+
+@device
+def keep_out(x, y, z, ox, oy, oz, rest, solids):
+    """Return a particle (x, y, z), moved out of solids and to the distance ``rest`` from the particle before it,
+    (ox, oy, oz), as nearly as `ROUNDS` iterations achieve; metres."""
+    clear = CLEAR * rest
+    for _ in range(ROUNDS):  # out of one solid may be into another, and changes the length
+        qx, qy, qz = outside(x, y, z, clear, solids)
+        if qx == x and qy == y and qz == z:
+            break
+        ex, ey, ez = unit(qx - ox, qy - oy, qz - oz)
+        x, y, z = outside(ox + rest * ex, oy + rest * ey, oz + rest * ez, clear, solids)
+    return x, y, z
+
+
+@device
+def unit(x, y, z):
+    """Return the unit vector of a vector."""
+    size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
