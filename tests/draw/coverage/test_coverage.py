@@ -413,3 +413,17 @@ def test_how_many_fragments_a_row_has_is_known_before(wide: float) -> None:
     assert 0.7 < found.sum() / coverage.fragments < 1.5
     for low in (32, 64):  # of a tile the rows share alike
         assert 0.65 < found[low : low + 32].sum() / coverage._rows[low : low + 32].sum() < 1.6
+
+
+def test_strands_beside_the_picture_count_for_nothing() -> None:
+    rng = np.random.default_rng(8)
+    strands = [bent(rng, 96, 80, 0.3) for _ in range(100)]
+    beside = [line + np.array([away, 0, 0]) for line in strands for away in (-400, 400)]
+    changes = []
+    for lines in (strands, strands + beside):
+        screen = np.ascontiguousarray(np.concatenate(lines), np.float32)
+        found = np.zeros((1, 129))
+        first, widths = np.cumsum([0, *map(len, lines)]), np.full(len(screen), 2, np.float32)
+        strand_extents.estimate_rows(ScreenLines(first, screen, widths), 128, found)
+        changes.append(found)
+    np.testing.assert_allclose(changes[1], changes[0], atol=1e-9)

@@ -87,8 +87,9 @@ def estimate_strand(screen, widths, begin, end, width, changes):
         across = inside(x0, x1, ZERO, wide)
         down = inside(y0, y1, ZERO, tall)
         low = min(y0, y1)
-        if screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO and across + down > ZERO and low < tall:
-            w = ONE if widths is None else HALF * (widths[v - 1] + widths[v])
+        w = ONE if widths is None else HALF * (widths[v - 1] + widths[v])
+        beside = max(x0, x1) < -HALF * w or min(x0, x1) > wide + HALF * w
+        if screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO and across + down > ZERO and low < tall and not beside:
             cells = max(across, down)
             each = cells * (w + RISE)
             if widths is not None and w > WIDE:  # a ribbon has fragments of its own wherever it touches a pixel
