@@ -19,7 +19,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x), sine(x), cosine(x)
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x), sine(x), cosine(x),
+    power_of_two(x)
     where(x < y, a, b)               lane by lane, also for !=; masks are joined with &, | and ~
     any_lane(x < y)                  whether it holds in any lane
     movemask(x < y)                  in which, as bits of a number, the first the lowest
@@ -53,6 +54,7 @@ from .lanes import (
     lane,
     movemask,
     no_fma,
+    power_of_two,
     reduce_max,
     sine,
     sqrt,
@@ -99,6 +101,7 @@ __all__ = [
     "no_fma",
     "pointer",
     "pointer_at",
+    "power_of_two",
     "prefetch",
     "prefetch3",
     "reduce_max",

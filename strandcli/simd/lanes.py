@@ -11,6 +11,9 @@ from numba.core.extending import intrinsic
 
 from .kinds import Mask, PointerType, VectorType, call_of, vector_of, widened
 
+SINGLE, EXPONENT_BIAS, MANTISSA_BITS = 32, 127, 23
+"""Bits of a number in single precision, what is added to its exponent, and bits below that."""
+
 
 @intrinsic
 def where(typingctx: Any, mask: Any, x: Any, y: Any) -> Any:
@@ -78,6 +81,20 @@ sqrt = _of_each("llvm.sqrt", "Square root.")
 floor = _of_each("llvm.floor", "The greatest whole number that is no greater.")
 sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
 cosine = _of_each("llvm.cos", "Cosine likewise.")
+
+
+@intrinsic
+def power_of_two(typingctx: Any, x: Any) -> Any:
+    """2 to the power of whole numbers from −126 to 127, in single precision."""
+    if not (isinstance(x, VectorType) and x.dtype.bitwidth == SINGLE):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        whole = ir.VectorType(ir.IntType(SINGLE), args[0].type.count)
+        biased = builder.add(builder.fptosi(args[0], whole), ir.Constant(whole, [EXPONENT_BIAS] * whole.count))
+        return builder.bitcast(builder.shl(biased, ir.Constant(whole, [MANTISSA_BITS] * whole.count)), args[0].type)
+
+    return x(x), emit
 
 
 @intrinsic

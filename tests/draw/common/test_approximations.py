@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 from strandcli.draw.common.kernels import approximations as ap
+from strandcli.simd import lane_count, load, pointer, store
 
 FLOATS = st.floats(width=32, allow_nan=True, allow_infinity=True)
 
@@ -85,3 +86,19 @@ def test_python_and_compiled_forms_agree_to_the_bit():
         for function in (ap.acos, ap.asin, ap.exp2, ap.exp, ap.log):
             plain = getattr(function, "py_func", function)
             assert np.float32(plain(x)) == np.float32(function(x)), (function, x)
+
+
+@njit
+def exp_of_vectors(values, out):
+    rows, to = pointer(values), pointer(out)
+    for k in range(0, len(values), lane_count(rows)):
+        store(to, k, ap.exp_lanes(load(rows, k)))
+
+
+def test_lanes_have_the_bits_of_numbers():
+    x = np.concatenate([np.linspace(-100, 100, 4089), [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e38, -1e38]])
+    x = x.astype(np.float32)
+    each, lanes = np.empty_like(x), np.empty_like(x)
+    over(ap.exp, x, each)
+    exp_of_vectors(x, lanes)
+    np.testing.assert_array_equal(lanes.view(np.int32), each.view(np.int32))

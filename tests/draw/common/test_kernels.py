@@ -19,7 +19,6 @@ from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, ribbon, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import (
-    filter_window,
     minmax,
     opacity,
     opacity_maps,
@@ -101,11 +100,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
     ),
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
-    "find blur": (percentage_closer.find_blur, (LIT, 1, ONE, np.uint64(0), ONE, 5, np.ones(1024, np.float32))),
-    "place windows": (filter_window.place_windows, (LIT, 1, ONE, ONE)),
-    "place texel": (filter_window.place_texel, (LIT, 1, ONE, ONE, ONE)),
-    "count in front": (percentage_closer.count_in_front, (LIT, 1, np.uint64(0), 8, ONE, 5, np.ones(1024, np.float32))),
-    "add loss": (percentage_closer.add_loss, (LIT, 1, TABLE)),
+    "percentage closer": (
+        percentage_closer.transmittance,
+        (LIT, 1, TABLE, 1, np.ones((4, 3), np.float32), np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
+    ),
     "splats in an opacity map": (
         splats.add,
         (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, raster.Window(0, 8, 8),

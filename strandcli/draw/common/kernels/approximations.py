@@ -25,7 +25,8 @@ import math
 
 import numpy as np
 
-from ....jit import function
+from ....jit import function, inlined
+from ....simd import floor, power_of_two
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -103,6 +104,16 @@ def exp2(x: np.float32) -> np.float32:
 def exp(x: np.float32) -> np.float32:
     """Return e to the power ``x``."""
     return exp2(x * LOG2_E)
+
+
+@inlined
+def exp_lanes(x):
+    """Return e to the power of each lane of a vector of float32, to the bit that `exp` gives."""
+    y = max(EXPONENT_LOW, min(EXPONENT_HIGH, x * LOG2_E))
+    biased = floor(y + ROUNDING)
+    f = y - (biased - EXPONENT_BIAS)
+    p = ((((E5 * f + E4) * f + E3) * f + E2) * f + E1) * f + ONE
+    return p * power_of_two(biased - EXPONENT_BIAS)
 
 
 @function

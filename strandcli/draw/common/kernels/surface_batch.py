@@ -26,17 +26,9 @@ COSINE = layout.allocate_row("cosine", surfaces="light:reflect")
 TRUE_X, TRUE_Y, TRUE_Z = layout.allocate("light, unbent", 3, surfaces="light:soft")
 LEFT = layout.allocate("share that strands leave", 3, surfaces="maps:reflect")[0]
 ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
-# Filter window of a point in a map: radius, texels, and its inverse; first and last column and row; sums of the weights
-# and of the light lost in red, green and blue.
-RADIUS, PER, FIRST_U, LAST_U, FIRST_V, LAST_V, TOTAL = layout.allocate("texels about a point", 7, surfaces="maps")
-LOST = layout.allocate("light that is lost", 3, surfaces="maps")[0]
-# Of one texel of the window: column, −1 outside of the map; row; weight; optical depth in front of the point; depths at
-# which the strands of its cell begin and end; weight of the light that these scatter forward, and what the rest loses.
-ACROSS, DOWN, WEIGHT, PASSED = layout.allocate("texel", 4, surfaces="maps")
-FRONT, BACK, NEAR, OTHER = layout.allocate("strands of a texel", 4, surfaces="maps")
-# Blur at a point: texels a metre of distance to the occluder; that distance where no texel gives one; weight of light
-# that is scattered forward; distance between the texels that are read, and how far every other one has faded out.
-BLUR, AWAY, CLOUD, STRIDE, FADE = layout.allocate("blur of a point", 5, surfaces="maps")
+# In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
+# one, metres; w of light that is scattered forward, metres.
+RADIUS, BLUR, AWAY, CLOUD = layout.allocate("blur of a point", 4, surfaces="maps")
 
 ROWS = layout.row_count("surfaces")
 """Rows of the array of a batch of points."""

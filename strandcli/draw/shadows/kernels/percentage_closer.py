@@ -21,37 +21,22 @@ without it where the blur is three texels; .038 and .033 where it is one texel o
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....constants import W
-from ....jit import device, function
-from ....simd import floor, gather, lane_count, load, pointer, store, where
-from ...common.kernels.approximations import exp
+from ....jit import device, function, inlined
+from ....simd import any_lane, floor, gather, lane_count, load, pointer, sqrt, store, where
+from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.loss import HALF_WAY
-from ...common.kernels.surface_batch import (
-    ACROSS,
-    AWAY,
-    BACK,
-    BLUR,
-    CLOUD,
-    DOWN,
-    FRONT,
-    LEFT,
-    LOST,
-    NEAR,
-    OTHER,
-    PASSED,
-    RADIUS,
-    TOTAL,
-    WEIGHT,
-)
+from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
-from .filter_window import WIDEST, place_texel, place_windows
-from .minmax import texel_of
+from .filter_window import WIDEST, texel_of, windows_about
+from .minmax import texel_of as project
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -65,10 +50,25 @@ TEXEL = np.float32(7.0 / 12.0)
 DARK = np.float32(1e-6)
 FEW = np.float32(1e-3)
 """Initial weight of the mean occluder distance, for points that hardly anything occludes."""
-STEP = 2
+STEP = np.float32(2.0)
 """Distance, in texels, between the texels that the occluder search reads."""
 WIDE = np.float32(1 / 16)
 """w of scattered light, as a share of a map's width."""
+
+
+class DeepMap(NamedTuple):
+    """One opacity map."""
+
+    rows: Any
+    """`pointer` to the maps."""
+    start: Any
+    """First index of the map, int64."""
+    size: Any
+    """Texels along a side, int64."""
+    layers: Any
+    """int64"""
+    over: Any
+    """float32: 1 / h of `opacity`, 1/m."""
 
 
 @function
@@ -79,39 +79,20 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
     lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 3): from
     `strandcli.draw.fibre.dual.loss_table`, no rows where strands absorb all colours alike, by 1 − e^-τ.
     """
-    # The loop over texels is the outer one: every point uses the texel at the same offset in its window, with weight 0
-    # where its window is smaller.
-    for k in range(n):
+    for k in range(W):
         work[INSIDE + k] = ZERO
     for k in range(3 * W):
         work[LEFT + k] = ONE
-    layers = np.int64(lights[i, MAP_LAYERS])
+    rows = pointer(work)
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
-        size = sizes[one]
-        start = starts[one]
-        locate(work, n, lights, i, views, one, size)
-        find_blur(work, n, np.float32(size), start, lights[i, PER_FALL], layers, stacks)
-        wide, tall = place_windows(work, n, ONE, ZERO)
-        for k in range(n):
-            work[TOTAL + k] = ZERO
-        for k in range(3 * W):
-            work[LOST + k] = ZERO
-        for row in range(tall):
-            for column in range(wide):
-                place_texel(work, n, np.float32(row), np.float32(column), np.float32(size))
-                count_in_front(work, n, start, size, lights[i, PER_FALL], layers, stacks)
-                if loss.shape[0] == 0:
-                    for k in range(n):
-                        passed = work[PASSED + k]
-                        dimmed = work[WEIGHT + k] * (ONE - exp(-passed))
-                        work[LOST + k] += dimmed if passed > ZERO else ZERO
-                else:
-                    add_loss(work, n, loss)
-        for c in range(3):
-            row = LOST if loss.shape[0] == 0 else LOST + c * W
-            for k in range(n):
-                left = ONE - work[row + k] * (ONE / max(work[TOTAL + k], DARK))
-                work[LEFT + c * W + k] = left if work[INSIDE + k] > ZERO else work[LEFT + c * W + k]
+        deep = DeepMap(
+            pointer(stacks), np.int64(starts[one]), np.int64(sizes[one]), np.int64(lights[i, MAP_LAYERS]),
+            lights[i, PER_FALL],
+        )  # fmt: skip
+        locate(work, n, lights, i, views, one, sizes[one])
+        for k in range(0, n, lane_count(rows)):
+            if any_lane(load(rows, INSIDE + k) > ZERO):
+                filter_light(rows, k, deep, loss)
         for k in range(n):
             work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: shaded by an earlier map
 
@@ -129,12 +110,13 @@ def locate(work, n, lights, i, views, one, size):
     # perspective maps of one light adjoin each other, so their windows must not extend beyond them
     wide = ONE if flat else ZERO
     for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        u, v, d = project(work[X + k], work[Y + k], work[Z + k], views, one)
         away = max(d - near - HALF * views[one, DEPTH_RANGE], min(d - near, HALF * views[one, DEPTH_RANGE]))
         far = max(d, DARK)
         angle = lights[i, LIGHT_SIZE] if flat or lights[i, KIND] == ZERO else lights[i, LIGHT_SIZE] / far
         blur = angle * fine if flat else angle * fine / far
-        radius = radius_for(blur * away)
+        wanted = DISC * (blur * away) * (blur * away) - TEXEL
+        radius = min(math.sqrt(max(wanted, LEAST * LEAST)), WIDEST)
         room = wide * radius
         held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
         held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
@@ -150,85 +132,91 @@ def locate(work, n, lights, i, views, one, size):
 
 
 @device
-def radius_for(blur):
-    """Return the filter radius, texels, for a blur by a disc of radius `blur`, texels."""
-    return min(math.sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
-
-
-@device
-def find_blur(work, n, size, start, over, layers, stacks):
-    """Set the rows `RADIUS`, texels, from the mean distance of the strands that occlude each point. Points without
-    occluders, and those whose radius is already the least, keep theirs.
-
-    size: texels a side, float32; start, over, layers, stacks: as of `opacity.in_front`.
-    """
-    wide, tall = place_windows(work, n, np.float32(STEP), LEAST)
-    if wide == 0:
-        return
-    for k in range(n):
-        work[LOST + k] = FEW
-        work[LOST + W + k] = FEW * work[AWAY + k]
+def filter_light(rows, k, deep, loss):
+    """Store what strands leave, in the rows `LEFT`, of the vector of points from number k on that are inside a
+    `DeepMap`. rows: `pointer` to the batch; loss: as in `transmittance`."""
+    inside = load(rows, INSIDE + k) > ZERO
+    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    cloud = load(rows, CLOUD + k)
+    size = np.float32(deep.size)
+    radius = blur_radius(rows, k, deep)
+    windows, wide, tall = windows_about(u, v, radius, inside, ONE)
+    total = ZERO * u
+    red = green = blue = total
     for row in range(tall):
         for column in range(wide):
-            place_texel(work, n, np.float32(row), np.float32(column), size)
-            count_in_front(work, n, start, np.int64(size), over, layers, stacks)
-            for k in range(n):
-                passed = work[PASSED + k]
-                d = work[DEPTH + k]
-                weight = work[WEIGHT + k] * passed / (passed + ONE) if passed > ZERO else ZERO
-                work[LOST + k] += weight
-                work[LOST + W + k] += weight * (d - HALF * (work[FRONT + k] + min(work[BACK + k], d)))
-    for k in range(n):
-        found = radius_for(work[BLUR + k] * (work[LOST + W + k] / work[LOST + k]))
-        work[RADIUS + k] = found if work[RADIUS + k] > LEAST else work[RADIUS + k]
+            across, down, weight = texel_of(windows, np.float32(row), np.float32(column), size)
+            passed, _, back = in_front(across, down, d, deep)
+            total = total + weight
+            lost = ONE - exp_lanes(-passed)
+            if loss.shape[0] == 0:
+                red = red + weight * lost
+            else:
+                near = weight * cloud / (cloud + max(d - back, ZERO))
+                other = (weight - near) * lost
+                at = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
+                j = min(floor(at), np.float32(loss.shape[0] - 2))
+                at = at - j
+                red = red + near * loss_at(loss, j, at, 0) + other
+                green = green + near * loss_at(loss, j, at, 1) + other
+                blue = blue + near * loss_at(loss, j, at, 2) + other
+    per = ONE / max(total, DARK)
+    if loss.shape[0] == 0:
+        green = blue = red
+    store(rows, LEFT + k, where(inside, ONE - red * per, load(rows, LEFT + k)))
+    store(rows, LEFT + W + k, where(inside, ONE - green * per, load(rows, LEFT + W + k)))
+    store(rows, LEFT + 2 * W + k, where(inside, ONE - blue * per, load(rows, LEFT + 2 * W + k)))
 
 
-@device
-def count_in_front(work, n, start, size, over, layers, stacks):
-    """Store for each point, at the texel of the rows `ACROSS`, `DOWN`: the optical depth in front of it (`PASSED`, 0
-    without a texel), and the nearest and farthest depth of the cell's strands, metres (`FRONT`, `BACK`)."""
-    rows, maps = pointer(work), pointer(stacks)
-    half = size >> 1
-    body = start + half * half
-    most = np.float32(layers)
-    stride = opacity.HEAD + opacity.FIVE * (layers + 1)
-    for k in range(n, W):  # the unused lanes of the last vector must read valid texels
-        work[ACROSS + k] = -ONE
-    for k in range(0, n, lane_count(rows)):
-        across = load(rows, ACROSS + k)
-        there = across >= ZERO
-        column = where(there, across, ZERO)
-        row = where(there, load(rows, DOWN + k), ZERO)
-        left, up = floor(HALF * column), floor(HALF * row)
-        number = gather(maps, start, up, half, left)
-        layer, part, _, _ = opacity.layers_at(load(rows, DEPTH + k), maps, body, number, over, layers)
-        which = TWO * (row - (up + up)) + (column - (left + left))
-        passed = where(there, opacity.depth_at(maps, body, number, layer, part, which, layers), ZERO)
-        front = gather(maps, body, number, stride, ZERO)
-        ended = gather(maps, body, number, stride, ONE)
-        some = passed > ZERO
-        store(rows, PASSED + k, passed)
-        store(rows, FRONT + k, where(some, front, ZERO))
-        store(rows, BACK + k, where(some, front + most / ((ended - most) * over), ZERO))
+@inlined
+def loss_at(loss, j, part, c):
+    """Return the loss of light in colour c between entries j and j + 1 of the table (m, 3). Vectors."""
+    table = pointer(loss)
+    low = gather(table, c, j, np.int64(3), ZERO)
+    return low + part * (gather(table, c + 3, j, np.int64(3), ZERO) - low)
 
 
-@device
-def add_loss(work, n, loss):
-    """Add the weighted loss of light at the current texel, in red, green and blue, to the rows `LOST`; loss: as in
-    `transmittance`."""
-    for k in range(n):
-        cloud = work[CLOUD + k]
-        gap = max(work[DEPTH + k] - work[BACK + k], ZERO)
-        near = work[WEIGHT + k] * cloud / (cloud + gap)
-        work[NEAR + k] = near
-        work[OTHER + k] = (work[WEIGHT + k] - near) * (ONE - exp(-work[PASSED + k]))
-    for k in range(n):
-        passed = work[PASSED + k]
-        if passed > ZERO:
-            at = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
-            j = min(np.int64(at), loss.shape[0] - 2)
-            at -= np.float32(j)
-            for c in range(3):
-                work[LOST + c * W + k] += (
-                    work[NEAR + k] * (loss[j, c] + at * (loss[j + 1, c] - loss[j, c])) + work[OTHER + k]
-                )
+@inlined
+def blur_radius(rows, k, deep):
+    """Return the filter radius, texels, from the mean distance of the strands that occlude each point of a vector.
+    Points without occluders, and those whose radius is already the least, keep that of `RADIUS`."""
+    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    radius, away = load(rows, RADIUS + k), load(rows, AWAY + k)
+    searched = radius > LEAST
+    used = searched & (load(rows, INSIDE + k) > ZERO)
+    windows, wide, tall = windows_about(u, v, radius, used, STEP)
+    share = ZERO * u + FEW
+    distance = FEW * away
+    for row in range(tall):
+        for column in range(wide):
+            across, down, weight = texel_of(windows, np.float32(row), np.float32(column), np.float32(deep.size))
+            passed, front, back = in_front(across, down, d, deep)
+            weight = weight * passed / (passed + ONE)
+            share = share + weight
+            distance = distance + weight * (d - HALF * (front + min(back, d)))
+    blur = load(rows, BLUR + k) * (distance / share)
+    found = min(sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
+    return where(searched, found, radius)
+
+
+@inlined
+def in_front(across, down, d, deep):
+    """Return, of the texels of a `DeepMap` in the columns `across` (−1: none) and rows `down`: the optical depth in
+    front of depths d, and the nearest and farthest depth of the cell's strands, metres; 0 without strands. Vectors."""
+    there = across >= ZERO
+    column = where(there, across, ZERO)
+    row = where(there, down, ZERO)
+    left, up = floor(HALF * column), floor(HALF * row)
+    half = deep.size >> 1
+    body = deep.start + half * half
+    number = gather(deep.rows, deep.start, up, half, left)
+    layer, part, _, _ = opacity.layers_at(d, deep.rows, body, number, deep.over, deep.layers)
+    which = TWO * (row - (up + up)) + (column - (left + left))
+    passed = where(there, opacity.depth_at(deep.rows, body, number, layer, part, which, deep.layers), ZERO)
+    stride = opacity.HEAD + opacity.FIVE * (deep.layers + 1)
+    front = gather(deep.rows, body, number, stride, np.float32(opacity.START))
+    ended = gather(deep.rows, body, number, stride, np.float32(opacity.SCALE))
+    most = np.float32(deep.layers)
+    some = passed > ZERO
+    back = where(some, front + most / ((ended - most) * deep.over), ZERO)
+    return passed, where(some, front, ZERO), back
