@@ -53,8 +53,8 @@ class FilterWindows(NamedTuple):
 def windows_about(u, v, radius, used, step):
     """Return the windows of points, and the greatest number of columns and of rows of any.
 
-    radius: texels; used: mask of the points that have a window; step: distance between columns and rows, texels, times a
-    power of two for a large radius.
+    radius: texels; used: mask of the points that have a window; step: distance between columns and rows, texels, which
+    a large radius multiplies by a power of two.
     """
     times = where(radius > MOST, TWO, broadcast(radius, ONE))
     times = where(radius > TWO * MOST, FOUR, times)
