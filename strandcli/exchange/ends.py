@@ -51,8 +51,10 @@ class Sphere:
 
 
 def sphere(points: Points) -> Sphere:
-    """The sphere through most points: fitted some times, each time to the points that were nearest to the last one."""
-    found = _fitted(points)
+    """The sphere through most points: fitted some times, each time to the points that were nearest to the last one, and
+    first to those nearest to the middle: one point far away would make a sphere so large that all others lie on it."""
+    far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    found = _fitted(points[far <= np.quantile(far, MOST)])
     for _ in range(ROUNDS):
         off = found.off(points)
         found = _fitted(points[off <= np.quantile(off, MOST)])
@@ -109,8 +111,11 @@ def up_axis(strands: Strands, found: Ends) -> tuple[str, float] | None:
     head = found.first if found.root == "first" else found.last
     one, other = strands.roots().astype(np.float64), strands.tips().astype(np.float64)
     one, other = (one, other) if found.root == "first" else (other, one)
-    hanging = (other - one).sum(axis=0) / max(float(np.linalg.norm(other - one, axis=1).sum()), 1e-30)
-    cap = (one - head.centre).mean(axis=0) / head.radius
+    reach = np.linalg.norm(other - one, axis=1)
+    usual = np.minimum(reach, np.quantile(reach, MOST))  # how much a strand counts: no single one decides
+    ways = (other - one) / np.maximum(reach, 1e-30)[:, None]
+    hanging = (usual @ ways) / max(float(usual.sum()), 1e-30)
+    cap = (np.median(one, axis=0) - head.centre) / head.radius
     for name in AXES:
         if hanging @ axis(name) <= -HANGS and cap @ axis(name) >= CAP:
             return name, float(-(hanging @ axis(name)))

@@ -219,6 +219,18 @@ def test_the_camera_sees_all_strands_and_comes_as_near_as_asked(
             assert values.min() == pytest.approx(-values.max(), abs=2e-3)
 
 
+def test_one_strand_far_away_does_not_make_the_others_a_speck(tmp_path: Path) -> None:
+    strands = hanging([6] * 200)
+    alone, beside = write(tmp_path / "a.data", strands), tmp_path / "b.data"
+    write(beside, [*strands, np.array([[0, 0, 0], [1e4, 0, 0]], np.float32)])
+    one, other = scene(alone), scene(beside)
+    assert other.camera.position == pytest.approx(one.camera.position, rel=0.02)
+    assert other.material.width == pytest.approx(one.material.width, rel=0.2)
+    told = [" ".join(from_file(given.emitter.groom, 0).notes) for given in (one, other)]
+    assert "far from all others" in told[1]
+    assert "far from" not in told[0]
+
+
 def test_width_by_how_much_is_covered(tmp_path: Path) -> None:
     few = write(tmp_path / "b.data", hanging([20] * 3))
     found = from_file(scene(few).emitter.groom, 0)  # type: ignore[arg-type]
