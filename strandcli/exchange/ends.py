@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .edit.transform import AXES, axis
-from .strands import Mask, Points, Strands
+from .strands import Mask, Strands
 
 LEAST_STRANDS = 20
 """With fewer, nothing is guessed."""
@@ -44,15 +44,16 @@ class Sphere:
     radius: float
     misfit: float
 
-    def off(self, points: Points) -> npt.NDArray[np.float64]:
+    def off(self, points: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
         """How far points are from it, radii."""
         found: npt.NDArray[np.float64] = np.linalg.norm(points - self.centre, axis=1) / self.radius - 1
         return np.abs(found)
 
 
-def sphere(points: Points) -> Sphere:
+def sphere(points: npt.NDArray[np.floating]) -> Sphere:
     """The sphere through most points: fitted some times, each time to the points that were nearest to the last one, and
     first to those nearest to the middle: one point far away would make a sphere so large that all others lie on it."""
+    points = points.astype(np.float64)  # whose squares overflow in single precision
     far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
     found = _fitted(points[far <= np.quantile(far, MOST)])
     for _ in range(ROUNDS):
@@ -61,7 +62,7 @@ def sphere(points: Points) -> Sphere:
     return found
 
 
-def _fitted(points: Points) -> Sphere:
+def _fitted(points: npt.NDArray[np.floating]) -> Sphere:
     """The sphere of the least squares of |p|² − 2 c·p − (r² − |c|²)."""
     p = points.astype(np.float64)
     middle = p.mean(axis=0)
