@@ -23,8 +23,8 @@ CLEARER = 0.7
 """The misfit of roots is at most so much of that of tips."""
 ON = 0.1
 """Misfit of roots that lie on a head, and how far from it one is on it, radii."""
-OFF = 0.3
-"""How far from the head an end is off it, radii."""
+OFF = 0.5
+"""How far from the head an end is off it, radii: roots at the nape, on the neck, are .36 from the sphere of a scalp."""
 MOST, ROUNDS = 0.9, 4
 """Share of the points that a sphere is fitted to, and how often anew: strands that run the other way are not."""
 HANGS = 0.5

@@ -82,6 +82,13 @@ def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
     assert [one.fault for one in found.faults] == []
 
 
+def test_short_hair_of_the_nape_that_grows_upward_runs_no_other_way() -> None:
+    """Its roots are off the sphere that the scalp lies on, and its tips on it."""
+    down = np.linspace(1.37, 1.05, 20, dtype=np.float32)  # radii below the middle of the head
+    nape = down[:, None] * np.array([0, -0.09, 0], np.float32)
+    assert faults(kit.of([*(head() * np.float32(0.01)), nape])) == {}
+
+
 def test_nothing_is_guessed_of_scattered_points() -> None:
     strands = kit.of(list(np.random.default_rng(2).uniform(size=(500, 10, 3)).astype(np.float32)))
     assert facts(strands).data["guess"] == {"root": None, "up": None, "head": None}

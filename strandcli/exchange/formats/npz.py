@@ -88,10 +88,10 @@ def _chosen(file: Bounded, members: dict[str, Member], wanted: str | None) -> Me
 
 
 def _there(members: dict[str, Member], shaped: dict[str, Member]) -> str:
-    listed = ", ".join(f"{one.name} {one.shape}" for one in (shaped or members).values())
     if shaped:
-        return f"arrays of strands are {listed}"
-    return f"holds no array of numbers of shape (strands, points, 3); there are {listed or 'none'}"
+        return f"arrays of strands are {', '.join(f'{one.name} {one.shape}' for one in shaped.values())}"
+    listed = ", ".join(f"{one.name} {one.shape} of {one.kind}" for one in members.values())
+    return f"holds no array of floating-point numbers of shape (strands, points, 3); there are {listed or 'none'}"
 
 
 def _has_points(one: Member) -> bool:
