@@ -181,6 +181,15 @@ def test_strands_that_cannot_be_drawn_are_told_of(tmp_path: Path) -> None:
         scene(path, emitter__groom__fix=False)
 
 
+def test_a_file_that_does_not_tell_its_strands_is_drawn_with_what_its_refusal_says(tmp_path: Path) -> None:
+    path = tmp_path / "cloud.ply"
+    points = np.random.default_rng(3).normal(size=(60, 3)).astype(np.float32)
+    path.write_bytes(exchange_kit.ply([points], told="nothing"))
+    with pytest.raises(UsageError, match=r"--set emitter\.groom\.stride=N"):
+        scene(path)
+    assert scene(path, emitter__groom__stride=12).emitter.strands == 5
+
+
 def test_some_of_the_strands(tmp_path: Path) -> None:
     strands = hanging([6] * 40)
     path = write(tmp_path / "a.data", strands)

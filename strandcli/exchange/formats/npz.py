@@ -84,7 +84,8 @@ def _chosen(file: Bounded, members: dict[str, Member], wanted: str | None) -> Me
     for one in USUAL:
         if one in shaped:
             return shaped[one]
-    raise UsageError(f"{file.path}: {_there(members, shaped)}" + ("; tell which with --array NAME" if shaped else ""))
+    which = "; tell which with --array NAME, or to draw it with --set emitter.groom.array=NAME" if shaped else ""
+    raise UsageError(f"{file.path}: {_there(members, shaped)}{which}")
 
 
 def _there(members: dict[str, Member], shaped: dict[str, Member]) -> str:
