@@ -63,9 +63,7 @@ def _view(data: Mapping[str, Any], number: int, path: Path, size: tuple[int, int
         shape = picture_size(_or_none(data, "w"), _or_none(data, "h"), size, path)
         focal = _focal(data, shape, f"{path}: {where}", notes)
         centre = (float(data.get("cx", shape[0] / 2)), float(data.get("cy", shape[1] / 2)))
-        matrix = np.array(data["transform_matrix"], np.float64)
-        if matrix.shape not in ((3, 4), (4, 4)) or not np.isfinite(matrix).all():
-            raise ValueError("transform_matrix: is no matrix (4, 4)")
+        matrix = _matrix(data["transform_matrix"])
         rotation = FLIP @ checked_rotation(matrix[:3, :3]).T
         name = Path(str(data.get("file_path", f"{number:04d}"))).stem
         return Pinhole(name, *shape, focal, centre, rotation, matrix[:3, 3])
@@ -88,6 +86,17 @@ def _focal(data: Mapping[str, Any], size: tuple[int, int], where: str, notes: li
         raise KeyError("fl_x")
     focal = size[0] / 2 / math.tan(float(data["camera_angle_x"]) / 2)
     return square_focal(focal, focal, size, where, notes)
+
+
+def _matrix(rows: Any) -> Floats:
+    """A matrix (3, 4) or (4, 4) of finite numbers. Raises `ValueError` for anything else."""
+    try:
+        matrix = np.array(rows, np.float64)
+    except (TypeError, ValueError):  # rows of several lengths, words: NumPy's own sentence is of its insides
+        matrix = np.empty(0)
+    if matrix.shape not in ((3, 4), (4, 4)) or not np.isfinite(matrix).all():
+        raise ValueError("transform_matrix: is no matrix (4, 4) of finite numbers")
+    return matrix
 
 
 def matrix_of(view: Pinhole) -> Floats:

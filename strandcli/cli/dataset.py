@@ -22,8 +22,10 @@ from .values import SpanType
 @click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")
 @options.folder()
 @camera_files.cameras
-@click.option("--azimuth", type=SpanType(), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
-@click.option("--elevation", type=SpanType(), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40.")
+@click.option("--azimuth", type=SpanType(360), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
+@click.option(
+    "--elevation", type=SpanType(90), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40."
+)
 @click.option("--light", type=click.Choice(("view", "set", "scene")), help="New for each view, one, or as it is.")
 @click.option("--colour", type=click.Choice(("view", "set", "scene")), help="The same of the strands' colour.")
 @click.option("--frame", type=options.Whole(1, 1_000_000), default=1, help="Frame of a preset that moves.")

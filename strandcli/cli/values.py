@@ -146,9 +146,12 @@ def word(text: str) -> str:
 
 
 class SpanType(click.ParamType):
-    """Two angles in degrees, the lesser first: ``-30,45``."""
+    """Two angles in degrees, the lesser first, neither beyond ``most``: ``-30,45``."""
 
     name = "A,B"
+
+    def __init__(self, most: float) -> None:
+        self.most = most
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
         if isinstance(value, tuple):
@@ -157,8 +160,9 @@ class SpanType(click.ParamType):
             low, high = (float(one) for one in str(value).split(","))
         except ValueError:
             low, high = 1.0, 0.0
-        if not -360 <= low <= high <= 360:
-            self.fail(f"'{value}' is not two angles in degrees, the lesser first, such as -30,45", param, ctx)
+        if not -self.most <= low <= high <= self.most:
+            words = f"'{value}' is not two angles in degrees, the lesser first, such as -30,45"
+            self.fail(f"{words}, within {-self.most:g} and {self.most:g}", param, ctx)
         return low, high
 
 

@@ -21,7 +21,8 @@ END_ON = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """A picture and what is seen in each of its pixels. Depth and direction are those of the strand in front."""
+    """A picture and what is seen in each of its pixels. Depth and direction are those of the strand
+    that most of the pixel's light comes from."""
 
     view: Pinhole
     image: NDArray[np.uint8]

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .edit.transform import AXES, axis
-from .strands import Mask, Points, Strands
+from .strands import Mask, Strands
 
 LEAST_STRANDS = 20
 """With fewer, nothing is guessed."""
@@ -23,8 +23,8 @@ CLEARER = 0.7
 """The misfit of roots is at most so much of that of tips."""
 ON = 0.1
 """Misfit of roots that lie on a head, and how far from it one is on it, radii."""
-OFF = 0.3
-"""How far from the head an end is off it, radii."""
+OFF = 0.5
+"""How far from the head an end is off it, radii: roots at the nape, on the neck, are .36 from the sphere of a scalp."""
 MOST, ROUNDS = 0.9, 4
 """Share of the points that a sphere is fitted to, and how often anew: strands that run the other way are not."""
 HANGS = 0.5
@@ -44,22 +44,25 @@ class Sphere:
     radius: float
     misfit: float
 
-    def off(self, points: Points) -> npt.NDArray[np.float64]:
+    def off(self, points: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
         """How far points are from it, radii."""
         found: npt.NDArray[np.float64] = np.linalg.norm(points - self.centre, axis=1) / self.radius - 1
         return np.abs(found)
 
 
-def sphere(points: Points) -> Sphere:
-    """The sphere through most points: fitted some times, each time to the points that were nearest to the last one."""
-    found = _fitted(points)
+def sphere(points: npt.NDArray[np.floating]) -> Sphere:
+    """The sphere through most points: fitted some times, each time to the points that were nearest to the last one, and
+    first to those nearest to the middle: one point far away would make a sphere so large that all others lie on it."""
+    points = points.astype(np.float64)  # whose squares overflow in single precision
+    far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    found = _fitted(points[far <= np.quantile(far, MOST)])
     for _ in range(ROUNDS):
         off = found.off(points)
         found = _fitted(points[off <= np.quantile(off, MOST)])
     return found
 
 
-def _fitted(points: Points) -> Sphere:
+def _fitted(points: npt.NDArray[np.floating]) -> Sphere:
     """The sphere of the least squares of |p|² − 2 c·p − (r² − |c|²)."""
     p = points.astype(np.float64)
     middle = p.mean(axis=0)
@@ -109,8 +112,11 @@ def up_axis(strands: Strands, found: Ends) -> tuple[str, float] | None:
     head = found.first if found.root == "first" else found.last
     one, other = strands.roots().astype(np.float64), strands.tips().astype(np.float64)
     one, other = (one, other) if found.root == "first" else (other, one)
-    hanging = (other - one).sum(axis=0) / max(float(np.linalg.norm(other - one, axis=1).sum()), 1e-30)
-    cap = (one - head.centre).mean(axis=0) / head.radius
+    reach = np.linalg.norm(other - one, axis=1)
+    usual = np.minimum(reach, np.quantile(reach, MOST))  # how much a strand counts: no single one decides
+    ways = (other - one) / np.maximum(reach, 1e-30)[:, None]
+    hanging = (usual @ ways) / max(float(usual.sum()), 1e-30)
+    cap = (np.median(one, axis=0) - head.centre) / head.radius
     for name in AXES:
         if hanging @ axis(name) <= -HANGS and cap @ axis(name) >= CAP:
             return name, float(-(hanging @ axis(name)))

@@ -13,9 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UsageError
 from ..exchange.edit.transform import AXES, turning
-from ..exchange.ends import ends
+from ..exchange.ends import ends, up_axis
+from ..exchange.faults import not_finite
 from ..exchange.files import ReadOptions, read
+from ..exchange.strands import Strands
 from .surface import Surface
 
 Floats = NDArray[np.float64]
@@ -51,9 +54,10 @@ class Better(NamedTuple):
     median: float
 
 
-def better(roots: Floats, up: str, surface: Surface, frame: Frame) -> Better | None:
+def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str | None = None) -> Better | None:
     """The placing with which roots (S, 3) are nearest to a surface; None where they fit as they are, or none is clearly
-    better. ``up``: the axis of the file that is y in the roots' frame."""
+    better. ``up``: the axis of the file that is y in the roots' frame; ``likely``: what hair that hangs tells of it,
+    which holds unless roots clearly tell another."""
     some = roots[:: max(len(roots) // ENOUGH, 1)]
 
     def median(axis: str, factor: float) -> float:
@@ -68,7 +72,18 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame) -> Better | N
     tried = [Better(a, f, median(a, f)) for f in FACTORS if SPREAD <= f * large <= 1 / SPREAD for a in AXES]
     # of equals the one that changes less
     found = min(tried, key=lambda one: (one.median, one.factor != 1, one.up != up), default=None)
-    return found if found is not None and found.median <= min(CLEARLY * now, CLOSE * surface.size) else None
+    fine = [one for one in tried if one.median <= min(CLEARLY * now, CLOSE * surface.size)]
+    own = min((one for one in fine if one.up == likely), key=lambda one: one.median, default=None)
+    if own is not None and found is not None and CLEARLY * own.median < found.median:
+        return own
+    return found if found in fine else None
+
+
+def hangs_from(strands: Strands) -> str | None:
+    """The axis that hair which hangs tells to be up; None where it does not."""
+    known = ends(strands)
+    found = None if known is None else up_axis(strands, known)
+    return None if found is None else found[0]
 
 
 def words(found: Better, up: str, size: float | None = None) -> str:
@@ -82,17 +97,21 @@ def words(found: Better, up: str, size: float | None = None) -> str:
 
 
 def facts_on(file: Path, given: ReadOptions, mesh: Path) -> dict[str, Any]:
-    """How the roots of a file lie on a mesh, both in the units and axes of their files, or those that they tell."""
+    """How the roots of a file lie on a mesh, both in the units and axes of their files, or those that they tell. Raises
+    `UsageError` for a file without finite strands."""
     from ..solid_shapes.mesh import Settings
 
     strands = read(file, given)
+    strands = strands.select(~not_finite(strands))
+    if not strands.count:
+        raise UsageError(f"{file}: holds no strand that could lie on {mesh}")
     known = ends(strands)
     roots = strands.tips() if known is not None and known.root == "last" else strands.roots()
     up, unit = strands.source.up or UP, strands.source.unit or 1.0
     surface = Surface(Settings(file=str(mesh)))
     placed = unit * (roots.astype(np.float64) @ turning(up, UP).T)
     off = np.abs(surface.nearest(placed).distances)
-    found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)))
+    found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)), hangs_from(strands))
     median = float(np.median(off))
     mend = None
     if found is not None:

@@ -24,6 +24,8 @@ WIDEST = 1 / 200
 """Width of strands over the longest side of the box about all, at most: more of them would be noodles."""
 WIDE = 1024
 """Points that are compared at once."""
+APART, USUAL = 10.0, 99.0
+"""Points so many times as far from the middle as so many of 100 at most are apart: no picture is fitted to them."""
 NEAR = 0.01
 """Greatest share of its distance from what it sees at which a camera has its near plane."""
 
@@ -33,11 +35,13 @@ class Seen:
     """What strands look like as a whole, in the emitter's frame."""
 
     points: NDArray[np.float32]
-    """(k, 3) metres: some of their points, tips and roots among them."""
+    """(k, 3) metres: some of their points, tips and roots among them, none apart from all others."""
     area: float
     """Square metres that they are seen before, on average over views along the three axes."""
     length: float
-    """Metres of all strands together."""
+    """Metres of all strands together, of one that is far longer than the others a part."""
+    apart: int
+    """Points that were looked at and are apart."""
 
 
 def seen_of(strands: Strands, lengths: Floats) -> Seen:
@@ -45,7 +49,11 @@ def seen_of(strands: Strands, lengths: Floats) -> Seen:
     step = max(strands.points.shape[0] // LOOKED_AT, 1)
     ends_step = max(strands.count // (LOOKED_AT // 4), 1)
     few = np.concatenate([strands.points[::step], strands.roots()[::ends_step], strands.tips()[::ends_step]])
-    return Seen(few, area_of(few), float(lengths.sum()))
+    far = np.linalg.norm(few - np.median(few, axis=0), axis=1)
+    near = far <= APART * np.percentile(far, USUAL)
+    few = few[near]
+    usual = np.minimum(lengths, APART * np.percentile(lengths, USUAL))
+    return Seen(few, area_of(few), float(usual.sum()), int(near.size - few.shape[0]))
 
 
 def box_of(points: NDArray[np.float32]) -> Floats:

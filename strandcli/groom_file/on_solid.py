@@ -22,7 +22,7 @@ from ..groom.record import Anchors
 from ..mesh_file.prepared import Key, key_of, prepared
 from ..meshes.closest import closest
 from ..scene.motion import Pose, pose_in_emitter
-from .fits import UP, Frame, better, words
+from .fits import UP, Frame, better, hangs_from, words
 from .kernels import bend
 from .surface import Near, Surface
 
@@ -106,7 +106,8 @@ def put_on(
     roots = (strands.roots().astype(np.float64) - shift) @ turn
     near = surface.nearest(roots)
     fit = Fit(np.abs(near.distances))
-    found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift))
+    likely = up if hangs_from(strands) == UP else None
+    found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift), likely)
     size = None if given is None else given.size
     advice = "" if found is None else f"with {words(found, up, size)} it would be {found.median:.2g} m"
     _check(roots, fit.off, surface, head, file, advice or _replaced(given))

@@ -132,6 +132,8 @@ def _made(
             f"{given.file}: strands have {counts.min():,} to {most:,} points; shorter ones get more on their segments"
         )
     seen = seen_of(strands, lengths)
+    if seen.apart:
+        notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
     seen = replace(seen, length=share * seen.length)
     points = packed(strands.first, strands.points, order, most) if share == 1 else None
     way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots

@@ -24,6 +24,8 @@ CLEARLY = 2.0
 """How much larger a base is than all others, where up is guessed by it."""
 SIZES = {"m": (0.1, 1.0, 1.0), "cm": (10.0, 100.0, 0.01), "mm": (100.0, 1000.0, 0.001)}
 """Longest sides of a head, a bust or a small animal in each unit, and its metres."""
+AT_ONCE = 1 << 16
+"""Triangles whose corners are looked at together: those of millions take many times the file."""
 
 
 def is_mesh(path: Path) -> bool:
@@ -56,36 +58,46 @@ def facts(mesh: TriangleMesh) -> dict[str, Any]:
     """What a mesh is like, in units of its file, after what could be mended was."""
     low, high = mesh.box()
     said = sentences(mesh.facts, mesh.triangles.shape[0])
-    corners = mesh.vertices[mesh.triangles]
-    vectors = 0.5 * face_vectors(corners)
-    areas = np.linalg.norm(vectors, axis=1)
-    middle = 0.5 * (low + high)
-    volume = float(np.einsum("tj,tj->", corners.mean(axis=1) - middle, vectors)) / 3 if mesh.closed else None
+    middles, vectors = _middles_and_vectors(mesh)
+    areas = np.sqrt(np.einsum("tj,tj->t", vectors, vectors))
+    volume = None
+    if mesh.closed:
+        middle = 0.5 * (low + high)
+        volume = (float(np.einsum("tj,tj->", middles, vectors)) - float(middle @ vectors.sum(axis=0))) / 3
     return {
         "vertices": mesh.vertices.shape[0], "triangles": mesh.triangles.shape[0], "parts": mesh.facts.parts,
         "merged": mesh.facts.merged, "closed": mesh.closed, "holes": mesh.facts.holes,
         "box": {"min": low.tolist(), "max": high.tolist(), "size": (high - low).tolist()},
         "area": float(areas.sum()), "volume": volume, "triangle_area": _spread(areas),
         "attributes": _attributes(mesh),
-        "guess": {"up": up_axis(corners, vectors, areas), "unit": unit(mesh.size())},
+        "guess": {"up": up_axis(middles, vectors, areas, high - low), "unit": unit(mesh.size())},
         "faults": [{"fault": name, "count": getattr(mesh.facts, name), "text": text} for name, text in said.items()],
         "notes": [note for note in mesh.notes if note not in said.values()],
     }  # fmt: skip
 
 
-def up_axis(corners: Vectors, vectors: Vectors, areas: Vectors) -> str | None:
+def _middles_and_vectors(mesh: TriangleMesh) -> tuple[Vectors, Vectors]:
+    """Of triangles (T, 3) their middles, and their normals, as long as their areas."""
+    middles, vectors = np.empty((2, *mesh.triangles.shape))
+    for begin in range(0, mesh.triangles.shape[0], AT_ONCE):
+        corners = mesh.vertices[mesh.triangles[begin : begin + AT_ONCE]]
+        middles[begin : begin + AT_ONCE] = corners.mean(axis=1)
+        vectors[begin : begin + AT_ONCE] = 0.5 * face_vectors(corners)
+    return middles, vectors
+
+
+def up_axis(middles: Vectors, vectors: Vectors, areas: Vectors, extent: Vectors) -> str | None:
     """The axis away from the side that a mesh stands on or was cut off at: where most area lies flat, or is missing.
     None where no side is clearly that.
 
-    ``corners``: (T, 3, 3) of triangles; ``vectors``: (T, 3) their normals, as long as their areas (T,). Those of a
-    closed surface add up to 0, so their sum is that of what is missing, turned around.
+    ``middles``: (T, 3) of triangles; ``vectors``: (T, 3) their normals, as long as their areas (T,); ``extent``:
+    (3,) of the box. Normals of a closed surface add up to 0, so their sum is that of what is missing, turned around.
     """
     whole, missing = float(areas.sum()), -vectors.sum(axis=0)
-    middles = corners.mean(axis=1)
     bases: dict[str, float] = {}
     for axis, name in enumerate("xyz"):
         along = middles[:, axis]
-        rim = RIM * float(np.ptp(corners[:, :, axis]))
+        rim = RIM * float(extent[axis])
         for sign, up in ((-1.0, name), (1.0, f"-{name}")):
             flat = (sign * vectors[:, axis] >= FACING * areas) & (sign * along >= (sign * along).max() - rim)
             bases[up] = float(areas[flat].sum()) + max(0.0, sign * float(missing[axis]))

@@ -153,6 +153,7 @@ def _json(**changes: Any) -> str:
         (_json(w=64.5), "64.5x48"),
         (_json(frames=[{"file_path": "a"}]), "has no transform_matrix"),
         (_json(frames=[{"transform_matrix": [[1, 0], [0, 1]]}]), "is no matrix"),
+        (_json(frames=[{"transform_matrix": [[1, 0], [0]]}]), "transform_matrix: is no matrix (4, 4) of finite"),
         (_json(frames=[{"transform_matrix": (2 * np.eye(4)).tolist()}]), "is no rotation"),
         (_json(frames=[{"transform_matrix": np.diag([1, 1, -1, 1]).tolist()}]), "mirrors"),
         ("[1, 2", "is no JSON"),

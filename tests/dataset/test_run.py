@@ -226,6 +226,7 @@ def test_the_command(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[
         (["--layout", "nerfstudio", "--cameras", "CAMERAS", "--views", "9"], "holds 2 views, 9 are asked for"),
         (["--layout", "nerfstudio", "--cameras", "absent.json"], "absent.json: no such file"),
         (["--layout", "nerfstudio", "--elevation", "40,10"], "the lesser first"),
+        (["--layout", "nerfstudio", "--elevation", "80,100"], "within -90 and 90"),
         (["--layout", "nerfstudio", "--frame", "7"], "the preset has 1 frames"),
         (["--layout", "nerfstudio", "--resume", "--overwrite"], "exclude each other"),
     ],

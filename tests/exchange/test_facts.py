@@ -72,6 +72,23 @@ def test_tips_that_come_first_are_told() -> None:
     assert faults(kit.of(mixed)) == {"other_way": (1, "--fix")}
 
 
+@pytest.mark.parametrize("far", [1.0, 1e2, 1e4, 1e8])
+def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
+    groom = list(head() * np.float32(0.01))
+    stray = np.array([[0, 0, 0], [far, 0, 0]], np.float32)
+    found = facts(kit.of([*groom, stray, stray + np.float32(2 * far)]))
+    guess = found.data["guess"]
+    assert (guess["root"], guess["up"]["axis"], guess["head"]["unit"]) == ("first", "y", "metres")
+    assert [one.fault for one in found.faults] == []
+
+
+def test_short_hair_of_the_nape_that_grows_upward_runs_no_other_way() -> None:
+    """Its roots are off the sphere that the scalp lies on, and its tips on it."""
+    down = np.linspace(1.37, 1.05, 20, dtype=np.float32)  # radii below the middle of the head
+    nape = down[:, None] * np.array([0, -0.09, 0], np.float32)
+    assert faults(kit.of([*(head() * np.float32(0.01)), nape])) == {}
+
+
 def test_nothing_is_guessed_of_scattered_points() -> None:
     strands = kit.of(list(np.random.default_rng(2).uniform(size=(500, 10, 3)).astype(np.float32)))
     assert facts(strands).data["guess"] == {"root": None, "up": None, "head": None}

@@ -264,7 +264,8 @@ def nan_at(content: bytes, at: int) -> bytes:
         (kit.ply(EQUAL, "")[:-4], ".ply", "element strand"),
         (b"ply\nformat ascii 2.0\n", ".ply", "byte 4: header: 'format ascii 2.0'"),
         (npz(positions=np.full((2, 3, 3), np.inf)), ".npz", "byte 0: positions: number 0 is not finite, and 5 more"),
-        (npz(positions=np.zeros((2, 3, 2))), ".npz", "no array of numbers of shape"),
+        (npz(positions=np.zeros((2, 3, 2))), ".npz", "no array of floating-point numbers of shape"),
+        (npz(positions=np.zeros((2, 3, 3), np.int32)), ".npz", "positions (2, 3, 3) of int32"),
         (b"PK\3\4" + bytes(60), ".npz", "no list of members"),
     ],
 )  # fmt: skip

@@ -75,6 +75,20 @@ def test_info_tells_the_unit_and_the_up_axis_that_fit_a_head(
     assert json.loads(run("info", tmp_path / "mended.ply", "--on", head, "--json").out)["on"]["fits"]
 
 
+@pytest.mark.parametrize("up", ["y", "z", "-x"])
+def test_what_hangs_tells_the_up_axis_where_another_fits_as_well(
+    up: str, head: Path, tmp_path: Path, run: Runner
+) -> None:
+    """Hair in centimetres of a head a tenth smaller lies nearest to this one as if another axis were up."""
+    points = hair().points.reshape(-1, 2, 3)
+    points = points[points[:, 0, 1] > 0]
+    points[:, 1] = points[:, 0]
+    points[:, 1, 1] -= np.random.default_rng(6).uniform(0.1, 0.4, len(points))
+    write(tmp_path / "hair.ply", turned(exchange_kit.of(list(points)), up, 90))
+    found = json.loads(run("info", tmp_path / "hair.ply", "--on", head, "--json").out)["on"]
+    assert (found["mend"]["up"], found["mend"]["scale"]) == (up, 0.01)
+
+
 def test_a_spot_of_hair_and_another_head_fit_nowhere(head: Path, tmp_path: Path, run: Runner) -> None:
     spot = hair().points[:2]
     for name, points in {"spot.ply": np.tile(spot, (30, 1)) + 3, "far.ply": hair().points + 5}.items():
@@ -84,6 +98,19 @@ def test_a_spot_of_hair_and_another_head_fit_nowhere(head: Path, tmp_path: Path,
         assert not found["fits"]
         assert found["mend"] is None
     assert "a mesh itself" in run("info", head, "--on", head).err
+
+
+@pytest.mark.filterwarnings("error")
+def test_strands_that_are_not_finite_or_far_too_large_or_none_are_compared_in_a_line(
+    head: Path, tmp_path: Path, run: Runner
+) -> None:
+    points = hair().points.reshape(-1, 2, 3).copy()
+    points[7, 0, 1], points[9, 1, 2] = np.nan, np.inf
+    for name, some in {"bad.data": points, "huge.data": 1e30 * points[10:], "none.data": points[7:8]}.items():
+        (tmp_path / name).write_bytes(exchange_kit.data(list(some.astype(np.float32))))
+    assert "they fit" in run("info", tmp_path / "bad.data", "--on", head).out
+    assert "neither another unit" in run("info", tmp_path / "huge.data", "--on", head).out
+    assert "holds no strand that could lie on" in run("info", tmp_path / "none.data", "--on", head).error()
 
 
 def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: Path) -> None:

@@ -181,6 +181,15 @@ def test_strands_that_cannot_be_drawn_are_told_of(tmp_path: Path) -> None:
         scene(path, emitter__groom__fix=False)
 
 
+def test_a_file_that_does_not_tell_its_strands_is_drawn_with_what_its_refusal_says(tmp_path: Path) -> None:
+    path = tmp_path / "cloud.ply"
+    points = np.random.default_rng(3).normal(size=(60, 3)).astype(np.float32)
+    path.write_bytes(exchange_kit.ply([points], told="nothing"))
+    with pytest.raises(UsageError, match=r"--set emitter\.groom\.stride=N"):
+        scene(path)
+    assert scene(path, emitter__groom__stride=12).emitter.strands == 5
+
+
 def test_some_of_the_strands(tmp_path: Path) -> None:
     strands = hanging([6] * 40)
     path = write(tmp_path / "a.data", strands)
@@ -217,6 +226,18 @@ def test_the_camera_sees_all_strands_and_comes_as_near_as_asked(
     for values in (x, y):
         if kind == "orthographic" or np.abs(values).max() > 0.79:
             assert values.min() == pytest.approx(-values.max(), abs=2e-3)
+
+
+def test_one_strand_far_away_does_not_make_the_others_a_speck(tmp_path: Path) -> None:
+    strands = hanging([6] * 200)
+    alone, beside = write(tmp_path / "a.data", strands), tmp_path / "b.data"
+    write(beside, [*strands, np.array([[0, 0, 0], [1e4, 0, 0]], np.float32)])
+    one, other = scene(alone), scene(beside)
+    assert other.camera.position == pytest.approx(one.camera.position, rel=0.02)
+    assert other.material.width == pytest.approx(one.material.width, rel=0.2)
+    told = [" ".join(from_file(given.emitter.groom, 0).notes) for given in (one, other)]
+    assert "far from all others" in told[1]
+    assert "far from" not in told[0]
 
 
 def test_width_by_how_much_is_covered(tmp_path: Path) -> None:

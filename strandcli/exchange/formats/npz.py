@@ -84,14 +84,15 @@ def _chosen(file: Bounded, members: dict[str, Member], wanted: str | None) -> Me
     for one in USUAL:
         if one in shaped:
             return shaped[one]
-    raise UsageError(f"{file.path}: {_there(members, shaped)}" + ("; tell which with --array NAME" if shaped else ""))
+    which = "; tell which with --array NAME, or to draw it with --set emitter.groom.array=NAME" if shaped else ""
+    raise UsageError(f"{file.path}: {_there(members, shaped)}{which}")
 
 
 def _there(members: dict[str, Member], shaped: dict[str, Member]) -> str:
-    listed = ", ".join(f"{one.name} {one.shape}" for one in (shaped or members).values())
     if shaped:
-        return f"arrays of strands are {listed}"
-    return f"holds no array of numbers of shape (strands, points, 3); there are {listed or 'none'}"
+        return f"arrays of strands are {', '.join(f'{one.name} {one.shape}' for one in shaped.values())}"
+    listed = ", ".join(f"{one.name} {one.shape} of {one.kind}" for one in members.values())
+    return f"holds no array of floating-point numbers of shape (strands, points, 3); there are {listed or 'none'}"
 
 
 def _has_points(one: Member) -> bool:

@@ -174,6 +174,7 @@ def _first(
         raise UsageError(
             f"{file.path}: vertices alone, {count:,} of them, and {why}; tell it with --stride N"
             + (f" (they divide into strands of {known})" if known else "")
+            + ", or to draw it with --set emitter.groom.stride=N"
         )
     return even_offsets(count // stride, stride)
 
