@@ -46,6 +46,7 @@ class Children:
         self._waves = [wave for wave in self.settings.waves if wave.radius > 0 and wave.share > 0]
         self.steps: int = self.settings.steps(scene.emitter.segment)
         """Parts into which a guide's segment is subdivided."""
+        self._placed: tuple[Any, NDArray[np.float32], NDArray[np.float32]] | None = None
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
@@ -76,14 +77,11 @@ class Children:
         particles = scratch.borrow("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
         kernel.refine(positions, np.int64(steps), particles)
         segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
-        rotation, shift = (np.array(part) for part in emitter_pose(self.scene.emitter, at if self._carried else 0.0))
-        roots = family.roots if self._deforming is None else self._deforming.roots(at)[family.ids]
-        roots = (roots @ rotation.T + shift).astype(np.float32)
+        roots, across = self._place(at)
         m = particles.shape[1] - 1
         way = np.linspace(0.0, 1.0, m)
         ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
-        across = (family.across @ rotation.T).astype(np.float32)
         blocks = -(-len(ids) // W)
         out = scratch.borrow("children", (blocks, m + 1, 3 * W), np.float32)
         rest = scratch.borrow("children_lengths", (blocks, W), np.float32)
@@ -98,6 +96,18 @@ class Children:
             rest,
         )
         return out, rest
+
+    def _place(self, at: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return roots (A, 3), metres, and vectors across (A, 3), as in `family`, at a time in seconds, in the world.
+        They are kept for as long as they stand still."""
+        pose = emitter_pose(self.scene.emitter, at if self._carried else 0.0)
+        if self._placed is None or self._placed[0] != pose or self._deforming is not None:
+            family = self.family
+            rotation, shift = (np.array(part) for part in pose)
+            roots = family.roots if self._deforming is None else self._deforming.roots(at)[family.ids]
+            across = (family.across @ rotation.T).astype(np.float32)
+            self._placed = pose, (roots @ rotation.T + shift).astype(np.float32), across
+        return self._placed[1:]
 
     def _solids(self, at: float) -> solids.Solids:
         return solids.pack_all(touched(self.scene), self.scene.emitter, at)

@@ -215,6 +215,24 @@ def test_children_turn_with_the_emitter() -> None:
     np.testing.assert_allclose(drawn, (upright - plain) @ turn.T + shift, atol=2e-5)
 
 
+def test_children_go_along_from_frame_to_frame() -> None:
+    """What is kept between frames is that of the emitter where it stands."""
+    scene = scene_of(SCENE.replace("rotation: [10, 20, 30]}", "keys: [{time: 0, position: [0, 1, 0]}, "
+                                   "{time: 1, position: [1, 1, 0], rotation: [0, 90, 0]}]}")
+                          .replace("rules: [", "rules: [emitter_motion, "))  # fmt: skip
+    scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, waves=WAVES))
+    groom = emit(scene.emitter, scene.seed)
+    guides, rest = bent(scene)
+    packed, lengths = pack(guides), lanes(rest[:, None])
+    kept = Children(scene, groom)
+    ids = kept.select(packed)[1]
+    for at in (0.0, 0.5, 0.5, 1.0, 0.0):
+        fresh = Children(scene, groom).grow(packed, lengths, at, ids, Scratch())
+        for one, other in zip(kept.grow(packed, lengths, at, ids, Scratch()), fresh, strict=True):
+            np.testing.assert_array_equal(one, other)
+    assert np.abs(kept.grow(packed, lengths, 1.0, ids, Scratch())[0][:, 1] - fresh[0][:, 1]).max() > 0.5
+
+
 def test_children_stay_out_of_the_solids_of_collisions() -> None:
     def depth(strands: np.ndarray) -> np.ndarray:
         ball = 0.25 - np.linalg.norm(strands - [0.2, 1.3, 0], axis=2)
