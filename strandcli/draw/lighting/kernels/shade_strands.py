@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
+from ....jit.balance import places, task_at
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     ARRIVES,
@@ -79,7 +80,9 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
     compiled kernel.
     """
     count = vertices.first.shape[0] - 1
-    for task in prange((count + STRANDS - 1) // STRANDS):
+    tasks = np.int64((count + STRANDS - 1) // STRANDS)
+    for turn in prange(places(tasks)):
+        task = task_at(np.int64(turn), tasks)
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ....jit.balance import places, task_at
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, RADIANCE, X, Y, Z
@@ -63,8 +64,9 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     count = np.int64(keys.shape[0])
     width = image.shape[1]
     picture = image.reshape(-1)
-    for task in prange((count + PIXELS - 1) // PIXELS):
-        p = np.int64(task) * PIXELS
+    tasks = np.int64((count + PIXELS - 1) // PIXELS)
+    for turn in prange(places(tasks)):
+        p = task_at(np.int64(turn), tasks) * PIXELS
         end = min(p + PIXELS, count)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
