@@ -36,23 +36,25 @@ RANDOM = 20
 class Family(NamedTuple):
     """Constants of all children, as in `kernels.inputs`, neighbours next to each other.
 
-    A: children; C: levels of clumps; V: waves.
+    A: children; C: levels of clumps; P: guides of each child; V: waves.
     """
 
     ids: NDArray[np.int32]
     """(A,) number of each in the order of emission."""
     tones: NDArray[np.float32]
+    """(A,) in [−1, 1): deviation of each strand's colour from the mean."""
     roots: NDArray[np.float64]
+    """(A, 3) metres, in the emitter's frame."""
     parents: NDArray[np.int32]
-    """(A, 3)"""
+    """(A, P) numbers of the guides of each child."""
     weights: NDArray[np.float32]
-    """(A, 3)"""
+    """(A, P) weights of these guides, whose sum is 1."""
     shares: NDArray[np.float32]
     """(A,) ratio of a child's length to that of its guides."""
     middles: NDArray[np.int32]
     """(C, A) where the child at the centre of each child's clump is here."""
     pulls: NDArray[np.float32]
-    """(C, A)"""
+    """(C, A) share by which the distance to that child is reduced at the tip."""
     radii: NDArray[np.float32]
     """(V, A) amplitude, metres; 0 for children without this wave."""
     phases: NDArray[np.float32]
