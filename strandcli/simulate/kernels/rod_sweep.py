@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...constants import W
-from ...jit import device, inlined
+from ...jit import device, function, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
 from . import rod, rod_start
 from .contact import resolve_contact
@@ -39,7 +39,7 @@ AHEAD = 24
 """Segments that are fetched ahead then."""
 
 
-@device
+@function
 def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
     """Bring every edge to its exact length in the direction that the iterations found, turn it out of solids, and write
     positions, velocities and tensions of the step. An edge without a finite direction stays as it was before the step.
