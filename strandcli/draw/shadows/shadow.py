@@ -23,8 +23,8 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, sort_into_bands, to_screen
+from .kernels import cell_extents, opacity, opacity_maps, splats
 from .kernels import minmax as kernel
-from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
 from .nearness import sort_by_place
 from .shadow_model import casts_map, model_of
@@ -101,7 +101,9 @@ class ShadowMaps:
         tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
         for number, rows in zip(deep, tables, strict=True):
-            count = opacity_maps.number_cells(self.extents[number], rows)
+            extents = self.extents[number]
+            cell_extents.spread(extents.copy(), int(self.sizes[number]) // 2, extents)
+            count = cell_extents.number_cells(extents, rows)
             lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
         if lengths.max() > PLACES:
             raise RefusedError(

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function
+from ....jit import device, function, inlined
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from .opacity import FIVE, HEAD, SCALE, START, TEXELS
 
@@ -22,7 +22,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 SHORT = np.float32(1.5)
-"""Longest segment, in texels, that is splatted as one sample, whose footprint is two texels wide."""
+"""Greatest distance between the samples of a segment, in texels: their footprints are two texels wide, and reading
+averages over two again, so that a strand varies by 6 % along itself at the most, and many strands together by less."""
 BATCH = 256
 """Splats of a batch: whole vectors."""
 OUTSIDE = np.float32(-10.0)
@@ -48,21 +49,28 @@ class OpacityMap(NamedTuple):
     """(`opacity.numbers_of`,) the map itself; None in the pass that finds the extents."""
 
 
+@inlined
+def count_spots(dx, dy, rise, scale, size, step):
+    """Return how many places at most ``step`` texels apart a segment has: 0 where the light is so near that it is
+    longer than four maps of ``size`` texels. dx, dy: its extent, texels; rise: in depth, metres; scale: texels a
+    metre."""
+    length = max(max(abs(dx), abs(dy)), abs(rise) * scale)
+    if not length <= np.float32(4 * size):
+        return np.int64(0)
+    return np.int64(math.ceil(length * (ONE / step))) if length > step else np.int64(1)
+
+
 @device
 def collect(work, n, begin, end, scale, w, window, opacity_map):
     """Add the splats of a segment to a batch of n; return how many it holds then. A full batch is added to the map.
 
-    One splat for each texel of the segment's greatest extent, depth included, or one at its centre if that is at most
-    `SHORT`. work (ROWS * BATCH,); begin, end: x and y, texels, and depth, metres; scale: texels a metre; w: width,
+    Splats stand at most `SHORT` apart along the segment's greatest extent, depth included. work (ROWS * BATCH,); begin, end: x and y, texels, and depth, metres; scale: texels a metre; w: width,
     texels.
     """
     x, y, d = begin
     dx, dy, rise = end[0] - x, end[1] - y, end[2] - d
-    length = max(max(abs(dx), abs(dy)), abs(rise) * scale)
-    if not length <= np.float32(4 * window.width):  # the light is so near that a segment is longer than its map
-        return n
-    spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
-    per = ONE / np.float32(spots)
+    spots = count_spots(dx, dy, rise, scale, window.width, SHORT)
+    per = ONE / np.float32(max(spots, 1))
     share = w * math.sqrt(dx * dx + dy * dy) * per
     dx *= per
     dy *= per
