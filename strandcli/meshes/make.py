@@ -140,8 +140,9 @@ def _checked(raw: RawMesh, where: str) -> tuple[Vectors, Indices]:
             f"{where}: triangle {t:,} wants vertex {triangles[t, k]:,}, there are {vertices.shape[0]:,}; "
             "it is damaged: write it anew"
         )
-    with np.errstate(invalid="ignore"):
-        wrong: npt.NDArray[np.bool_] = np.logical_not((np.abs(vertices) <= LARGEST).all(axis=1))
+    wrong = np.empty(vertices.shape[0], np.bool_)
+    for some in slices(wrong.size):
+        wrong[some] = ~(np.abs(vertices[some]) <= LARGEST).all(axis=1)
     bad = wrong[triangles].any(axis=1) if wrong.any() else wrong[:0]
     if bad.any():
         t = int(np.flatnonzero(bad)[0])

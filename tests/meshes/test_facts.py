@@ -41,7 +41,7 @@ def test_a_box_by_its_closed_form() -> None:
 
 
 def test_facts_of_many_triangles_take_little_memory() -> None:
-    """Beside the mesh: 74 bytes a triangle; with the corners of all triangles at once it was 200."""
+    """Beside the mesh: 18 bytes a triangle; with middles and normals of all triangles at once it was 74."""
     rows, columns = np.mgrid[:500, :500]
     vertices = np.stack([columns, np.sin(rows / 30), rows], axis=-1).reshape(-1, 3).astype(float)
     first = (500 * np.arange(499)[:, None] + np.arange(499)).ravel()
@@ -51,7 +51,7 @@ def test_facts_of_many_triangles_take_little_memory() -> None:
     facts(mesh)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < 110 * mesh.triangles.shape[0]
+    assert peak < 30 * mesh.triangles.shape[0]
 
 
 def test_faults_are_told_with_their_numbers() -> None:
