@@ -63,6 +63,11 @@ def test_faults_are_told_with_their_numbers() -> None:
     assert counts == {"no_area": 1, "repeated": 1, "unused": 1, "turned": 1, "boundary": 3}
     assert found["volume"] is None
     assert found["holes"] == 1
+    assert [one["text"] for one in found["faults"]] == [
+        "1 triangle without area: left out", "1 triangle equal to another: left out",
+        "1 vertex of no triangle: left out", "1 of 11 triangles was wound the other way: turned",
+        "open: 1 hole, 3 edges on its rim; inside is where the surface goes more than half around",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])

@@ -119,7 +119,7 @@ def test_what_cannot_be_used_is_left_out_and_told() -> None:
     assert mesh.facts.crowded == 0
     assert mesh.facts.boundary == 3
     assert mesh.triangles.shape[0] == 13
-    for word in ("without area", "repeat", "of no triangle", "open"):
+    for word in ("without area", "equal to another", "of no triangle", "open"):
         assert any(word in note for note in mesh.notes), word
 
 
