@@ -25,7 +25,7 @@ help:
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
-	@echo "make fuzz       read damaged files of strands and of meshes, 100,000 of each format"
+	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
 	@echo "make dense      time and memory of a picture and of labels of 100,000 strands of 256 points"
@@ -110,7 +110,7 @@ mesh-distances: $(READY)
 	$(BIN)/python tests/mesh_distances.py
 
 fuzz: $(READY)
-	$(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)
 
 golden: $(READY)
 	$(RUN) golden check tests/golden

@@ -1,5 +1,5 @@
-"""Read damaged files of strands and of meshes: ``python tests/fuzz.py [COUNT [FORMAT]]``, and a slice of it in the
-tests.
+"""Read damaged files of strands, meshes and cameras: ``python tests/fuzz.py [COUNT [FORMAT]]``, and a slice of it in
+the tests.
 
 A file is mutated in a few bytes, words or blocks, cut off, or lengthened, and read. It must be read or refused in one
 line (`StrandError`), within seconds and within three times its size and 100 MB: more ends in MemoryError here, and that
@@ -8,8 +8,6 @@ is a fault too. What is found is printed with the number that makes it again.
 
 from __future__ import annotations
 
-import base64
-import importlib.util
 import io
 import json
 import resource
@@ -21,22 +19,21 @@ import time
 import warnings
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 import numpy as np
 
-import abc_kit
-import exchange_kit as kit
 import mesh_kit
-import usd_kit
+from fuzz_seeds import CAMERA, COLMAP, MESH, seeds
+from strandcli.cameras.read import views_of
 from strandcli.errors import StrandError
 from strandcli.exchange.facts import facts
 from strandcli.exchange.files import ReadOptions, format_of, read
+from strandcli.meshes.facts import facts as facts_of_mesh
 from strandcli.meshes.read import read_mesh
 
 MEMORY = Path("/dev/shm")
@@ -45,75 +42,7 @@ LONGEST = 10
 """Seconds for one file."""
 MOST = 100_000_000
 """Bytes beyond three times the file."""
-MESH = "mesh"
-"""What formats of meshes begin with: they are the ends of names, as those of strands."""
 WORDS = (0, 1, 2, 0x7F, 0x80, 0xFF, 0xFFFF, 0x10000, 2**31 - 1, 2**31, 2**32 - 1, 0x7FC00000, 0x7F800000)
-
-
-def grooms() -> Iterator[list[kit.Strand]]:
-    """Small ones: equal strands, others, of one point, none."""
-    generator = np.random.default_rng(5)
-    yield list(generator.normal(size=(6, 5, 3)).astype(np.float32))
-    yield [generator.normal(size=(count, 3)).astype(np.float32) for count in (3, 1, 9, 2, 30)]
-    yield []
-
-
-def npz(packed: bool, **arrays: object) -> bytes:
-    file = io.BytesIO()
-    (np.savez_compressed if packed else np.savez)(file, **arrays)
-    return file.getvalue()
-
-
-def seeds() -> dict[str, list[bytes]]:
-    """Whole files of each format."""
-    even, uneven, none = grooms()
-    colours = np.ones((30, 3), "<f4").tobytes()
-    positions = np.stack(even)
-    usd = {}
-    if importlib.util.find_spec("pxr"):
-        texts = [usd_kit.text(even), usd_kit.text(uneven[2:], basis="bspline", wrap="pinned"), usd_kit.moving(even)]
-        usd[".usd"] = [*(usd_kit.binary(one) for one in texts), *(one.encode() for one in texts)]
-    return {
-        **usd,
-        ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
-        ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
-        ".bin": [kit.data(even, 4), kit.data(uneven, 4)],
-        ".tfx": [kit.tfx3(even), kit.tfx4(even), kit.tfx4(even, uv=False)],
-        ".ply": [
-            *(kit.ply(groom, order, told=told) for groom in (even, uneven) for order in ("<", ">", "")
-              for told in ("strand", "edge")),
-            kit.ply(even, kind="double"), kit.ply(even, "", told="nothing"), kit.ply(even, told="nothing"),
-        ],
-        ".npz": [
-            npz(False, positions=positions), npz(True, positions=positions.astype(np.float16)),
-            npz(False, positions=np.asfortranarray(positions), root_uv=np.ones((6, 2))),
-            npz(True, points=kit.of(uneven).points, first=kit.of(uneven).first, words=np.array(["a"])),
-        ],
-        ".abc": [abc_kit.rich(even), abc_kit.archive(uneven), abc_kit.rich(uneven), abc_kit.FROM_BLENDER.read_bytes()],
-        **mesh_seeds(),
-    }  # fmt: skip
-
-
-def mesh_seeds() -> dict[str, list[bytes]]:
-    """Whole files of each format of meshes, small ones."""
-    box = mesh_kit.mesh("box")
-    count = box.vertices.shape[0]
-    seamed = replace(box, uv=np.random.default_rng(1).random((12, 3, 2)).round(2).astype(np.float32))
-    faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7, 5]]
-    more = {"density": np.ones(count, np.float32), **dict.fromkeys(("red", "green", "blue"), np.zeros(count, np.uint8))}
-    tree, buffer = mesh_kit.gltf_tree(box, COLOR_0=np.ones((count, 3), "<f4"), TEXCOORD_0=np.ones((count, 2), "<f4"))
-    inner = {**tree, "buffers": [{"uri": "data:;base64," + base64.b64encode(buffer).decode()}]}
-    back = b"v 0 0 0\nv 1 0 0 1 0 0\nvn 0 0 1\nv 0 1 0\no a\nusemtl b\ns 1\nf -3//1 -2//1 -1//1\nv 1 1 0\nf 2 3 4 1\n"
-    return {
-        f"{MESH}.obj": [mesh_kit.obj(box), mesh_kit.obj(seamed), back],
-        f"{MESH}.ply": [
-            *(mesh_kit.ply(box, order, shape, more) for order in ("<", ">", "") for shape in (None, faces)),
-            mesh_kit.ply(box),
-        ],
-        f"{MESH}.stl": [mesh_kit.stl(box), mesh_kit.stl(box, text=True)],
-        f"{MESH}.glb": [mesh_kit.glb(tree, buffer), mesh_kit.glb(*mesh_kit.gltf_tree(box))],
-        f"{MESH}.gltf": [json.dumps(inner).encode(), json.dumps(inner, indent=1).encode()],
-    }
 
 
 def mutated(content: bytes, generator: np.random.Generator) -> bytes:
@@ -153,6 +82,9 @@ OTHERS: tuple[object, ...] = (
     -1,
     -(10**20),
     10**20,
+    10**400,
+    float("inf"),
+    float("nan"),
     1.5,
     None,
     True,
@@ -169,7 +101,7 @@ OTHERS: tuple[object, ...] = (
 
 
 def mutated_header(content: bytes, generator: np.random.Generator) -> bytes:
-    """A glTF file in whose header up to three values are others."""
+    """A glTF file, or JSON, in whose header up to three values are others."""
     packed = content[:4] == b"glTF"
     end = 20 + struct.unpack("<I", content[12:16])[0] if packed else len(content)
     tree = json.loads(content[20 if packed else 0 : end])
@@ -217,12 +149,14 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 def attempt(content: bytes, suffix: str, folder: Path) -> str:
     """What becomes of a file: "read", "refused", or what is wrong."""
-    path = folder / f"a{suffix}"
+    path = folder / (suffix.removeprefix(CAMERA) if suffix.startswith(CAMERA) else f"a{suffix}")
     path.write_bytes(content)
+    warnings.simplefilter("error")
     try:
+        if suffix.startswith(CAMERA):
+            return attempt_cameras(path)
         if suffix.startswith(MESH):
             return attempt_mesh(path)
-        warnings.simplefilter("error")
         strands = read(path, ReadOptions(lenient=len(content) % 2 == 0))
         if len(content) % 5 == 0:
             json.dumps(facts(strands).as_dict(), allow_nan=False)
@@ -244,11 +178,26 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
 def attempt_mesh(path: Path) -> str:
     """The same of a mesh; raises what reading raises."""
     mesh = read_mesh(path)
+    json.dumps(facts_of_mesh(mesh), allow_nan=False)
     numbers = (mesh.vertices, mesh.normals, mesh.uv, mesh.corner_normals, mesh.colours, *mesh.attributes.values())
     if not all(np.isfinite(one).all() for one in numbers if one is not None):
         return "numbers that are not finite"
     sound = mesh.triangles.min() >= 0 and mesh.triangles.max() < mesh.vertices.shape[0]
     return "read" if sound and (mesh.areas() > 0).all() else "triangles that are none"
+
+
+def attempt_cameras(path: Path) -> str:
+    """The same of views."""
+    for name in COLMAP if path.name in COLMAP else ():
+        if name != path.name:
+            (path.parent / name).write_bytes(seeds()[f"{CAMERA}{name}"][0])
+    for view in views_of(path, assumed=(64, 48)).views:
+        numbers = (view.rotation, view.eye, view.centre, view.focal, 0 if view.near is None else view.near)
+        if not all(np.isfinite(one).all() for one in numbers):
+            return "numbers that are not finite"
+        if min(view.width, view.height) < 1 or view.focal <= 0 or (view.near is not None and view.near <= 0):
+            return "views that are none"
+    return "read"
 
 
 def fuzz(suffix: str, numbers: range, tell: Callable[[str], None]) -> Counter[str]:
@@ -259,9 +208,9 @@ def fuzz(suffix: str, numbers: range, tell: Callable[[str], None]) -> Counter[st
         for number in numbers:
             generator = np.random.default_rng(number)
             content = mutated(files[number % len(files)], generator)
-            if "gl" in suffix and number % 4:
+            if ("gl" in suffix or suffix.endswith(".json")) and number % 4:
                 content = mutated_header(files[number % len(files)], generator)
-            if suffix == ".npz" and number % 3:
+            if suffix.endswith(".npz") and number % 3:
                 content = checksums_right(content)
             outcome = attempt(content, suffix, Path(folder))
             found[outcome if outcome in ("read", "refused") else "wrong"] += 1

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from .lens import picture_size, refuse_distortion, square_focal
 from .pinhole import Floats, Pinhole, in_order
 
@@ -54,7 +54,8 @@ def read(folder: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[
         try:
             model = parts[MODEL]
             if model not in MODELS:
-                raise UsageError(f"{path}: {where}: model {model} is no pinhole; undistort the pictures first")
+                name = one_line(model)[:40]
+                raise UsageError(f"{path}: {where}: model {name} is no pinhole; undistort the pictures first")
             values = [float(text) for text in parts[PARAMETERS:]]
             lens = dict(zip(MODELS[model], values, strict=True))
             shape = picture_size(float(parts[WIDTH]), float(parts[HEIGHT]), size, path)

@@ -48,7 +48,8 @@ def picture_size(
         if given is None:
             raise MissingSize(f"{path}: does not tell the size of its pictures; add --size WxH")
         return given
-    own = (int(width), int(height))
+    finite = math.isfinite(width) and math.isfinite(height)
+    own = (int(width), int(height)) if finite else (0, 0)
     if own != (width, height) or min(own) < 1:
         raise UsageError(f"{path}: pictures of {width:g}x{height:g} pixels")
     if given is not None and given != own:

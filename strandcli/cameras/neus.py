@@ -47,9 +47,11 @@ def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[li
     for number, matrix in enumerate(matrices):
         where = f"{path}: view {number}"
         try:
-            views.append(_view(np.asarray(matrix, np.float64), f"{number:04d}", shape, where, notes))
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                view = _view(np.asarray(matrix, np.float64), f"{number:04d}", shape, where, notes)
         except (ValueError, np.linalg.LinAlgError) as error:
             raise UsageError(f"{where}: {error}") from None
+        views.append(view)
     if not views:
         raise UsageError(f"{path}: holds no view")
     return views, own

@@ -18,7 +18,7 @@ def read(path: Path) -> list[Pinhole]:
         views = [from_dict(entry["camera"]) for entry in data["views"]]
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise UsageError(f"{path}: is no {FILE} of strandcli") from None
     if not views:
         raise UsageError(f"{path}: holds no view")

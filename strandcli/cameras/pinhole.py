@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 HALF = 0.5
 """Pixels from the middle of the first pixel to the corner of the picture."""
+DIGITS = 100
+"""Of a number in a name, at most."""
+LARGEST = 1 << 20
+"""Pixels of a picture's side, at most."""
 SKEWED = 1e-3
 """Departure from a rotation, in any entry, from which on a matrix is none."""
 
@@ -44,6 +48,14 @@ class Pinhole:
     perspective: bool = True
     near: float | None = None
     """Metres; of the near plane, where it is told."""
+
+    @property
+    def sound(self) -> bool:
+        """Whether it may be drawn: all numbers are finite, and size, focal length and near plane above 0."""
+        if not (0 < self.width <= LARGEST and 0 < self.height <= LARGEST):
+            return False
+        lengths = (self.focal, 1.0 if self.near is None else self.near)
+        return min(lengths) > 0 and bool(np.isfinite([*lengths, *self.centre, *self.eye]).all())
 
     def camera_points(self, points: ArrayLike) -> Floats:
         """(k, 3) points of the world along the camera's right, down and forward axes, metres."""
@@ -101,7 +113,7 @@ def in_order(views: Iterable[Pinhole]) -> list[Pinhole]:
 
     def key(view: Pinhole) -> list[tuple[int, str]]:
         parts = re.split(r"(\d+)", view.name)
-        return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
+        return [(int(part), "") if part.isdecimal() and len(part) <= DIGITS else (-1, part) for part in parts]
 
     return sorted(views, key=key)
 

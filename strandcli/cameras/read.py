@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
 from .pinhole import Pinhole
@@ -66,6 +66,12 @@ def views_of(
         found = _read(path, assumed, name, notes)
     if len(found.views) > MOST:
         raise UsageError(f"{path}: {len(found.views):,} views; {MOST:,} are read at the most")
+    wrong = next((view.name for view in found.views if not view.sound), None)
+    if wrong is not None:
+        raise UsageError(
+            f"{path}: view {one_line(wrong)[:80]}: its picture has no size or too large a one, or its focal length, "
+            "principal point or place is no finite number; write the cameras anew"
+        )
     return replace(found, notes=tuple(dict.fromkeys(notes)))
 
 

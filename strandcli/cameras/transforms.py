@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
 from ..output.files import read_json
 from .lens import picture_size, refuse_distortion, square_focal
@@ -57,7 +57,7 @@ def _view(data: Mapping[str, Any], number: int, path: Path, size: tuple[int, int
     where = f"frames[{number}]"
     model = data.get("camera_model", "OPENCV")
     if model not in MODELS:
-        raise UsageError(f"{path}: {where}: camera_model {model!r} is no pinhole; undistort the pictures first")
+        raise UsageError(f"{path}: {where}: camera_model {model!r:.40} is no pinhole; undistort the pictures first")
     try:
         refuse_distortion(path, where, {name: float(data.get(name, 0)) for name in BENDING})
         shape = picture_size(_or_none(data, "w"), _or_none(data, "h"), size, path)
@@ -69,8 +69,8 @@ def _view(data: Mapping[str, Any], number: int, path: Path, size: tuple[int, int
         return Pinhole(name, *shape, focal, centre, rotation, matrix[:3, 3])
     except KeyError as error:
         raise UsageError(f"{path}: {where}: has no {error.args[0]}") from None
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"{path}: {where}: {error}") from None
+    except (TypeError, ValueError, OverflowError) as error:
+        raise UsageError(f"{path}: {where}: {one_line(str(error))}") from None
 
 
 def _or_none(data: Mapping[str, Any], key: str) -> float | None:
@@ -84,7 +84,10 @@ def _focal(data: Mapping[str, Any], size: tuple[int, int], where: str, notes: li
         return square_focal(fx, fy, size, where, notes)
     if "camera_angle_x" not in data:
         raise KeyError("fl_x")
-    focal = size[0] / 2 / math.tan(float(data["camera_angle_x"]) / 2)
+    angle = float(data["camera_angle_x"])
+    if not 0 < angle < math.pi:
+        raise ValueError(f"camera_angle_x {angle:g} is no angle of view: radians, above 0 and under pi")
+    focal = size[0] / 2 / math.tan(angle / 2)
     return square_focal(focal, focal, size, where, notes)
 
 
@@ -92,7 +95,7 @@ def _matrix(rows: Any) -> Floats:
     """A matrix (3, 4) or (4, 4) of finite numbers. Raises `ValueError` for anything else."""
     try:
         matrix = np.array(rows, np.float64)
-    except (TypeError, ValueError):  # rows of several lengths, words: NumPy's own sentence is of its insides
+    except (TypeError, ValueError, OverflowError):  # rows of several lengths, words: NumPy tells of its insides
         matrix = np.empty(0)
     if matrix.shape not in ((3, 4), (4, 4)) or not np.isfinite(matrix).all():
         raise ValueError("transform_matrix: is no matrix (4, 4) of finite numbers")

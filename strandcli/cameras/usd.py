@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
 from ..exchange.usd.process import ask
 from .lens import picture_size, square_focal
@@ -30,6 +30,8 @@ APERTURE_UNIT = 0.1
 SAME = 1e-6
 """Share by which shapes of aperture and picture may differ by rounding."""
 CONFORMS = ("expandAperture", "cropAperture", "adjustApertureWidth", "adjustApertureHeight", "adjustPixelAspectRatio")
+WORD = 40
+"""Letters of a word of a file in a message, at most."""
 UPS = ("y", "z")
 TURN = np.diag([1.0, -1.0, -1.0])
 """From right, up, back to right, down, forward."""
@@ -81,15 +83,16 @@ def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) 
     request = {"do": "cameras", "path": str(path.absolute()), "text": text, "name": name}
     ((told, (matrices, lenses, exact)),) = list(ask(path, request))
     where = f"{path}: {told['camera']}"
-    unit, up = float(told["unit"]), told["up"]
+    unit = float(told["unit"])
+    up, conform, projection = (one_line(told[key])[:WORD] for key in ("up", "conform", "projection"))
     if not (math.isfinite(unit) and unit > 0) or up not in UPS:
         raise UsageError(f"{path}: metersPerUnit {unit:g}, upAxis {up}: they have to be above 0, and y or z")
-    if told["conform"] not in CONFORMS or not (math.isfinite(told["pixel"]) and told["pixel"] > 0):
-        raise UsageError(f"{path}: render settings: {told['conform']} of pixels {told['pixel']:g}: is not known")
-    if told["projection"] not in ("perspective", "orthographic"):
-        raise UsageError(f"{where}: projection {told['projection']} is not drawn")
+    if conform not in CONFORMS or not (math.isfinite(told["pixel"]) and told["pixel"] > 0):
+        raise UsageError(f"{path}: render settings: {conform} of pixels {told['pixel']:g}: is not known")
+    if projection not in ("perspective", "orthographic"):
+        raise UsageError(f"{where}: projection {projection} is not drawn")
     width, height = told["size"] or (None, None)
-    picture = Picture(picture_size(width, height, size, path), told["pixel"], told["conform"])
+    picture = Picture(picture_size(width, height, size, path), told["pixel"], conform)
     found = told["names"] if len(told["names"]) == len(told["codes"]) else [_name(code) for code in told["codes"]]
     exact = exact if exact.shape == (len(found), 4) else lenses[:, :4]
     views = []
@@ -98,7 +101,7 @@ def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) 
         lens = lenses[row].copy()
         same = exact[row].astype(np.float32) == lens[:4].astype(np.float32)
         lens[:4][same] = exact[row][same]
-        view = _view(called, told["projection"] == "perspective", matrices[row], lens, picture, at, notes)
+        view = _view(called, projection == "perspective", matrices[row], lens, picture, at, notes)
         near = told["near"] if told["near"] is not None and 0 < told["near"] < math.inf else None
         view = replace(view, near=near).moved(turning(up, "y"), np.zeros(3), unit)
         views.append(view)

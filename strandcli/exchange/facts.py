@@ -138,7 +138,7 @@ def _faults_of_strands(strands: Strands, bad: npt.NDArray[np.bool_], fine: Stran
     for name, wrong, words, mend in (
         ("not_finite", bad, "with numbers that are not finite", "--fix"),
         ("without_length", lengths == 0, "without length", "--fix"),
-        ("repeated", faults.repeated(fine), "that repeat another", "--fix"),
+        ("repeated", faults.repeated(fine), "equal to another", "--fix"),
         ("tiny", tiny, f"shorter than {TINY:g} of the median length", f"--min-length {_least(lengths):.3g}"),
         ("repeated_points", still & (lengths > 0), "with the same point twice in a row", "--simplify 0"),
     ):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ from ..errors import StrandError
 from ..exchange.bounded import opened
 from ..exchange.ply_header import read_header
 from .make import sentences
-from .mesh import TriangleMesh, Vectors, face_vectors
+from .mesh import TriangleMesh, Vectors, face_vectors, slices
 from .read import SUFFIXES, read_mesh
 
 GLTF = (".glb", ".gltf")
@@ -24,8 +24,8 @@ CLEARLY = 2.0
 """How much larger a base is than all others, where up is guessed by it."""
 SIZES = {"m": (0.1, 1.0, 1.0), "cm": (10.0, 100.0, 0.01), "mm": (100.0, 1000.0, 0.001)}
 """Longest sides of a head, a bust or a small animal in each unit, and its metres."""
-AT_ONCE = 1 << 16
-"""Triangles whose corners are looked at together: those of millions take many times the file."""
+UP = ("x", "y", "z", "-x", "-y", "-z")
+"""Axes away from the lower sides, then from the upper ones."""
 
 
 def is_mesh(path: Path) -> bool:
@@ -58,51 +58,73 @@ def facts(mesh: TriangleMesh) -> dict[str, Any]:
     """What a mesh is like, in units of its file, after what could be mended was."""
     low, high = mesh.box()
     said = sentences(mesh.facts, mesh.triangles.shape[0])
-    middles, vectors = _middles_and_vectors(mesh)
-    areas = np.sqrt(np.einsum("tj,tj->t", vectors, vectors))
-    volume = None
-    if mesh.closed:
-        middle = 0.5 * (low + high)
-        volume = (float(np.einsum("tj,tj->", middles, vectors)) - float(middle @ vectors.sum(axis=0))) / 3
+    measures = measured(mesh)
     return {
         "vertices": mesh.vertices.shape[0], "triangles": mesh.triangles.shape[0], "parts": mesh.facts.parts,
         "merged": mesh.facts.merged, "closed": mesh.closed, "holes": mesh.facts.holes,
         "box": {"min": low.tolist(), "max": high.tolist(), "size": (high - low).tolist()},
-        "area": float(areas.sum()), "volume": volume, "triangle_area": _spread(areas),
-        "attributes": _attributes(mesh),
-        "guess": {"up": up_axis(middles, vectors, areas, high - low), "unit": unit(mesh.size())},
+        "area": measures.area, "volume": measures.volume if mesh.closed else None,
+        "triangle_area": measures.triangle_area, "attributes": _attributes(mesh),
+        "guess": {"up": up_axis(mesh, measures), "unit": unit(mesh.size())},
         "faults": [{"fault": name, "count": getattr(mesh.facts, name), "text": text} for name, text in said.items()],
         "notes": [note for note in mesh.notes if note not in said.values()],
     }  # fmt: skip
 
 
-def _middles_and_vectors(mesh: TriangleMesh) -> tuple[Vectors, Vectors]:
-    """Of triangles (T, 3) their middles, and their normals, as long as their areas."""
-    middles, vectors = np.empty((2, *mesh.triangles.shape))
-    for begin in range(0, mesh.triangles.shape[0], AT_ONCE):
-        corners = mesh.vertices[mesh.triangles[begin : begin + AT_ONCE]]
-        middles[begin : begin + AT_ONCE] = corners.mean(axis=1)
-        vectors[begin : begin + AT_ONCE] = 0.5 * face_vectors(corners)
-    return middles, vectors
+class Measures(NamedTuple):
+    """Sums over all triangles, in units of the file."""
+
+    area: float
+    volume: float
+    """Within the surface, where it is closed."""
+    vector: Vectors
+    """(3,) the sum of normals as long as their triangles' areas; 0 of a closed surface."""
+    least: Vectors
+    most: Vectors
+    """(3,) the least and the largest coordinates of middles of triangles."""
+    triangle_area: dict[str, float]
 
 
-def up_axis(middles: Vectors, vectors: Vectors, areas: Vectors, extent: Vectors) -> str | None:
+def measured(mesh: TriangleMesh) -> Measures:
+    """The measures of a mesh."""
+    low, high = mesh.box()
+    middle = 0.5 * (low + high)
+    areas = np.empty(mesh.triangles.shape[0])
+    vector, least, most, volume = np.zeros(3), high, low, 0.0
+    for rows in slices(areas.size):
+        middles, vectors = _middles_and_vectors(mesh, rows)
+        areas[rows] = np.sqrt(np.einsum("tj,tj->t", vectors, vectors))
+        vector += vectors.sum(axis=0)
+        volume += float(np.einsum("tj,tj->", middles - middle, vectors)) / 3
+        least, most = np.minimum(least, middles.min(axis=0)), np.maximum(most, middles.max(axis=0))
+    return Measures(float(areas.sum()), volume, vector, least, most, _spread(areas))
+
+
+def _middles_and_vectors(mesh: TriangleMesh, rows: slice) -> tuple[Vectors, Vectors]:
+    """Of some triangles (n, 3) their middles, and their normals, as long as their areas."""
+    corners = mesh.vertices[mesh.triangles[rows]]
+    return corners.mean(axis=1), 0.5 * face_vectors(corners)
+
+
+def up_axis(mesh: TriangleMesh, measures: Measures) -> str | None:
     """The axis away from the side that a mesh stands on or was cut off at: where most area lies flat, or is missing.
     None where no side is clearly that.
 
-    ``middles``: (T, 3) of triangles; ``vectors``: (T, 3) their normals, as long as their areas (T,); ``extent``:
-    (3,) of the box. Normals of a closed surface add up to 0, so their sum is that of what is missing, turned around.
+    Normals of a closed surface add up to 0, so their sum is that of what is missing, turned around.
     """
-    whole, missing = float(areas.sum()), -vectors.sum(axis=0)
-    bases: dict[str, float] = {}
-    for axis, name in enumerate("xyz"):
-        along = middles[:, axis]
-        rim = RIM * float(extent[axis])
-        for sign, up in ((-1.0, name), (1.0, f"-{name}")):
-            flat = (sign * vectors[:, axis] >= FACING * areas) & (sign * along >= (sign * along).max() - rim)
-            bases[up] = float(areas[flat].sum()) + max(0.0, sign * float(missing[axis]))
-    (best, size), (_, second), *_ = sorted(bases.items(), key=lambda one: -one[1])
-    return best if size > BASE * whole and size > CLEARLY * second else None
+    low, high = mesh.box()
+    rim = RIM * (high - low)
+    flat = np.zeros((2, 3))
+    for rows in slices(mesh.triangles.shape[0]):
+        middles, vectors = _middles_and_vectors(mesh, rows)
+        areas = np.sqrt(np.einsum("tj,tj->t", vectors, vectors))[:, None]
+        below = (-vectors >= FACING * areas) & (middles <= measures.least + rim)
+        above = (vectors >= FACING * areas) & (middles >= measures.most - rim)
+        flat += [(areas * below).sum(axis=0), (areas * above).sum(axis=0)]
+    missing = np.maximum([measures.vector, -measures.vector], 0.0)
+    sizes = (flat + missing).ravel().tolist()
+    (size, best), (second, _), *_ = sorted(zip(sizes, UP, strict=True), reverse=True)
+    return best if size > BASE * measures.area and size > CLEARLY * second else None
 
 
 def unit(size: float) -> dict[str, Any] | None:
@@ -115,10 +137,10 @@ def unit(size: float) -> dict[str, Any] | None:
 
 
 def _spread(values: npt.NDArray[np.float64]) -> dict[str, float]:
-    return {
-        "min": float(values.min()), "median": float(np.median(values)), "mean": float(values.mean()),
-        "max": float(values.max()),
-    }  # fmt: skip
+    """Least, median, mean and largest of values, whose order changes."""
+    mean = float(values.mean())
+    median = float(np.median(values, overwrite_input=True))
+    return {"min": float(values.min()), "median": median, "mean": mean, "max": float(values.max())}
 
 
 def _attributes(mesh: TriangleMesh) -> list[dict[str, Any]]:

@@ -140,8 +140,9 @@ def _checked(raw: RawMesh, where: str) -> tuple[Vectors, Indices]:
             f"{where}: triangle {t:,} wants vertex {triangles[t, k]:,}, there are {vertices.shape[0]:,}; "
             "it is damaged: write it anew"
         )
-    with np.errstate(invalid="ignore"):
-        wrong: npt.NDArray[np.bool_] = np.logical_not((np.abs(vertices) <= LARGEST).all(axis=1))
+    wrong = np.empty(vertices.shape[0], np.bool_)
+    for some in slices(wrong.size):
+        wrong[some] = ~(np.abs(vertices[some]) <= LARGEST).all(axis=1)
     bad = wrong[triangles].any(axis=1) if wrong.any() else wrong[:0]
     if bad.any():
         t = int(np.flatnonzero(bad)[0])
@@ -236,16 +237,22 @@ def _own_normals(
 
 def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:
     """What was found, by its name among the facts, and what it means in a sentence."""
-    turned = f"{{:,}} of {triangles:,} triangles were wound the other way: turned"
-    holes = f"open: {facts.holes:,} holes of {{:,}} edges; inside is where the surface goes more than half around"
+    was = "was" if facts.turned == 1 else "were"
+    holes = f"{facts.holes:,} {'hole' if facts.holes == 1 else 'holes'}"
     found = {
-        "no_area": "{:,} triangles without area: left out",
-        "repeated": "{:,} triangles that repeat another: left out",
-        "unused": "{:,} vertices of no triangle: left out",
-        "turned": turned,
-        "twisted": "{:,} edges whose triangles cannot agree on an outside; mend the mesh there",
-        "crowded": "{:,} edges of three triangles or more; what is inside is doubtful there",
-        "boundary": holes,
+        "no_area": ("triangle", "triangles", "without area: left out"),
+        "repeated": ("triangle", "triangles", "equal to another: left out"),
+        "unused": ("vertex", "vertices", "of no triangle: left out"),
+        "turned": ("of", "of", f"{triangles:,} triangles {was} wound the other way: turned"),
+        "twisted": ("edge", "edges", "whose triangles cannot agree on an outside; mend the mesh there"),
+        "crowded": ("edge", "edges", "of three triangles or more; what is inside is doubtful there"),
+        "boundary": ("edge", "edges", "on its rim; inside is where the surface goes more than half around"),
     }
-    counts = {name: getattr(facts, name) for name in found}
-    return {name: text.format(counts[name]) for name, text in found.items() if counts[name]}
+    said = {}
+    for name, (one, many, words) in found.items():
+        count = getattr(facts, name)
+        if count:
+            said[name] = f"{count:,} {one if count == 1 else many} {words}"
+    if facts.boundary:
+        said["boundary"] = f"open: {holes}, {said['boundary']}"
+    return said

@@ -13,6 +13,8 @@ def fans(faces: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     if faces.ndim != 2 or faces.shape[1] < 3:
         return np.zeros((0, 3), np.int64)
     count = faces.shape[1]
+    if count == 3:
+        return faces.astype(np.int64, copy=False)
     return np.stack([faces[:, (0, k, k + 1)] for k in range(1, count - 1)], axis=1).reshape(-1, 3).astype(np.int64)
 
 

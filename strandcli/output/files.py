@@ -83,9 +83,10 @@ def read_json(path: Path) -> Any:
     """The data of a JSON file. Raises ``OSError`` where it cannot be read, and ``ValueError`` where it is no JSON, too
     large, or no file but a pipe or a device, of which nothing is read."""
     with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        found = os.fstat(file.fileno())
+        if not stat.S_ISREG(found.st_mode):
             raise ValueError("no file but a pipe or a device")
-        text = file.read(LARGEST_JSON + 1)
+        text = file.read(min(found.st_size, LARGEST_JSON) + 1)  # which takes memory for as many bytes as it may read
     if len(text) > LARGEST_JSON:
         raise ValueError(f"larger than {megabytes(LARGEST_JSON)}")
     try:

@@ -141,6 +141,10 @@ def _json(**changes: Any) -> str:
     return json.dumps({"fl_x": 100, "w": 64, "h": 48, "frames": [entry], **changes})
 
 
+ANGLE = json.dumps({"w": 64, "h": 48, "frames": [{"file_path": "a.png", "transform_matrix": np.eye(4).tolist()}]})
+"""A file whose lens is told by `camera_angle_x`, which is left out."""
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -156,6 +160,13 @@ def _json(**changes: Any) -> str:
         (_json(frames=[{"transform_matrix": [[1, 0], [0]]}]), "transform_matrix: is no matrix (4, 4) of finite"),
         (_json(frames=[{"transform_matrix": (2 * np.eye(4)).tolist()}]), "is no rotation"),
         (_json(frames=[{"transform_matrix": np.diag([1, 1, -1, 1]).tolist()}]), "mirrors"),
+        (_json(fl_x=None, frames=[{"file_path": "9" * 5000, "transform_matrix": [[10**400]]}]), "frames[0]"),
+        (_json(w=float("inf")), "infx48"),
+        (_json(w=10**30), "too large"),
+        (_json(cx=float("nan")), "is no finite number"),
+        (_json(fl_x=10**400), "int too large"),
+        (json.dumps({**json.loads(ANGLE), "camera_angle_x": 0}), "camera_angle_x 0 is no angle of view"),
+        (json.dumps({**json.loads(ANGLE), "camera_angle_x": 3.2}), "camera_angle_x 3.2 is no angle of view"),
         ("[1, 2", "is no JSON"),
     ],
 )
@@ -173,6 +184,9 @@ def test_damaged_transforms_are_refused_in_one_line(text: str, words: str, tmp_p
     [
         ("1 OPENCV 10 10 9 9 5 5 .1 0 0 0", "1 1 0 0 0 0 0 4 1 a.png", "k1 0.1"),
         ("1 FOV 10 10 9 9 5 5 1", "", "is no pinhole"),
+        ("1 P\x01N 10 10 9 9 5 5", "", "model P\\x01N is no pinhole"),
+        ("1 PINHOLE inf 10 9 9 5 5", "", "infx10"),
+        ("1 PINHOLE 10 10 9 9 nan 5", "1 1 0 0 0 0 0 4 1 a.png", "is no finite number"),
         ("1 PINHOLE 10 10 9 9 5", "", "is no camera"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 1 0 0 0 0 0 4 2 a.png", "is no picture"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 0 0 0 0 0 0 4 1 a.png", "is no picture"),
@@ -188,12 +202,38 @@ def test_damaged_colmap_files_are_refused_in_one_line(cameras: str, images: str,
     assert words in str(error.value)
 
 
+def test_names_of_thousands_of_digits_are_names(tmp_path: Path) -> None:
+    frames = [{"file_path": name, "transform_matrix": np.eye(4).tolist()} for name in ("9" * 5000, "10", "9")]
+    path = tmp_path / "transforms.json"
+    path.write_text(_json(frames=frames))
+    assert [len(view.name) for view in views_of(path).views] == [5000, 1, 2]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"width": 0}, {"height": -4}, {"width": float("inf")}, {"width": 10**30}, {"focal": 0}, {"near": -1},
+        {"focal": float("nan")}, {"centre": [float("inf"), 1]}, {"eye": [0, float("nan"), 0]}, {"eye": [10**400, 0, 0]},
+    ],
+)  # fmt: skip
+def test_views_that_cannot_be_drawn_are_refused(changes: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "dataset.json"
+    damaged = {**VIEWS[1].as_dict(), **changes}
+    path.write_text(json.dumps({"views": [{"camera": VIEWS[0].as_dict()}, {"camera": damaged}]}))
+    with pytest.raises(UsageError, match=str(path)) as error:
+        views_of(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.filterwarnings("error")
 def test_damaged_archives_and_unknown_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "cameras.npz"
     for arrays, words in (
         ({"world_mat_1": np.eye(4)}, "no array world_mat_0"),
         ({"world_mat_0": np.zeros((4, 4))}, "view 0"),
         ({"world_mat_0": np.full((4, 4), np.nan)}, "is no projection matrix"),
+        ({"world_mat_0": np.diag([1e300, 1e300, 1e-300, 1])}, "focal lengths"),
+        ({"world_mat_0": np.eye(4), "image_size": np.array([np.nan, 4])}, "nanx4"),
         ({"arr_0": np.zeros((0, 4, 4))}, "holds no view"),
     ):
         np.savez(path, **arrays)

@@ -190,6 +190,7 @@ def test_a_lens_that_another_program_changes_counts(tmp_path: Path) -> None:
         (camera(body="float horizontalApertureOffset = nan"), "", "all finite"),
         (camera(body="float focalLength.timeSamples = { 1: 50, 3: inf }"), "", "time code 2"),
         (camera(body='token projection = "fisheye"'), "", "projection fisheye is not drawn"),
+        (camera(body='token projection = "o\x01"'), "", "projection o\\x01 is not drawn"),
         (scaled("(1, 2, 1)"), "", "is no r"),
         (scaled("(0, 0, 0)"), "", "is no r"),
         (scaled("(-1, 1, 1)"), "", "mirrors"),

@@ -216,7 +216,13 @@ def test_fixing_leaves_out_and_turns_around() -> None:
         "not_finite": 1, "without_length": 1, "repeated": 2, "attributes_left_out": ["weight"], "turned_around": 1,
     }  # fmt: skip
     assert new.points.tobytes() == head().tobytes()
-    assert fix.fixed(new)[0].points.tobytes() == new.points.tobytes()
+    assert change.text == (
+        "mended: 1 strand not finite, left out; 1 strand without length, left out; 2 strands equal to another, "
+        "left out; 1 strand turned around; weight not finite, left out"
+    )
+    again, change = fix.fixed(new)
+    assert again.points.tobytes() == new.points.tobytes()
+    assert change.text == "mended: nothing, no fault was found"
 
 
 @pytest.mark.parametrize("mend", [lambda strands: fix.fixed(strands)[0], lambda strands: fix.reversed_all(strands)[0]])

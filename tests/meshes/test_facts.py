@@ -41,7 +41,7 @@ def test_a_box_by_its_closed_form() -> None:
 
 
 def test_facts_of_many_triangles_take_little_memory() -> None:
-    """Beside the mesh: 74 bytes a triangle; with the corners of all triangles at once it was 200."""
+    """Beside the mesh: 18 bytes a triangle; with middles and normals of all triangles at once it was 74."""
     rows, columns = np.mgrid[:500, :500]
     vertices = np.stack([columns, np.sin(rows / 30), rows], axis=-1).reshape(-1, 3).astype(float)
     first = (500 * np.arange(499)[:, None] + np.arange(499)).ravel()
@@ -51,7 +51,7 @@ def test_facts_of_many_triangles_take_little_memory() -> None:
     facts(mesh)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < 110 * mesh.triangles.shape[0]
+    assert peak < 30 * mesh.triangles.shape[0]
 
 
 def test_faults_are_told_with_their_numbers() -> None:
@@ -63,6 +63,11 @@ def test_faults_are_told_with_their_numbers() -> None:
     assert counts == {"no_area": 1, "repeated": 1, "unused": 1, "turned": 1, "boundary": 3}
     assert found["volume"] is None
     assert found["holes"] == 1
+    assert [one["text"] for one in found["faults"]] == [
+        "1 triangle without area: left out", "1 triangle equal to another: left out",
+        "1 vertex of no triangle: left out", "1 of 11 triangles was wound the other way: turned",
+        "open: 1 hole, 3 edges on its rim; inside is where the surface goes more than half around",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])

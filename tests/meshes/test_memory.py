@@ -1,5 +1,5 @@
-"""Memory that reading a mesh takes: at most three times the file and 100 MB, over what a start of Python and of the
-compiled functions takes."""
+"""Memory that reading a mesh and telling what is in it takes: at most three times the file and 100 MB, beside what a
+start of Python and of the compiled functions takes."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from strandcli.meshes.mesh import TriangleMesh
 RINGS = 512
 """Of the mesh, which has 522,000 triangles."""
 TIMES, BESIDE = 3, 100e6
-"""The bound: so many times the file, and so many bytes. Of these files of 9 to 26 MB, 46 to 138 MB were measured; the
+"""The bound: so many times the file, and so many bytes. Of these files of 9 to 26 MB, 46 to 93 MB were measured; the
 rest is for other allocators and versions of NumPy."""
 READ = """
 import re, sys
 from pathlib import Path
-from strandcli.meshes.read import read_mesh
+from strandcli.meshes.facts import facts_of_file
 
 def peak():  # not getrusage's, which begins with that of the process that started this one
     return 1024 * int(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1])
 
-read_mesh(Path(sys.argv[1]))
+facts_of_file(Path(sys.argv[1]))
 before = peak()
-read_mesh(Path(sys.argv[2]))
+facts_of_file(Path(sys.argv[2]))
 print(peak() - before)
 """
 
@@ -60,7 +60,7 @@ def files(kind: str) -> tuple[str, bytes, bytes]:
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks the system as Linux does")
 @pytest.mark.parametrize("kind", ["binary", "text", "mixed", "normals", "stl", "stl text", "glb", "obj", "obj with uv"])
-def test_a_mesh_is_read_in_little_memory(kind: str, tmp_path: Path) -> None:
+def test_a_mesh_is_read_and_told_of_in_little_memory(kind: str, tmp_path: Path) -> None:
     suffix, small, large = files(kind)
     paths = [tmp_path / f"{name}{suffix}" for name in ("small", "large")]
     for path, content in zip(paths, (small, large), strict=True):

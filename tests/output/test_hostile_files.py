@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -29,6 +30,16 @@ def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
     assert read_report(tmp_path) is None
     with pytest.raises(ValueError, match="pipe or a device"):
         read_json(tmp_path / "report.json")
+
+
+def test_small_files_of_json_take_little_memory(tmp_path: Path) -> None:
+    path = tmp_path / "report.json"
+    path.write_text('{"a": 1}')
+    tracemalloc.start()
+    assert read_json(path) == {"a": 1}
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1_000_000
 
 
 def test_a_report_without_frames_has_none(tmp_path: Path) -> None:

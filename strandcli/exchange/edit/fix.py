@@ -35,12 +35,18 @@ def fixed(strands: Strands, turn: bool = True) -> tuple[Strands, Change]:
         back = known.others if known.root == "first" else ~known.others
     strands = _turned_around(strands, back)
     counts["turned_around"] = int(back.sum())
-    text = (
-        f"mended: {strands_of(counts['not_finite'])} not finite, {counts['without_length']:,} without length and "
-        f"{counts['repeated']:,} repeated left out; {counts['turned_around']:,} turned around"
-        + (f"; {', '.join(bad)} not finite, left out" if bad else "")
-    )
-    return strands, Change("fix", text, counts)
+    return strands, Change("fix", f"mended: {_said(counts) or 'nothing, no fault was found'}", counts)
+
+
+def _said(counts: dict[str, Any]) -> str:
+    """What was mended, in words."""
+    words = (("not_finite", "not finite"), ("without_length", "without length"), ("repeated", "equal to another"))
+    parts = [f"{strands_of(counts[name])} {word}, left out" for name, word in words if counts[name]]
+    if counts["turned_around"]:
+        parts.append(f"{strands_of(counts['turned_around'])} turned around")
+    if counts["attributes_left_out"]:
+        parts.append(f"{', '.join(counts['attributes_left_out'])} not finite, left out")
+    return "; ".join(parts)
 
 
 def reversed_all(strands: Strands) -> tuple[Strands, Change]:
