@@ -102,7 +102,7 @@ class ShadowMaps:
         lengths = np.zeros(len(self.views), np.int64)
         for number, rows in zip(deep, tables, strict=True):
             extents = self.extents[number]
-            cell_extents.spread(extents.copy(), int(self.sizes[number]) // 2, extents)
+            cell_extents.fill_gaps(extents.copy(), int(self.sizes[number]) // 2, extents)
             count = cell_extents.number_cells(extents, rows)
             lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
         if lengths.max() > PLACES:

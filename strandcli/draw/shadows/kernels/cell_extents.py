@@ -1,8 +1,9 @@
 """Nearest and farthest strand of each cell of an opacity map (see `opacity`).
 
-A cell's extents are those of all strands in it and in the eight cells around it. So a place on a strand every two
-texels, in one cell each, finds all cells to which `splats` adds, whose footprint reaches two texels from such a place
-at the most, and the layers of neighbouring cells begin at similar depths.
+They come from places on the strands, two texels apart at the most, each in one cell. `splats` adds to cells beside
+these, too: a cell without a place of its own has the extents of its eight neighbours, whose places are within two
+texels. A strand that only grazes a cell may lie in front of its extents, where it counts in the first layer, or behind
+them, in the last.
 """
 
 from __future__ import annotations
@@ -34,10 +35,10 @@ def widen(begin, end, scale, window, extents):
     last = np.float32(window.width) - HALF
     for spot in range(spots):
         t = (np.float32(spot) + HALF) * per
-        row = np.int64(y + t * dy)
+        # footprints of strands just beside the map reach into it
+        row = np.int64(min(y + t * dy, last)) if y + t * dy < last + TWO else np.int64(-1)
         if row < window.top or row >= window.bottom:
             continue
-        # footprints of strands just beside the map reach into it
         column = np.int64(min(max(x + t * dx, ZERO), last))
         cell = np.uint64((row >> 1) * half + (column >> 1))
         depth = d + t * rise
@@ -46,18 +47,20 @@ def widen(begin, end, scale, window, extents):
 
 
 @parallel
-def spread(own, half, extents):
-    """Write the extents of each cell and its eight neighbours to extents (half * half, 2), metres; own: of each cell
-    alone, (inf, −inf) in empty ones; half: cells along a side of the map."""
+def fill_gaps(own, half, extents):
+    """Write the extents of each cell to extents (half * half, 2), metres: its own, or where it holds no place those of
+    its eight neighbours together. own: (inf, −inf) in cells without a place; half: cells along a side of the map."""
     for row in prange(half):
         for column in range(half):
-            near, far = np.float32(np.inf), np.float32(-np.inf)
-            for r in range(max(np.int64(row) - 1, 0), min(np.int64(row) + 2, half)):
-                for c in range(max(column - 1, 0), min(column + 2, half)):
-                    near = min(near, own[r * half + c, NEAREST])
-                    far = max(far, own[r * half + c, FARTHEST])
-            extents[np.int64(row) * half + column, NEAREST] = near
-            extents[np.int64(row) * half + column, FARTHEST] = far
+            cell = np.int64(row) * half + column
+            near, far = own[cell, NEAREST], own[cell, FARTHEST]
+            if near > far:
+                for r in range(max(np.int64(row) - 1, 0), min(np.int64(row) + 2, half)):
+                    for c in range(max(column - 1, 0), min(column + 2, half)):
+                        near = min(near, own[r * half + c, NEAREST])
+                        far = max(far, own[r * half + c, FARTHEST])
+            extents[cell, NEAREST] = near
+            extents[cell, FARTHEST] = far
 
 
 @function

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, parallel, prange
+from ....jit import device, parallel, prange
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
 from . import cell_extents, splats
@@ -127,8 +127,8 @@ def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
 def divide(extents, layers, least, over, rows, stacks):
     """Initialise the rows of all cells with empty layers, and replace the extents by the heads of these rows.
 
-    extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `cell_extents.number_cells`;
-    stacks (`opacity.numbers_of`,) out.
+    extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from
+    `cell_extents.number_cells`; stacks (`opacity.numbers_of`,) out.
     """
     stride = HEAD + FIVE * (layers + 1)
     cells = extents.shape[0]

@@ -150,7 +150,8 @@ def texel_side(work, n, size):
 @device
 def filter_light(rows, k, deep, loss):
     """Store what strands leave, in the rows `FILTERED`, of a vector of points inside a `DeepMap`, whose numbers stand
-    in the row `LIST` from place k on, and in `FOUND` the filter radius. rows: `pointer` to the batch; loss: as in `transmittance`."""
+    in the row `LIST` from place k on, and in `FOUND` the filter radius. rows: `pointer` to the batch; loss: as in
+    `transmittance`."""
     at = load(rows, LIST + k)
     u, v, d = of_points(rows, U, at), of_points(rows, V, at), of_points(rows, DEPTH, at)
     cloud = of_points(rows, CLOUD, at)

@@ -3,8 +3,8 @@
 Neighbouring pixels of a surface are much closer to each other than the texels of an opacity map, so the filtered shadow
 changes little from one to the next. Points that follow each other on a straight line across a map form a stretch of up
 to `LONGEST` steps. The filter runs at its ends, and at places between where the ends differ or the stretch is longer
-than `SPAN` radii of the filter, until neither holds. Elsewhere the result is interpolated linearly. What the filter and its
-search for occluders read at the ends then overlaps, so that nothing between the ends is missed by both.
+than `SPAN` radii of the filter, until neither holds. Elsewhere the result is interpolated by cubics. What the filter
+and its search for occluders read at the ends overlaps, so that nothing between the ends is missed by both.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 LONGEST = 16
 """Steps of a stretch at the most, a power of two."""
-SPAN = np.float32(0.8)
+SPAN = np.float32(0.5)
 """Distance between the ends of a stretch, and their difference in depth, in radii of the filter, at the most."""
 BENT = np.float32(0.06)
 """Distance of a point of a stretch from its place on the straight line between the ends, in radii, at the most."""
-SAME = np.float32(1 / 8)
+SAME = np.float32(1 / 12)
 """Difference of the ends' transmittance, at the most."""
 
 
@@ -132,12 +132,28 @@ def difference(work, k, end):
 
 @device
 def interpolate(work, n):
-    """Interpolate the rows `LEFT` between the ends of all stretches."""
+    """Interpolate the rows `LEFT` between the ends of all stretches, by cubics whose slopes at an end are those from
+    one of its neighbours to the other."""
+    begin = np.int64(0)
+    before = np.int64(-1)  # the end of the last stretch, which began at `begin`
     for k in range(n):
         end = np.int64(work[NEXT + k])
-        per = ONE / np.float32(max(end - k, 1))
+        if end > k:
+            after = np.int64(work[NEXT + end])
+            fill(work, begin if before == k else np.int64(k), np.int64(k), end, after if after > end else end)
+            begin, before = np.int64(k), end
+
+
+@device
+def fill(work, begin, k, end, after):
+    """Interpolate between two points of a batch, with the next to each side or the same."""
+    step = np.float32(end - k)
+    for c in range(3):
+        row = LEFT + c * W
+        low, high = work[row + k], work[row + end]
+        rise = step * (high - work[row + begin]) / np.float32(end - begin)
+        on = step * (work[row + after] - low) / np.float32(after - k)
         for i in range(k + 1, end):
-            share = np.float32(i - k) * per
-            for c in range(3):
-                row = LEFT + c * W
-                work[row + i] = work[row + k] + share * (work[row + end] - work[row + k])
+            t = np.float32(i - k) / step
+            u = ONE - t
+            work[row + i] = low + t * (high - low) + t * u * (u * (rise - high + low) - t * (on - high + low))
