@@ -51,7 +51,8 @@ RAY = penumbra.LightRay(*[ONE] * 7)
 
 SLOPE = DepthSlope(*4 * (ONE,))
 RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
-TILE = cells.Target(0, 8, 0, 8, 4, ROW, np.zeros(64, np.int32), np.zeros(64, np.int32))
+NUMBERS = np.zeros(64, np.int32)
+TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, NUMBERS, ROW, NUMBERS, ROW)
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
@@ -79,7 +80,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "find cells of a band": (coverage_ribbon.find_cells, (RIBBON, ONE, ONE, TILE)),
     "cover cell": (
         coverage_ribbon.cover_cell,
-        (RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, 0, 0, TILE, 0),
+        (
+            RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, (0, 0, ONE), TILE,
+            0,
+        ),  # fmt: skip
     ),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
     "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE)),
