@@ -57,7 +57,7 @@ STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
     "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
-    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, ROW)),
+    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, curves.Sides(*[ONE] * 4), ROW)),
     "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
     "second coefficient": (curves.second_coefficient, (ONE, ONE, ONE)),
@@ -80,10 +80,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "find cells of a band": (coverage_ribbon.find_cells, (RIBBON, ONE, ONE, TILE)),
     "cover cell": (
         coverage_ribbon.cover_cell,
-        (
-            RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, (0, 0, ONE), TILE,
-            0,
-        ),  # fmt: skip
+        (RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, 0, 0, TILE, 0),
     ),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
     "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE)),

@@ -28,8 +28,8 @@ FAINT = np.float32(1e-5)
 OPAQUE = np.float32(1 - 1 / 512)
 """Opacity that hides everything behind it, as in `composite`."""
 TINY = np.float32(1e-30)
-ROUNDED = np.float32(1 + 1e-5)
-"""Factor of the greatest depth number of a cell, so that rounding hides nothing visible."""
+ROUNDED = np.float32(1e-3)
+"""Pixels across by which more is examined than can be covered, for rounding."""
 
 
 class Band(NamedTuple):
@@ -61,22 +61,22 @@ class Cells(NamedTuple):
 
 
 @device
-def cover_ribbon(strands, widths, v, strand, hidden, target, m):
-    """Append the fragments of the segment from vertex v − 1 to v to the m found so far; return their new number.
+def cover_ribbon(strands, widths, v, begin, end, target, m):
+    """Append the fragments of the segment from vertex v − 1 to v of the strand begin … end − 1 to the m found so far;
+    return their new number.
 
-    strands: `fragments.Strands`; widths: of the strands, None: one pixel; strand: `fragments.SegmentRow` of its strand;
-    hidden: depth number behind which nothing in the tile is visible; target: `cells.Target`.
+    strands: `fragments.Strands`; widths: of the strands, None: one pixel; target: `cells.Target`.
     """
     screen = strands.screen
     w0 = ONE if widths is None else widths[v - 1]
     w1 = ONE if widths is None else widths[v]
     flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
-    ribbon = measure_ribbon(screen, v, strand.begin, strand.end, w0, w1, flat)
+    ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    past_lit = (v - 1 - strand.begin) & (strands.stride - 1)
+    past_lit = (v - 1 - begin) & (strands.stride - 1)
     for c in range(cells.a_low, cells.a_high):
-        m = cover_cell(ribbon, band, c, cells, strands, (v - 1, past_lit, hidden), target, m)
+        m = cover_cell(ribbon, band, c, cells, strands, v - 1, past_lit, target, m)
     return m
 
 
@@ -118,61 +118,50 @@ def rounded_up(x):
 
 
 @inlined
-def cover_cell(ribbon, band, c, cells, strands, whose, target, m):
+def cover_cell(ribbon, band, c, cells, strands, vertex, past_lit, target, m):
     """Append the fragments of a ribbon's cell number c to the m found so far; return their new number.
 
-    whose: the ribbon's first vertex, the number of vertices from the lit one before it to that, and `hidden` of
-    `cover_ribbon`. An opaque fragment becomes the pixel's occlusion depth: of a thousand wide strands in a pixel, few
-    are in front of all that came before.
+    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
+    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before.
     """
-    vertex, past_lit, hidden = whose
     spread = band.spread
     narrow = ONE / spread
-    centre = np.float32(c) + HALF
-    past = centre - ribbon.a0
-    left = centre - ribbon.a1
-    t, width, middle = cross_section(ribbon, band.per, band.slope, past)
-    forward, tilt = offsets_across(ribbon, t, width, ribbon.a0 + past, middle, strands.depth_slope)
+    past = np.float32(c) + HALF - ribbon.a0
+    left = np.float32(c) + HALF - ribbon.a1
+    along, width, middle = cross_section(ribbon, band.per, band.slope, past)
     h = band.tall * width
     over = ONE / max(h, TINY)
-    bend = abs(band.lean * h)
-    at = past * band.per
-    nearest = max(ribbon.rise * clipped(at - bend), ribbon.rise * clipped(at + bend))
-    nearest = (ribbon.q0 + nearest + abs(tilt) + forward) * ROUNDED
-    if nearest < hidden:
-        return m
-    first = max(np.int64(max(middle - h - spread, np.float32(cells.b_low))), cells.b_low)
-    stop = min(rounded_up(min(middle + h + spread, np.float32(cells.b_high))), cells.b_high)
+    reach = h + HALF * spread + ROUNDED
+    first = max(np.int64(max(middle - reach, np.float32(cells.b_low))), cells.b_low)
+    stop = min(rounded_up(min(middle + reach, np.float32(cells.b_high))), cells.b_high)
+    forward = tilt = ZERO
+    measured = False
     for row in range(first, stop):
-        x, y = (c, row) if ribbon.flat else (row, c)
-        pixel = (y - target.top) << ROW_BITS | (x - target.left)
-        if nearest < target.occlusion_depth[pixel]:
-            continue
         rest = middle - np.float32(row)
-        # middle of the part of the width that the pixel shows
-        off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
-        t = clipped(at + band.lean * off)
-        depth = round_depth(ribbon, t, off * over, forward, tilt)
-        if not depth >= target.occlusion_depth[pixel]:
-            continue
         b = np.float32(row) + HALF
         begun = share_within(past * ribbon.ma0 + (b - ribbon.b0) * ribbon.mb0, band.inside0)
         ended = share_within(left * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
         cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
         cover *= begun - ended
-        if cover > FAINT:
-            alpha = min(cover, ONE) * strands.opacity
-            if alpha > OPAQUE:
-                target.occlusion_depth[pixel] = depth
-            place = fixed_point(t, past_lit, target.place_bits)
-            m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
+        if not cover > FAINT:
+            continue
+        if not measured:  # many cells at the ends of a short ribbon show nothing
+            forward, tilt = offsets_across(ribbon, along, width, ribbon.a0 + past, middle, strands.depth_slope)
+            measured = True
+        x, y = (c, row) if ribbon.flat else (row, c)
+        pixel = (y - target.top) << ROW_BITS | (x - target.left)
+        # middle of the part of the width that the pixel shows
+        off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
+        t = min(max(past * band.per + band.lean * off, ZERO), ONE)
+        depth = round_depth(ribbon, t, off * over, forward, tilt)
+        if not depth >= target.occlusion_depth[pixel]:
+            continue
+        alpha = min(cover, ONE) * strands.opacity
+        if alpha > OPAQUE:
+            target.occlusion_depth[pixel] = depth
+        place = fixed_point(t, past_lit, target.place_bits)
+        m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
     return m
-
-
-@inlined
-def clipped(t):
-    """Return a number clipped to 0 … 1."""
-    return min(max(t, ZERO), ONE)
 
 
 @inlined
