@@ -6,6 +6,7 @@ import numpy as np
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
+from strandcli.draw.coverage.kernels import strand_extents
 from strandcli.draw.coverage.kernels.row_order import list_rows
 from strandcli.draw.coverage.kernels.tile_binning import BLOCK, SHIFT, TileSegments
 from strandcli.draw.coverage.kernels.tiles import PIXELS
@@ -103,3 +104,15 @@ def test_rows_of_a_crowded_tile_are_listed_nearest_first() -> None:
     listed(segments, screen, slots, rows, np.empty(count, np.float32), np.empty(PIXELS, np.int32))
     assert sorted(slots) == list(range(count))
     assert np.diff(depth[slots]).max() < 2 * 0.9 / (PIXELS - 1)
+
+
+def test_one_wide_strand_does_not_make_others_be_looked_for_far_away() -> None:
+    """Each strand reaches as far as its own width takes it, and one off the screen nowhere."""
+    ends = [[[5.0, 10, 1], [9, 12, 1]], [[5, 40, 1], [9, 44, 1]], [[-30, 10, 1], [-20, 10, 1]]]
+    screen = np.array(ends, np.float32).reshape(-1, 3)
+    widths = np.array([0.5, 0.25, 200, 100, 0.5, 0.5], np.float32)
+    out = np.empty((3, 2), np.float32)
+    strand_extents.find_extents(np.arange(0, 7, 2), screen, widths, 32, out)
+    np.testing.assert_allclose(out, [[10 - 2.5, 12 + 2.5], [40 - 202, 44 + 202], [np.inf, -np.inf]])
+    strand_extents.find_extents(np.arange(0, 7, 2), screen, np.zeros(0, np.float32), 32, out)
+    np.testing.assert_allclose(out[:2], [[10 - 3, 12 + 3], [40 - 3, 44 + 3]])

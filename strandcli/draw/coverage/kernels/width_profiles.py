@@ -204,8 +204,7 @@ def integral_at(profile, slot, c, place):
 
 @device
 def add_departure(part, table, profiles, shades, shares, image):
-    """Add the departure of a strand's light from the average that a sample already has. Of the lit vertices before and
-    after it, one has a profile.
+    """Add the departure of a strand's light from the average that a sample already has; one of its ends has a profile.
 
     part: `VisiblePart`; table: from `strandcli.draw.coverage.masks.half_planes`, or None: all points show it; profiles:
     `Profiles`; shades: of these; shares (COLUMNS,) float32: scratch; image (height, width, 3): changed.
@@ -286,12 +285,11 @@ def add_to_fragments(fragments, table, profiles, image):
         slots, shades = profiles.slots, profiles.shades
         vertex, weight, along, points = fragments.vertex, fragments.weight, fragments.along, fragments.points
         shares = np.empty(COLUMNS, np.float32)
-        last = vertex.shape[0] - 1
         for p in range(PIXELS):
             end = f + np.int64(fragments.counts[number * PIXELS + p])
             while f < end:
                 v = np.int64(vertex[f])
-                prefetch(pointer(slots), np.int64(vertex[min(f + AHEAD, last)]))
+                prefetch(pointer(slots), np.int64(vertex[min(f + AHEAD, vertex.shape[0] - 1)]))
                 # greater numbers are edges of solids; of a picture's strands, few are wide
                 if v < slots.shape[0] and (slots[v] >= 0 or slots[v + fragments.stride] >= 0):
                     part = VisiblePart(
