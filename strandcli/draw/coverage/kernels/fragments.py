@@ -25,8 +25,6 @@ AHEAD = np.int64(2)
 """Rows of segments that memory is prefetched ahead of their use."""
 LINE = np.int64(16)
 """32-bit numbers of a cache line."""
-LOOKS = 32
-"""Rows of segments from one look at what depth all of a tile is hidden to the next."""
 FULL = np.int64(32768)
 """Fragments of a tile from which on those that cannot be seen are left out, before others are found."""
 STEPS = np.arange(LANES, dtype=np.float32)
@@ -111,8 +109,6 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
             m = leave_out_hidden(target, m)
             hidden = least_occlusion(target) * SAFE
             examined = max(FULL, 2 * m)
-        elif i % LOOKS == 0:  # wide segments that are opaque hide what is behind them at once
-            hidden = least_occlusion(target) * SAFE
     return cover_cells(work, n, target, m)
 
 

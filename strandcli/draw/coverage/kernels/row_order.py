@@ -14,7 +14,7 @@ from ....simd import pointer, prefetch
 from .tile_binning import BLOCK, LOW, START_AND_FIRST
 from .tiles import PIXELS
 
-CROWDED = 64
+CROWDED = 2048
 """Rows of a tile from which on they are ordered."""
 SLICES = PIXELS - 1
 SLICE_COUNT = np.float32(SLICES)
