@@ -139,9 +139,8 @@ class Coverage:
             self._require_time(drawn, widest)
         # a transparent strand hides no point
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
-        margin = 2.0 + widest  # a mitre extends by up to half a width times the square root of two
         extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
-        strand_extents.find_extents(lines.first, screen, np.float32(margin), self.size[0], extents)
+        strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
         picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)

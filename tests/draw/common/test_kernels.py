@@ -51,12 +51,13 @@ RAY = penumbra.LightRay(*[ONE] * 7)
 
 SLOPE = DepthSlope(*4 * (ONE,))
 RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
-TILE = cells.Target(0, 8, 0, 8, 4, ROW, np.zeros(64, np.int32), np.zeros(64, np.int32))
+NUMBERS = np.zeros(64, np.int32)
+TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, NUMBERS, ROW, NUMBERS, ROW)
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
     "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
-    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, ROW)),
+    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, curves.Sides(*[ONE] * 4), ROW)),
     "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
     "second coefficient": (curves.second_coefficient, (ONE, ONE, ONE)),

@@ -307,10 +307,7 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
             layer.blend(colours, image)
         seen = image[:, 20:] if hidden else image
         front = colours[2 * int(depth.argmax())]
-        if faint:  # a hundredth gets through, to what must be there
-            assert coverage.fragments == count * seen[..., 0].size
-        else:
-            assert coverage.fragments < 30 * seen[..., 0].size
+        assert coverage.fragments < 30 * seen[..., 0].size
         np.testing.assert_allclose(seen, np.broadcast_to(front, seen.shape), atol=1e-6 + faint)
         assert not hidden or not image[:, :20].any()
 

@@ -93,6 +93,16 @@ class Target(NamedTuple):
     """(capacity * `NUMBERS`,) fragments, with the columns of `tiles`; those beyond the capacity are lost."""
     counts: NDArray[np.int32]
     """(PIXELS,) number of fragments of each pixel."""
+    opaque: np.float32
+    """Transmittance below which nothing is seen."""
+    listed: NDArray[np.int32]
+    """(capacity * `NUMBERS`,)"""
+    depths: NDArray[np.float32]
+    """(capacity,)"""
+    ends: NDArray[np.int32]
+    """(PIXELS,) scratch, as these in `crowds.list_by_pixel`."""
+    slices: NDArray[np.float32]
+    """(`crowds.SLICES`,) scratch."""
 
 
 class Work(NamedTuple):

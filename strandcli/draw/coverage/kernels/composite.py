@@ -31,11 +31,11 @@ def numbers(fragments, i):
 
 
 @device
-def composite(fragments, counts, order, vertices, tile, o, out, marks):
+def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     """Write the visible fragments of tile number `tile`, with their weights, to `out` from index o on; return the index
     of their end.
 
-    fragments, counts, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
+    fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
     `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
@@ -43,10 +43,9 @@ def composite(fragments, counts, order, vertices, tile, o, out, marks):
     """
     base = tile * PIXELS
     bits = out.place_bits
-    end = np.int64(0)
     for p in range(np.uint64(PIXELS)):
-        m = end
-        end += counts[p]
+        end = np.int64(ends[p])
+        m = end - np.int64(counts[p])
         begin = o
         through = ONE
         front = ONE
@@ -75,7 +74,7 @@ def composite(fragments, counts, order, vertices, tile, o, out, marks):
 
 
 @device
-def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks):
+def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out, marks):
     """Write fragments as `composite` does, with masks of the points of a sample that wide strands cover: a wide strand
     hides just these points. Thin strands cover a sample independently.
 
@@ -84,11 +83,10 @@ def composite_masked(fragments, counts, order, lines, table, tile, o, out, marks
     """
     screen, widths = lines.screen, lines.widths
     base, bits = tile.number * PIXELS, out.place_bits
-    end = np.int64(0)
     vertices = screen.shape[0]
     for p in range(np.uint64(PIXELS)):
-        m = end
-        end += counts[p]
+        end = np.int64(ends[p])
+        m = end - np.int64(counts[p])
         begin = o
         x = np.float32(tile.left + np.int64(p) % TILE_WIDTH) + HALF
         y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF

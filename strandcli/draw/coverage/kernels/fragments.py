@@ -12,9 +12,10 @@ from ....simd import half_width_pointer, load, pointer, prefetch, store
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, add_fragment, cover_cells
+from .crowds import least_occlusion, leave_out_hidden
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
-from .tile_binning import BLOCK, LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
+from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
 from .tiles import ROW_BITS
 
 ZERO = np.float32(0.0)
@@ -22,9 +23,12 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 AHEAD = np.int64(2)
 """Rows of segments that memory is prefetched ahead of their use."""
+FAR_AHEAD = np.int64(20)
+"""Rows of segments that where they begin and end is prefetched ahead of their use."""
 LINE = np.int64(16)
-LONG_LINE = np.int64(8)
-"""32-bit and 64-bit numbers of a cache line."""
+"""32-bit numbers of a cache line."""
+FULL = np.int64(32768)
+"""Fragments of a tile from which on those that cannot be seen are left out, before others are found."""
 STEPS = np.arange(LANES, dtype=np.float32)
 SAFE = np.float32(1 - 1e-6)
 """Factor of the depth number behind which a tile is hidden, so that rounding hides nothing visible."""
@@ -72,42 +76,41 @@ class SegmentRow(NamedTuple):
 
 
 @device
-def find_fragments(strands, solids, segments, tile, width, work, target, marks):
-    """Find the fragments of strands and of solids' edges in a tile; return their number.
+def find_fragments(strands, solids, pool, slots, width, work, target, marks):
+    """Find the fragments of strands and of solids' edges in a tile; return their number, without those that are found
+    to be hidden by others.
 
-    strands: `Strands`; solids: `SolidPixels`; segments: `tile_binning.TileSegments` of all tiles; tile: number of the
-    tile; width: of the picture; work: `cells.Work`; target: `cells.Target`, written; marks (V,): only prefetched,
-    because compositing writes to it soon.
+    strands: `Strands`; solids: `SolidPixels`; pool: of `tile_binning.TileSegments`; slots: from `row_order.list_rows`;
+    width: of the picture; work: `cells.Work`; target: `cells.Target`, written; marks (V,): only prefetched, because
+    compositing writes to it soon.
     """
     target.counts[:] = 0
     hidden = ZERO  # depth number behind which nothing in the tile is visible
     if solids.hides.shape[0] == 0:
         target.occlusion_depth[:] = ZERO
     else:
-        hidden = copy_occlusion(solids.hides, width, target) * SAFE
-    pool = segments.pool
+        copy_occlusion(solids.hides, width, target)
+        hidden = least_occlusion(target) * SAFE
     n = np.int64(0)
     m = add_solids(solids, strands.screen.shape[0], width, target)
-    for one in range(segments.heads.shape[0]):
-        block = segments.heads[one, tile]
-        stop = segments.fills[one, tile]
-        while stop > 0:
-            final = block == (stop - 1) // BLOCK
-            after = block if final else segments.links[block]
-            for line in range(0, 2 * BLOCK, LONG_LINE):
-                prefetch(pointer(pool), 2 * BLOCK * after + line)
-            for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
-                prefetch_row(pool, min(slot + AHEAD, pool.shape[0] - 1), strands, strands.widths, marks)
-                s = pool[slot, STRAND_AND_LAST] >> SHIFT
-                row = SegmentRow(
-                    strands.first[s], strands.first[s + 1],
-                    pool[slot, START_AND_FIRST] & LOW, pool[slot, STRAND_AND_LAST] & LOW,
-                    np.uint32(pool[slot, START_AND_FIRST] >> SHIFT).view(np.float32),
-                )  # fmt: skip
-                n, m = add_row(row, strands, strands.widths, hidden, work, n, target, m)
-            if final:
-                break
-            block = after
+    room = target.depths.shape[0]
+    examined = FULL if target.opaque > ZERO else room
+    last = slots.shape[0] - 1
+    for i in range(last + 1):
+        prefetch(pointer(pool), 2 * np.int64(slots[min(i + FAR_AHEAD, last)]))
+        prefetch_row(pool, np.int64(slots[min(i + AHEAD, last)]), strands, strands.widths, marks)
+        slot = np.int64(slots[i])
+        s = pool[slot, STRAND_AND_LAST] >> SHIFT
+        row = SegmentRow(
+            strands.first[s], strands.first[s + 1],
+            pool[slot, START_AND_FIRST] & LOW, pool[slot, STRAND_AND_LAST] & LOW,
+            np.uint32(pool[slot, START_AND_FIRST] >> SHIFT).view(np.float32),
+        )  # fmt: skip
+        n, m = add_row(row, strands, strands.widths, hidden, work, n, target, m)
+        if examined <= m <= room:
+            m = leave_out_hidden(target, m)
+            hidden = least_occlusion(target) * SAFE
+            examined = max(FULL, 2 * m)
     return cover_cells(work, n, target, m)
 
 
@@ -231,14 +234,10 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
 
 @device
 def copy_occlusion(hides, width, target):
-    """Copy the depth numbers behind which solids hide all to the tile; return the least."""
-    least = np.int32(np.float32(np.inf).view(np.int32))
+    """Copy the depth numbers behind which solids hide all to the tile."""
     depth = target.occlusion_depth
     for y in range(target.top, target.bottom):
         to = np.uint64((y - target.top) << ROW_BITS)
         at = np.uint64(y * width + target.left)
         for x in range(np.uint64(target.right - target.left)):
             depth[to + x] = hides[at + x]
-        for x in range(np.uint64(target.right - target.left)):  # floats that are not negative compare as their bits do
-            least = min(least, np.int32(np.float32(depth[to + x]).view(np.int32)))
-    return np.int32(least).view(np.float32)

@@ -8,13 +8,15 @@ from ....jit import device, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from . import cells, segments
 from .composite import OPAQUE, composite, composite_masked
+from .crowds import SLICES, list_by_pixel
 from .fragments import Strands, find_fragments
-from .sorting import RUN, list_by_pixel, sort_pixels
+from .row_order import count_rows, list_rows
+from .sorting import RUN, sort_pixels
 from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-INITIAL_ROOM = np.int64(16384)
+INITIAL_ROOM = np.int64(49152)
 """Initial capacity for the fragments of a tile."""
 AHEAD = np.uint64(24)
 """Fragments that light is prefetched ahead of its use."""
@@ -32,13 +34,15 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     not, negative if there was no room; marks (V,) uint8: set at the lit vertices before visible fragments.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
+    opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
     for one in prange(tasks):
         task = np.int64(one)
         room = np.int64(min(INITIAL_ROOM, share))
-        fragments = np.empty(room * NUMBERS, np.int32)
-        counts, starts = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
-        depths, ranks = np.empty(0, np.float32), np.empty(RUN, np.float32)
-        listed, order, spare = np.empty(0, np.int32), np.empty(0, np.uint32), np.empty(0, np.uint32)
+        fragments, listed = np.empty(room * NUMBERS, np.int32), np.empty(room * NUMBERS, np.int32)
+        counts, ends = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
+        depths, ranks = np.empty(room + RUN, np.float32), np.empty(RUN, np.float32)
+        order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
+        slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion = np.zeros(PIXELS, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
@@ -49,29 +53,36 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         end = o + share
         for number in range(task, out.begin.shape[0], tasks):
             tile = tile_at(number, out)
+            rows = count_rows(segments_, number)
+            if slots.shape[0] < rows:
+                size = rows + rows // 4
+                slots, unordered, row_depths = (
+                    np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.float32)
+                )  # fmt: skip
+            list_rows(segments_, number, lines.screen, slots[:rows], unordered, row_depths, ends)
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
-                    tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts
-                )
-                n = find_fragments(strands, solids, segments_, number, out.width, work, target, marks)
+                    tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,
+                    opaque, listed, depths[:room], ends, ranks[:SLICES],
+                )  # fmt: skip
+                n = find_fragments(strands, solids, segments_.pool, slots[:rows], out.width, work, target, marks)
                 if n <= room or n > end - o:
                     break
                 room = min(n + n // 4, share)
-                fragments = np.empty(room * NUMBERS, np.int32)
+                fragments, listed = np.empty(room * NUMBERS, np.int32), np.empty(room * NUMBERS, np.int32)
+                depths, order = np.empty(room + RUN, np.float32), np.empty(room + RUN, np.uint32)
+                spare = np.empty(room, np.uint32)
             found[number] = n if n <= end - o else -n
             if n == 0 or n > end - o:
                 set_empty(out, number)
                 continue
-            if depths.shape[0] < room + RUN:
-                depths, listed = np.empty(room + RUN, np.float32), np.empty(room * NUMBERS, np.int32)
-                order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
             set_begin(out, number, o)
-            list_by_pixel(fragments, n, counts, starts, depths, listed)
-            sort_pixels(listed, counts, starts, depths, ranks, spare, order)
+            list_by_pixel(fragments, n, counts, ends, depths, listed)
+            sort_pixels(listed, counts, ends, depths, opaque, ranks, spare, order)
             if table is None:
-                o = composite(listed, counts, order, lines.screen.shape[0], number, o, out, marks)
+                o = composite(listed, counts, ends, order, lines.screen.shape[0], number, o, out, marks)
             else:
-                o = composite_masked(listed, counts, order, lines, table, tile, o, out, marks)
+                o = composite_masked(listed, counts, ends, order, lines, table, tile, o, out, marks)
 
 
 # Functions of their own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code.

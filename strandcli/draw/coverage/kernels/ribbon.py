@@ -28,6 +28,8 @@ FAINT = np.float32(1e-5)
 OPAQUE = np.float32(1 - 1 / 512)
 """Opacity that hides everything behind it, as in `composite`."""
 TINY = np.float32(1e-30)
+ROUNDED = np.float32(1e-3)
+"""Pixels across by which more is examined than can be covered, for rounding."""
 
 
 class Band(NamedTuple):
@@ -101,11 +103,18 @@ def find_cells(ribbon, w0, w1, target):
     left, right = np.float32(target.left), np.float32(target.right)
     top, bottom = np.float32(target.top), np.float32(target.bottom)
     a_least, a_most, b_least, b_most = (left, right, top, bottom) if ribbon.flat else (top, bottom, left, right)
-    a_low = np.int64(math.floor(max(min(a0 - a_reach0, a1 - a_reach1) - HALF, a_least)))
-    a_high = np.int64(math.ceil(min(max(a0 + a_reach0, a1 + a_reach1) + HALF, a_most)))
-    b_low = np.int64(math.floor(max(min(b0 - b_reach0, b1 - b_reach1) - HALF, b_least)))
-    b_high = np.int64(math.ceil(min(max(b0 + b_reach0, b1 + b_reach1) + HALF, b_most)))
+    a_low = np.int64(max(min(a0 - a_reach0, a1 - a_reach1) - HALF, a_least))  # of a number that is not negative: down
+    a_high = rounded_up(min(max(a0 + a_reach0, a1 + a_reach1) + HALF, a_most))
+    b_low = np.int64(max(min(b0 - b_reach0, b1 - b_reach1) - HALF, b_least))
+    b_high = rounded_up(min(max(b0 + b_reach0, b1 + b_reach1) + HALF, b_most))
     return Cells(a_low, a_high if b_low < b_high else a_low, b_low, b_high)
+
+
+@inlined
+def rounded_up(x):
+    """Return the least integer that is not less than x. Numba's ceil is a call of the C library."""
+    whole = np.int64(x)
+    return whole + np.int64(x > np.float32(whole))
 
 
 @inlined
@@ -117,36 +126,41 @@ def cover_cell(ribbon, band, c, cells, strands, vertex, past_lit, target, m):
     """
     spread = band.spread
     narrow = ONE / spread
-    centre = np.float32(c) + HALF
-    past = centre - ribbon.a0
-    left = centre - ribbon.a1
-    t, width, middle = cross_section(ribbon, band.per, band.slope, past)
-    forward, tilt = offsets_across(ribbon, t, width, ribbon.a0 + past, middle, strands.depth_slope)
+    past = np.float32(c) + HALF - ribbon.a0
+    left = np.float32(c) + HALF - ribbon.a1
+    along, width, middle = cross_section(ribbon, band.per, band.slope, past)
     h = band.tall * width
     over = ONE / max(h, TINY)
-    first = max(np.int64(math.floor(max(middle - h - spread, np.float32(cells.b_low)))), cells.b_low)
-    stop = min(np.int64(math.ceil(min(middle + h + spread, np.float32(cells.b_high)))), cells.b_high)
+    reach = h + HALF * spread + ROUNDED
+    first = max(np.int64(max(middle - reach, np.float32(cells.b_low))), cells.b_low)
+    stop = min(rounded_up(min(middle + reach, np.float32(cells.b_high))), cells.b_high)
+    forward = tilt = ZERO
+    measured = False
     for row in range(first, stop):
+        rest = middle - np.float32(row)
+        b = np.float32(row) + HALF
+        begun = share_within(past * ribbon.ma0 + (b - ribbon.b0) * ribbon.mb0, band.inside0)
+        ended = share_within(left * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
+        cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
+        cover *= begun - ended
+        if not cover > FAINT:
+            continue
+        if not measured:  # many cells at the ends of a short ribbon show nothing
+            forward, tilt = offsets_across(ribbon, along, width, ribbon.a0 + past, middle, strands.depth_slope)
+            measured = True
         x, y = (c, row) if ribbon.flat else (row, c)
         pixel = (y - target.top) << ROW_BITS | (x - target.left)
-        rest = middle - np.float32(row)
         # middle of the part of the width that the pixel shows
         off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
         t = min(max(past * band.per + band.lean * off, ZERO), ONE)
         depth = round_depth(ribbon, t, off * over, forward, tilt)
         if not depth >= target.occlusion_depth[pixel]:
             continue
-        b = np.float32(row) + HALF
-        begun = share_within(past * ribbon.ma0 + (b - ribbon.b0) * ribbon.mb0, band.inside0)
-        ended = share_within(left * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
-        cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
-        cover *= begun - ended
-        if cover > FAINT:
-            alpha = min(cover, ONE) * strands.opacity
-            if alpha > OPAQUE:
-                target.occlusion_depth[pixel] = depth
-            place = fixed_point(t, past_lit, target.place_bits)
-            m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
+        alpha = min(cover, ONE) * strands.opacity
+        if alpha > OPAQUE:
+            target.occlusion_depth[pixel] = depth
+        place = fixed_point(t, past_lit, target.place_bits)
+        m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
     return m
 
 

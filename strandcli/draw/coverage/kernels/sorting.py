@@ -7,49 +7,31 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
-from .tiles import AT_DEPTH, AT_PLACE, AT_VERTEX, NUMBERS, PIXELS
+from .crowds import SLICES, farthest_visible, keep_visible
+from .tiles import AT_DEPTH, AT_VERTEX, NUMBERS
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
+CROWD = 112
+"""Length of a list from which on fragments that cannot be seen are left out of it."""
 NARROW_LANES = VECTOR // 2 // 4
 """Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
 WIDE_LANES = VECTOR // 4
 """Lanes of a vector of a `pointer`."""
 STEPS = np.arange(WIDE_LANES, dtype=np.float32)
-IN_PIXEL = np.int32(PIXELS - 1)
-"""Mask of the pixel in the column `AT_PLACE`."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 
 
 @device
-def list_by_pixel(fragments, n, counts, starts, depths, listed):
-    """List a tile's n fragments by pixel, so that a pixel's are together in memory: those of a crowded tile do not fit
-    into a core's own cache.
-
-    fragments: columns of `tiles`; counts (PIXELS,): length of each pixel's list; starts (PIXELS,): written, index of
-    the end of each list; depths, listed: written, depth numbers and the fragments themselves, list after list.
-    """
-    total = np.int64(0)
-    for p in range(PIXELS):
-        starts[p] = total
-        total += counts[p]
-    for i in range(np.uint64(n)):
-        p = np.uint64(fragments[i * FOUR + AT_PLACE] & IN_PIXEL)
-        at = np.uint64(starts[p])
-        starts[p] += 1
-        depths[at] = np.int32(fragments[i * FOUR + AT_DEPTH]).view(np.float32)
-        for column in range(FOUR):
-            listed[at * FOUR + column] = fragments[i * FOUR + column]
-
-
-@device
-def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
+def sort_pixels(fragments, counts, ends, depths, opaque, ranks, spare, order):
     """Write the indices of listed fragments to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
 
-    fragments, counts, ends, depths: `listed` and others of `list_by_pixel`; ranks (RUN,) float32, spare: scratch.
+    fragments, counts, ends, depths: `listed` and others of `crowds.list_by_pixel`; opaque: transmittance below which
+    nothing is seen: counts and ends of long lists become those without fragments that this hides; ranks (RUN,) float32,
+    spare: scratch.
 
     The rank of a fragment is the number of nearer ones. To count them takes more comparisons than other methods, but
     no branch that has to be predicted, and is vector code. Long lists are sorted in runs of `RUN` that are merged.
@@ -57,6 +39,12 @@ def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
     for p in range(counts.shape[0]):
         n = np.int64(counts[p])
         first = np.int64(ends[p]) - n
+        if n >= CROWD:
+            farthest = farthest_visible(fragments, depths, first, n, opaque, ranks[:SLICES])
+            if farthest > ZERO:
+                n = keep_visible(fragments, depths, first, n, farthest)
+                counts[p] = n
+                ends[p] = first + n
         if n <= NARROW_LANES:
             rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
             if sort_few(rows, steps, first, n, NARROW_LANES, order):

@@ -15,29 +15,34 @@ ONE = np.float32(1.0)
 RISE = np.float32(1.5)
 """Rows across that a cell of a strand of no width touches, on average over all slopes, about: one more where it crosses
 a border of rows, half the time."""
+MARGIN = np.float32(2.0)
+"""Pixels that a strand extends beyond its vertices, besides its width."""
 LEAST_Y, GREATEST_Y = 0, 1
 """Columns of the extents of strands."""
 
 
 @parallel
-def find_extents(first, screen, margin, width, out):
+def find_extents(first, screen, widths, width, out):
     """Write the range of y that each strand can cover.
 
-    first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; margin: greatest distance that a strand extends beyond its
-    vertices, pixels; width: of the picture; out (S, 2) float32: least and greatest y; inf and −inf for a strand that is
-    not on the screen.
+    first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; widths (V,): likewise, or (0,): all are one pixel; width:
+    of the picture; out (S, 2) float32: least and greatest y; inf and −inf for a strand that is not on the screen.
     """
     for s in prange(first.shape[0] - 1):
         low = np.float32(np.inf)
         high = np.float32(-np.inf)
         left = np.float32(np.inf)
         right = np.float32(-np.inf)
+        widest = ONE if widths.shape[0] == 0 else ZERO
         for v in range(first[s], first[s + 1]):
+            if widths.shape[0] > 0:
+                widest = max(widest, widths[v])
             if screen[v, 2] > ZERO:
                 left = min(left, screen[v, 0])
                 right = max(right, screen[v, 0])
                 low = min(low, screen[v, 1])
                 high = max(high, screen[v, 1])
+        margin = MARGIN + widest  # a mitre extends by up to half a width times the square root of two
         there = (right + margin >= ZERO) & (left - margin < np.float32(width))
         out[s, LEAST_Y] = low - margin if there else np.float32(np.inf)
         out[s, GREATEST_Y] = high + margin if there else np.float32(-np.inf)

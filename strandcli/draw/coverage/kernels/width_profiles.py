@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
+from ....simd import pointer, prefetch
 from ...common.kernels.approximations import clamp
 from ...common.kernels.batch import (
     ADDED,
@@ -41,6 +42,8 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
+AHEAD = np.int64(16)
+"""Fragments that slots are prefetched ahead of their use."""
 FINEST = np.float32(1e-3)
 """Least half of the part of a profile that a sample shows, in columns; a smaller one is lost in rounding."""
 
@@ -201,15 +204,13 @@ def integral_at(profile, slot, c, place):
 
 @device
 def add_departure(part, table, profiles, shades, shares, image):
-    """Add the departure of a strand's light from the average that a sample already has.
+    """Add the departure of a strand's light from the average that a sample already has; one of its ends has a profile.
 
     part: `VisiblePart`; table: from `strandcli.draw.coverage.masks.half_planes`, or None: all points show it; profiles:
     `Profiles`; shades: of these; shares (COLUMNS,) float32: scratch; image (height, width, 3): changed.
     """
     x, y, v, t, stride, weight, _ = part
     screen, widths, samples, start, full, slots, profile, _ = profiles
-    if slots[v] < 0 and slots[v + stride] < 0:
-        return
     past = t * np.float32(stride)
     piece = min(np.int64(past), stride - 1)
     p = v + piece
@@ -267,7 +268,8 @@ def add_to_zbuffer(keys, base, per, stride, profiles, image):
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
             part = VisiblePart(x, y, v, t, stride, ONE, ALL_POINTS)
-            add_departure(part, None, profiles, shades, shares, image)
+            if profiles.slots[v] >= 0 or profiles.slots[v + stride] >= 0:
+                add_departure(part, None, profiles, shades, shares, image)
 
 
 @parallel
@@ -287,7 +289,9 @@ def add_to_fragments(fragments, table, profiles, image):
             end = f + np.int64(fragments.counts[number * PIXELS + p])
             while f < end:
                 v = np.int64(vertex[f])
-                if v < slots.shape[0]:  # greater numbers are edges of solids
+                prefetch(pointer(slots), np.int64(vertex[min(f + AHEAD, vertex.shape[0] - 1)]))
+                # greater numbers are edges of solids; of a picture's strands, few are wide
+                if v < slots.shape[0] and (slots[v] >= 0 or slots[v + fragments.stride] >= 0):
                     part = VisiblePart(
                         tile.left + p % TILE_WIDTH, tile.top + p // TILE_WIDTH, v, along[f], fragments.stride,
                         weight[f], ALL_POINTS if points.shape[0] == 0 else points[f],

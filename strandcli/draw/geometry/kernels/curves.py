@@ -53,6 +53,15 @@ class Splitting(NamedTuple):
     """Whether tangents are computed as the source prints them."""
 
 
+class Sides(NamedTuple):
+    """Distances of the picture's sides from the axis at a depth of one: those of a crop window differ."""
+
+    left: np.float32
+    right: np.float32
+    above: np.float32
+    below: np.float32
+
+
 @parallel
 def count(positions, lengths, strands, view, split, out, sizes, error):
     """Write the number of pieces that each segment needs on the screen.
@@ -81,6 +90,7 @@ def count_pieces(block, lane, third, lengths, view, split, out):
     is not None."""
     per = ONE / split.tolerance
     limit = np.float32(split.most)
+    sides = sides_of(view)
     off_screen = split.off_screen
     n = block.shape[0] - 1
     tx, ty, tz = difference(block, lane, 0, n)
@@ -100,7 +110,7 @@ def count_pieces(block, lane, third, lengths, view, split, out):
             third = norm(bx - ax, by - ay, bz - az) * THIRD
         u1, v1, z1 = to_view(bx, by, bz, view)
         pieces = np.int64(off_screen)
-        scale = greatest_scale(u0, v0, z0, u1, v1, z1, third, view)
+        scale = greatest_scale(u0, v0, z0, u1, v1, z1, third, sides, view)
         if scale > ZERO:
             seen = True
             d = WANG * scale * np.sqrt(second_difference(bx - ax, by - ay, bz - az, tx, ty, tz, sx, sy, sz, third))
@@ -140,34 +150,42 @@ def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
 
 
 @device
-def greatest_scale(u0, v0, z0, u1, v1, z1, margin, view):
+def sides_of(view):
+    """Return the `Sides` of a view: four divisions a strand instead of four a segment."""
+    focal = view[FOCAL]
+    right, below = view[SCREEN_WIDTH] - view[AXIS_X], view[SCREEN_HEIGHT] - view[AXIS_Y]
+    return Sides(view[AXIS_X] / focal, right / focal, view[AXIS_Y] / focal, below / focal)
+
+
+@inlined
+def greatest_scale(u0, v0, z0, u1, v1, z1, margin, sides, view):
     """Return the greatest number of pixels a metre within a margin, metres, around a segment in view coordinates; 0 if
-    none of that is on the screen."""
+    none of that is on the screen; sides: `sides_of` the view."""
     near = view[NEAR_PLANE]
     if max(z0, z1) + margin < near:
         return ZERO
-    # distances of the picture's sides from the axis at a depth of one: those of a crop window differ
-    left = view[AXIS_X] / view[FOCAL]
-    right = (view[SCREEN_WIDTH] - view[AXIS_X]) / view[FOCAL]
-    above = view[AXIS_Y] / view[FOCAL]
-    below = (view[SCREEN_HEIGHT] - view[AXIS_Y]) / view[FOCAL]
     f0 = ONE
     f1 = ONE
-    scale = view[FOCAL]
     if view[PERSPECTIVE] > ZERO:
         f0 = max(z0, near)
         f1 = max(z1, near)
+    wide = margin * view[SLANT_X]
+    tall = margin * view[SLANT_Y]
+    if min(u0 - sides.right * f0, u1 - sides.right * f1) > wide:
+        return ZERO
+    if min(-u0 - sides.left * f0, -u1 - sides.left * f1) > wide:
+        return ZERO
+    if min(v0 - sides.above * f0, v1 - sides.above * f1) > tall:
+        return ZERO
+    if min(-v0 - sides.below * f0, -v1 - sides.below * f1) > tall:
+        return ZERO
+    scale = view[FOCAL]
+    if view[PERSPECTIVE] > ZERO:
         least = max(min(z0, z1) - margin, near)
         u = max(abs(u0), abs(u1)) + margin
         v = max(abs(v0), abs(v1)) + margin
         # away from the axis a length along the depth shows as well
         scale *= min(np.sqrt(ONE + (u * u + v * v) / (least * least)), view[CORNER_STRETCH]) / least
-    wide = margin * view[SLANT_X]
-    tall = margin * view[SLANT_Y]
-    if min(u0 - right * f0, u1 - right * f1) > wide or min(-u0 - left * f0, -u1 - left * f1) > wide:
-        return ZERO
-    if min(v0 - above * f0, v1 - above * f1) > tall or min(-v0 - below * f0, -v1 - below * f1) > tall:
-        return ZERO
     return scale
 
 

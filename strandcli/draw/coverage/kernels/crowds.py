@@ -1,0 +1,128 @@
+"""Fragments that cannot be seen, because those in front of them let no light through, left out before they are sorted.
+
+Of a pixel's fragments nearer than some depth, the light that they let through is at most the product of 1 − opacity:
+parts of one surface, whose opacities add up (see `composite`), let less through. Opacities are multiplied in `SLICES`
+of depth, which takes no sorting. What is left out is behind a slice at whose end the product is less than `OPAQUE`, so
+that compositing never reaches it, and neither pictures nor the order in which fragments are found matter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import device
+from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS, ROW_BITS
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+SLICES = 32
+SLICE_COUNT = np.float32(SLICES)
+LAST_SLICE = np.int32(SLICES - 1)
+MANY = 24
+"""Length from which on a pixel's list is examined while fragments are found."""
+SLACK = np.float32(1.01)
+"""Slices from the beginning of one to the next, and something for rounding."""
+SAFE = np.float32(1 - 1e-6)
+"""Factor of depth numbers and of transmittances, so that rounding hides nothing visible."""
+TINY = np.float32(1e-30)
+FOUR = np.uint64(NUMBERS)
+IN_PIXEL = np.int32(PIXELS - 1)
+"""Mask of the pixel in the column `AT_PLACE`."""
+
+
+@device
+def list_by_pixel(fragments, n, counts, ends, depths, listed):
+    """List a tile's n fragments by pixel, so that a pixel's are together in memory: those of a crowded tile do not fit
+    into a core's own cache.
+
+    fragments: columns of `tiles`; counts (PIXELS,): length of each pixel's list; ends (PIXELS,): written, index of the
+    end of each list; depths, listed: written, depth numbers and the fragments themselves, list after list.
+    """
+    total = np.int64(0)
+    for p in range(PIXELS):
+        ends[p] = total
+        total += counts[p]
+    for i in range(np.uint64(n)):
+        p = np.uint64(fragments[i * FOUR + AT_PLACE] & IN_PIXEL)
+        at = np.uint64(ends[p])
+        ends[p] += 1
+        depths[at] = np.int32(fragments[i * FOUR + AT_DEPTH]).view(np.float32)
+        for column in range(FOUR):
+            listed[at * FOUR + column] = fragments[i * FOUR + column]
+
+
+@device
+def farthest_visible(listed, depths, first, n, opaque, slices):
+    """Return a depth number behind which none of the list of n fragments from index `first` on can be seen.
+
+    listed, depths: from `list_by_pixel`; opaque: transmittance below which nothing is seen; slices (SLICES,): scratch.
+    """
+    low = np.int32(np.float32(np.inf).view(np.int32))
+    high = np.int32(0)
+    for i in range(np.uint64(first), np.uint64(first + n)):  # floats that are not negative compare as their bits do
+        bits = np.int32(np.float32(depths[i]).view(np.int32))
+        low = min(low, bits)
+        high = max(high, bits)
+    nearest = np.int32(high).view(np.float32)
+    thick = max(nearest - np.int32(low).view(np.float32), TINY)
+    per = SLICE_COUNT / thick
+    slices[:] = ONE
+    for i in range(np.uint64(first), np.uint64(first + n)):
+        at = np.uint64(min(np.int32((nearest - depths[i]) * per), LAST_SLICE))
+        slices[at] *= ONE - np.int32(listed[i * FOUR + AT_OPACITY]).view(np.float32)
+    through = ONE
+    for k in range(SLICES - 1):
+        through *= slices[k]
+        if through < opaque * SAFE:
+            return max((nearest - (np.float32(k) + SLACK) * (thick / SLICE_COUNT)) * SAFE, ZERO)
+    return ZERO
+
+
+@device
+def keep_visible(listed, depths, first, n, farthest):
+    """Keep those of the list of n fragments from index `first` on that are not behind the depth number `farthest`, in
+    their order; return their number."""
+    o = np.uint64(first)
+    for i in range(np.uint64(first), np.uint64(first + n)):
+        depth = depths[i]
+        depths[o] = depth
+        one, two = listed[i * FOUR], listed[i * FOUR + np.uint64(1)]
+        three, four = listed[i * FOUR + np.uint64(2)], listed[i * FOUR + np.uint64(3)]
+        listed[o * FOUR], listed[o * FOUR + np.uint64(1)] = one, two
+        listed[o * FOUR + np.uint64(2)], listed[o * FOUR + np.uint64(3)] = three, four
+        o += np.uint64(depth >= farthest)
+    return np.int64(o) - np.int64(first)
+
+
+@device
+def leave_out_hidden(target, n):
+    """Leave out those of a tile's n fragments that cannot be seen, and set the depth behind which none can be in the
+    pixels that have many; return the number that is left. target: `cells.Target`."""
+    found, listed, depths, counts = target.found, target.listed, target.depths, target.counts
+    occlusion = target.occlusion_depth
+    list_by_pixel(found, n, counts, target.ends, depths, listed)
+    o = np.uint64(0)
+    for p in range(PIXELS):
+        size = np.int64(counts[p])
+        first = np.int64(target.ends[p]) - size
+        if size >= MANY:
+            farthest = farthest_visible(listed, depths, first, size, target.opaque, target.slices)
+            if farthest > occlusion[p]:
+                occlusion[p] = farthest
+                size = keep_visible(listed, depths, first, size, farthest)
+                counts[p] = size
+        for i in range(np.uint64(first) * FOUR, np.uint64(first + size) * FOUR):
+            found[o] = listed[i]
+            o += np.uint64(1)
+    return np.int64(o // FOUR)
+
+
+@device
+def least_occlusion(target):
+    """Return the depth number behind which nothing in a tile can be seen, that of the pixel where it is least."""
+    least = np.int32(np.float32(np.inf).view(np.int32))
+    for y in range(target.bottom - target.top):
+        row = np.uint64(y << ROW_BITS)
+        for x in range(np.uint64(target.right - target.left)):  # floats that are not negative compare as their bits do
+            least = min(least, np.int32(np.float32(target.occlusion_depth[row + x]).view(np.int32)))
+    return np.int32(least).view(np.float32)

@@ -1,0 +1,94 @@
+"""The rows of segments in a tile, in crowded tiles nearest first.
+
+Where hundreds of strands lie behind each other, those in front are found first, and hide most of the others before
+these have fragments (see `crowds`). Rows are ordered by the depth of their first vertex, in `SLICES` of depth: that
+costs little, and no picture depends on the order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import device
+from ....simd import pointer, prefetch
+from .tile_binning import BLOCK, LOW, START_AND_FIRST
+from .tiles import PIXELS
+
+CROWDED = 2048
+"""Rows of a tile from which on they are ordered."""
+SLICES = PIXELS - 1
+SLICE_COUNT = np.float32(SLICES)
+TINY = np.float32(1e-30)
+AHEAD = np.int64(16)
+"""Rows that their first vertices are prefetched ahead of their use."""
+
+
+@device
+def count_rows(segments, tile):
+    """Return the number of rows in a tile; segments: `tile_binning.TileSegments`."""
+    total = np.int64(0)
+    for one in range(segments.heads.shape[0]):
+        block, stop = segments.heads[one, tile], segments.fills[one, tile]
+        while stop > 0:
+            if block == (stop - 1) // BLOCK:
+                total += stop - block * BLOCK
+                break
+            total += BLOCK
+            block = segments.links[block]
+    return total
+
+
+@device
+def list_rows(segments, tile, screen, slots, listed, depths, begin):
+    """Write where the rows of a tile are in the pool to slots (n,) int32.
+
+    segments: `tile_binning.TileSegments`; screen (V, 3): as in `ScreenLines`; listed (n,) int32, depths (n,)
+    float32, begin (PIXELS,) int32: scratch.
+    """
+    n = slots.shape[0]
+    crowded = n >= CROWDED
+    i = np.int64(0)
+    for one in range(segments.heads.shape[0]):
+        block, stop = segments.heads[one, tile], segments.fills[one, tile]
+        while stop > 0:
+            final = block == (stop - 1) // BLOCK
+            for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
+                if crowded:
+                    listed[i] = slot
+                else:
+                    slots[i] = slot
+                i += 1
+            if final:
+                break
+            block = segments.links[block]
+    if crowded:
+        order_rows(segments.pool, screen, slots, listed, depths, begin)
+
+
+@device
+def order_rows(pool, screen, slots, listed, depths, begin):
+    """Write listed rows to `slots`, nearest first; arguments as in `list_rows`."""
+    n = slots.shape[0]
+    low, high = np.float32(np.inf), np.float32(-np.inf)
+    for i in range(n):
+        later = listed[min(i + AHEAD, n - 1)]
+        prefetch(pointer(screen), 3 * (pool[later, START_AND_FIRST] & LOW) - 1)
+        depth = screen[(pool[listed[i], START_AND_FIRST] & LOW) - 1, 2]
+        depths[i] = depth
+        low, high = min(low, depth), max(high, depth)
+    per = SLICE_COUNT / max(high - low, TINY)
+    begin[:] = 0
+    for i in range(n):
+        begin[slice_of(depths[i], high, per) + 1] += 1
+    for k in range(SLICES):
+        begin[k + 1] += begin[k]
+    for i in range(n):
+        k = slice_of(depths[i], high, per)
+        slots[begin[k]] = listed[i]
+        begin[k] += 1
+
+
+@device
+def slice_of(depth, high, per):
+    """Return the slice of a depth number; high: the greatest; per: slices for each unit of depth numbers."""
+    return min(np.int64((high - depth) * per), SLICES - 1)

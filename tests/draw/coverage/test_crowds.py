@@ -1,0 +1,118 @@
+"""Crowds of strands: what cannot be seen is left out early, and no pixel shows it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage.coverage import Coverage
+from strandcli.draw.coverage.kernels import strand_extents
+from strandcli.draw.coverage.kernels.row_order import list_rows
+from strandcli.draw.coverage.kernels.tile_binning import BLOCK, SHIFT, TileSegments
+from strandcli.draw.coverage.kernels.tiles import PIXELS
+from strandcli.draw.geometry.curves import Polylines
+from strandcli.jit import function
+
+WIDTH, HEIGHT = 32, 24
+
+
+def crowd(seed: int, count: int, low: float, high: float, wide: float) -> tuple[np.ndarray, np.ndarray]:
+    """Strands (count, 2, 3) across the picture, with depth numbers from low to high, and their widths (count, 2)."""
+    rng = np.random.default_rng(seed)
+    ends = np.zeros((count, 2, 3))
+    ends[:, :, 0] = [-1, WIDTH + 1]
+    ends[:, :, 1] = rng.uniform(-4, HEIGHT + 4, (count, 1)) + rng.uniform(-3, 3, (count, 2))
+    ends[:, :, 2] = rng.uniform(low, high, (count, 1))
+    return ends, np.full((count, 2), wide)
+
+
+def drawn(ends: np.ndarray, wide: np.ndarray, light: np.ndarray, workers: int = 1) -> tuple[np.ndarray, int]:
+    """The picture of strands of these lights, (count, 3), and the number of fragments found."""
+    screen = ends.reshape(-1, 3).astype(np.float32)
+    image = np.full((HEIGHT, WIDTH, 3), 9, np.float32)
+    coverage = Coverage((WIDTH, HEIGHT), 1.0)
+    first = np.arange(0, len(screen) + 1, 2)
+    widths = wide.reshape(-1).astype(np.float32)
+    for layer in coverage.layers(Polylines(first, screen), screen, widths, None, workers, Scratch()):
+        layer.blend(np.repeat(light, 2, 0).astype(np.float32), image)
+    return image, coverage.fragments
+
+
+def test_what_stands_behind_a_crowd_changes_nothing_and_is_not_listed() -> None:
+    """Thousands of strands behind some that let no light through, whether they come before or after these, and in the
+    middle of the picture alone, where other pixels show what is behind."""
+    rng = np.random.default_rng(1)
+    front, wide = crowd(2, 1500, 0.5, 0.6, 0.3)
+    light = rng.uniform(0, 1, (len(front), 3))
+    alone, few = drawn(front, wide, light)
+    assert alone.max() < 1.01  # nothing shows the background
+    back, back_wide = crowd(3, 9000, 0.1, 0.49, 0.3)
+    black = np.zeros((len(back), 3))
+    for turn in (1, -1):
+        ends, widths, lights = (
+            np.concatenate(both[::turn]) for both in ((front, back), (wide, back_wide), (light, black))
+        )
+        for workers in (1, 3):
+            image, found = drawn(ends, widths, lights, workers)
+            np.testing.assert_array_equal(image, alone)
+            assert found < 1.5 * few, "of the strands behind, six times as many, few are listed"
+    narrow = front.copy()
+    narrow[:, 1, 0] = WIDTH / 2
+    ends, widths, lights = (
+        np.concatenate([back, narrow]),
+        np.concatenate([back_wide, wide]),
+        np.concatenate([black, light]),
+    )
+    image, _ = drawn(ends, widths, lights)
+    behind, _ = drawn(back, back_wide, black)
+    np.testing.assert_array_equal(image[:, WIDTH // 2 + 1 :], behind[:, WIDTH // 2 + 1 :])
+
+
+def test_a_crowd_of_faint_strands_is_seen_to_its_end() -> None:
+    """A thousand strands behind each other let half of the light through: all of them count."""
+    ends, wide = crowd(4, 3000, 0.2, 0.9, 0.003)
+    both, found = drawn(ends, wide, np.zeros((len(ends), 3)))
+    assert found > 2000 * WIDTH  # those that cross the picture
+    front, back = ends[ends[:, 0, 2] > 0.5], ends[ends[:, 0, 2] <= 0.5]
+    one = drawn(front, wide[: len(front)], np.zeros((len(front), 3)))[0].astype(np.float64) / 9
+    two = drawn(back, wide[: len(back)], np.zeros((len(back), 3)))[0].astype(np.float64) / 9
+    np.testing.assert_allclose(both / 9, one * two, rtol=2e-4)
+
+
+@function
+def listed(
+    segments: TileSegments,
+    screen: np.ndarray,
+    slots: np.ndarray,
+    rows: np.ndarray,
+    depths: np.ndarray,
+    ends: np.ndarray,
+) -> None:
+    list_rows(segments, 0, screen, slots, rows, depths, ends)
+
+
+def test_rows_of_a_crowded_tile_are_listed_nearest_first() -> None:
+    count = 2048
+    depth = np.random.default_rng(5).uniform(0.1, 1, count).astype(np.float32)
+    screen = np.repeat(np.column_stack([np.zeros((count, 2), np.float32), depth]), 2, 0).astype(np.float32)
+    pool = np.zeros((count, 2), np.int64)
+    pool[:, 0] = 2 * np.arange(count) + 1
+    pool[:, 1] = np.arange(count) << SHIFT
+    links = np.arange(1, count // BLOCK + 1)
+    segments = TileSegments(pool, links, np.zeros((1, 1), np.int64), np.full((1, 1), count), np.array([len(links)]))
+    slots, rows = np.empty(count, np.int32), np.empty(count, np.int32)
+    listed(segments, screen, slots, rows, np.empty(count, np.float32), np.empty(PIXELS, np.int32))
+    assert sorted(slots) == list(range(count))
+    assert np.diff(depth[slots]).max() < 2 * 0.9 / (PIXELS - 1)
+
+
+def test_one_wide_strand_does_not_make_others_be_looked_for_far_away() -> None:
+    """Each strand reaches as far as its own width takes it, and one off the screen nowhere."""
+    ends = [[[5.0, 10, 1], [9, 12, 1]], [[5, 40, 1], [9, 44, 1]], [[-30, 10, 1], [-20, 10, 1]]]
+    screen = np.array(ends, np.float32).reshape(-1, 3)
+    widths = np.array([0.5, 0.25, 200, 100, 0.5, 0.5], np.float32)
+    out = np.empty((3, 2), np.float32)
+    strand_extents.find_extents(np.arange(0, 7, 2), screen, widths, 32, out)
+    np.testing.assert_allclose(out, [[10 - 2.5, 12 + 2.5], [40 - 202, 44 + 202], [np.inf, -np.inf]])
+    strand_extents.find_extents(np.arange(0, 7, 2), screen, np.zeros(0, np.float32), 32, out)
+    np.testing.assert_allclose(out[:2], [[10 - 3, 12 + 3], [40 - 3, 44 + 3]])
