@@ -107,7 +107,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "splats in an opacity map": (
         splats.add,
-        (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, raster.Window(0, 8, 8),
+        (np.ones(splats.ROWS * splats.BATCH, np.float32), np.zeros(4 * splats.BATCH, np.int64), 3,
+         raster.Window(0, 8, 8),
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (

@@ -12,7 +12,7 @@ from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
 from . import cell_extents, splats
 from .minmax import FARTHEST, NEAREST
-from .opacity import FIVE, HEAD, SCALE, START
+from .opacity import FIVE, HEAD, SCALE, START, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -56,23 +56,24 @@ def draw(strands, bands, size, view, opacity_map):
     """
     for task in prange(bands.workers):
         work = np.zeros(splats.ROWS * splats.BATCH, np.float32)
+        places = np.zeros(TEXELS * splats.BATCH, np.int64)
         for b in range(task, bands.begin.shape[0] - 1, bands.workers):
             top = b * bands.rows
             window = Window(top, min(top + bands.rows, size), size)
             n = np.int64(0)
             for m in range(bands.begin[b], bands.begin[b + 1]):
                 n = draw_strand(
-                    work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
-                    strands.along,
+                    (work, places), n, strands, np.int64(bands.members[m]), window, view, opacity_map,
+                    opacity_map.stacks, strands.along,
                 )  # fmt: skip
-            add_rest(work, n, window, opacity_map, opacity_map.stacks)
+            add_rest((work, places), n, window, opacity_map, opacity_map.stacks)
 
 
 @device
-def add_rest(work, n, window, opacity_map, stacks):
+def add_rest(batch, n, window, opacity_map, stacks):
     """Run `splats.add`; nothing in the pass that finds the extents."""
     if stacks is not None:
-        splats.add(work, n, window, opacity_map)
+        splats.add(batch[0], batch[1], n, window, opacity_map)
 
 
 @device
@@ -82,10 +83,10 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
+def draw_strand(batch, n, strands, s, window, view, opacity_map, stacks, along):
     """Draw the part of strand s within the window; return how many splats the batch holds then, which held n.
 
-    work: rows of `splats`; stacks: those of the map; along: of the strands.
+    batch: rows and places of `splats`; stacks: those of the map; along: of the strands.
     """
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
@@ -119,7 +120,7 @@ def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
         if stacks is None:
             cell_extents.widen((x0, y0, d0), (x1, y1, d1), scale, window, opacity_map.extents)
         else:
-            n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+            n = splats.collect(batch, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
     return n
 
 
