@@ -23,6 +23,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 AHEAD = np.int64(2)
 """Rows of segments that memory is prefetched ahead of their use."""
+FAR_AHEAD = np.int64(20)
+"""Rows of segments that where they begin and end is prefetched ahead of their use."""
 LINE = np.int64(16)
 """32-bit numbers of a cache line."""
 FULL = np.int64(32768)
@@ -95,7 +97,7 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
     examined = FULL if target.opaque > ZERO else room
     last = slots.shape[0] - 1
     for i in range(last + 1):
-        prefetch(pointer(pool), 2 * np.int64(slots[min(i + 2 * AHEAD, last)]))
+        prefetch(pointer(pool), 2 * np.int64(slots[min(i + FAR_AHEAD, last)]))
         prefetch_row(pool, np.int64(slots[min(i + AHEAD, last)]), strands, strands.widths, marks)
         slot = np.int64(slots[i])
         s = pool[slot, STRAND_AND_LAST] >> SHIFT

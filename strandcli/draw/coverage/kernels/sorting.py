@@ -14,7 +14,7 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
-CROWD = 64
+CROWD = 112
 """Length of a list from which on fragments that cannot be seen are left out of it."""
 NARROW_LANES = VECTOR // 2 // 4
 """Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
