@@ -28,6 +28,7 @@ def marks_at_vertices(marks: NDArray[np.uint8], vertices: int, stride: int) -> N
     """Return the marks of the vertices between which the light of marked vertices and groups is interpolated."""
     own, groups = marks[:vertices], marks[vertices:]
     own[stride:] |= own[:-stride]
-    own[::GROUP] |= groups[: len(own[::GROUP])]
-    own[GROUP::GROUP] |= groups[: len(own[GROUP::GROUP])]
+    if len(groups):
+        own[::GROUP] |= groups
+        own[GROUP::GROUP] |= groups[: len(own[GROUP::GROUP])]
     return own

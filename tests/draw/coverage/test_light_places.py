@@ -79,6 +79,22 @@ def test_linear_light_is_exact_and_nothing_else_is_read() -> None:
     np.testing.assert_allclose(found, by_all_vertices(lines, screen, widths, light), atol=2e-6)
 
 
+def test_strands_that_are_lit_at_every_other_vertex_have_light_of_these_alone() -> None:
+    """Their light is at coarse places already, and no group is asked for."""
+    lines, screen, widths = crowd(3, 0.1)
+    first = lines.first // 2 * 2
+    first[1:] += 1  # an even number of segments
+    first = first[:2]
+    layers = Coverage((WIDTH, HEIGHT), 1.0).layers(
+        Polylines(first, lines.world[: first[-1]], per=2, stride=2), screen[: first[-1]], widths[: first[-1]], None, 1,
+        Scratch(),
+    )  # fmt: skip
+    marks = next(iter(layers)).marks
+    assert len(marks) == first[-1]
+    assert marks[::2].any()
+    assert not marks[1::2].any()
+
+
 def test_light_that_bends_differs_little_and_layers_and_threads_do_not_matter() -> None:
     """A light that varies as highlights do: a share of a per cent off; the same bits in any division of the work."""
     lines, screen, widths = crowd(2, 0.2)
