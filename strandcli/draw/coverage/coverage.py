@@ -30,7 +30,6 @@ from .kernels.fragments import SolidPixels
 from .kernels.tile_binning import TileSegments
 from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
-from .light_places import NO_GROUPS, groups_of, marks_at_vertices
 from .masks import half_planes
 
 TASKS_A_WORKER = 16
@@ -102,7 +101,7 @@ class Coverage:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
-            NO_GROUPS, 1, PLACES, 0, 1, 1,
+            1, PLACES, 0, 1, 1,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
@@ -132,8 +131,7 @@ class Coverage:
         that to find the pixels that they cover would take minutes.
         """
         self.fragments = self.peak_bytes = 0
-        groups = groups_of(lines) if lines.stride == 1 else NO_GROUPS
-        marks = scratch.borrow("marks", len(screen) + len(groups), np.uint8)
+        marks = scratch.borrow("marks", len(screen), np.uint8)
         lit = None
         widest = 1.0 if widths is None or not len(widths) else float(widths.max())
         drawn = ScreenLines(lines.first, screen, widths)
@@ -143,8 +141,7 @@ class Coverage:
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
         strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
-        groups = NO_GROUPS if masked else groups
-        picture = _Picture(drawn, extents, lines.stride, groups, edges, depth_slope, masked, scratch)
+        picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -158,10 +155,10 @@ class Coverage:
             if exact:
                 pass
             elif lit is not None:
-                np.greater(layer.marks, lit, out=layer.marks.view(bool))
-                lit |= layer.marks
+                np.greater(marks, lit, out=marks.view(bool))
+                lit |= marks
             elif bottom < self.size[1]:
-                lit = layer.marks.copy()
+                lit = marks.copy()
             self.fragments += found
             yield layer
 
@@ -239,7 +236,7 @@ class Coverage:
                 return self._layer(picture, top, bottom, workers, marks)
             return None, total
         stride = picture.stride
-        marks = marks_at_vertices(marks, len(picture.lines.screen), stride)
+        marks[stride:] |= marks[:-stride]  # a fragment's light is interpolated to the lit vertex after it
         self._note(found, top, bottom)
         each = SORTED_BYTES + (POINTS_BYTES if picture.masked else 0)
         self.peak_bytes = max(self.peak_bytes, total * each + int(used.sum()) * tile_binning.BLOCK * PART_BYTES)
@@ -267,7 +264,7 @@ class Coverage:
             borrow("fragment_vertices", room, np.uint32), borrow("fragment_weights", room, np.float32),
             borrow("fragment_along", room, np.float32),
             borrow("fragment_points", room, np.uint64) if picture.masked else NO_BITS,
-            picture.groups, picture.stride, place_bits, top, bottom, self.size[0],
+            picture.stride, place_bits, top, bottom, self.size[0],
         )  # fmt: skip
 
     def _tiles(self, top: int, bottom: int) -> int:
@@ -284,8 +281,6 @@ class _Picture:
     """(S, 2) from `kernels.strand_extents.find_extents`."""
     stride: int
     """Every stride-th vertex is lit."""
-    groups: NDArray[np.uint8]
-    """As in `Fragments`."""
     edges: Edges | None
     """Edges of the solids."""
     depth_slope: DepthSlope

@@ -29,11 +29,6 @@ ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
 # In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
 # one, metres; w of light that is scattered forward, metres.
 RADIUS, BLUR, AWAY, CLOUD = layout.allocate("blur of a point", 4, surfaces="maps")
-# Numbers of points to filter; number of the point at the end of a stretch; radius and transmittance that were found at
-# the points to filter (see `sparse_filter`).
-LIST, NEXT = layout.allocate("points to filter", 2, surfaces="maps")
-FOUND = layout.allocate_row("radius that was found", surfaces="maps")
-FILTERED = layout.allocate("filtered points", 3, surfaces="maps")[0]
 
 ROWS = layout.row_count("surfaces")
 """Rows of the array of a batch of points."""

@@ -7,18 +7,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
-from .tiles import (
-    AT_OPACITY,
-    AT_PLACE,
-    AT_VERTEX,
-    FAINT,
-    GROUP_BITS,
-    NUMBERS,
-    PIXEL_BITS,
-    PIXELS,
-    TILE_WIDTH,
-    UNIT,
-)
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -47,8 +36,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     of their end.
 
     fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
-    `tiles.Fragments`; marks (V + groups,): set at the lit vertices before visible fragments, or from V on at the groups
-    of faint ones.
+    `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
     others cover the pixel independently.
@@ -73,27 +61,16 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             alpha = min(alpha, room)
             room -= alpha
             through = front * room
-            weight = front * alpha
             if identity < vertices:
                 identity -= t >> bits
-                mark(marks, out.groups, vertices, identity, weight)
+                marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             out.vertex[to] = np.uint32(identity)
-            out.weight[to] = weight
+            out.weight[to] = front * alpha
             out.along[to] = np.float32(t) * UNIT
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
     return o
-
-
-@inlined
-def mark(marks, groups, vertices, vertex, weight):
-    """Mark where a fragment's light comes from, as in `composite`."""
-    group = np.uint64(vertex) >> np.uint64(GROUP_BITS)
-    if groups.shape[0] > 0 and weight < FAINT and groups[group] != 0:
-        marks[np.uint64(vertices) + group] = 1
-    else:
-        marks[np.uint64(vertex)] = 1
 
 
 @device

@@ -12,7 +12,7 @@ from .crowds import SLICES, list_by_pixel
 from .fragments import Strands, find_fragments
 from .row_order import count_rows, list_rows
 from .sorting import RUN, sort_pixels
-from .tiles import FAINT, GROUP, GROUP_BITS, NUMBERS, PIXELS, TILE_WIDTH, tile_at
+from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -21,9 +21,6 @@ INITIAL_ROOM = np.int64(49152)
 AHEAD = np.uint64(24)
 """Fragments that light is prefetched ahead of its use."""
 NONE, TWO, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
-SHIFT, INNER, FAR = np.uint64(GROUP_BITS), np.uint64(GROUP - 1), np.uint64(3 * GROUP)
-"""Of a group of vertices: bits of their numbers in it, and places from the first one's light to the last one's."""
-PER_GROUP = np.float32(1 / GROUP)
 
 
 @parallel
@@ -34,7 +31,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     `TileSegments` of the rows of `out`; table: from `strandcli.draw.coverage.masks.half_planes`, for
     `composite.composite_masked`, or None, for `composite.composite`; tasks: number of tasks, which share the tiles and
     the memory evenly; out: `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or
-    not, negative if there was no room; marks (V + groups,) uint8: set as `composite.composite` does.
+    not, negative if there was no room; marks (V,) uint8: set at the lit vertices before visible fragments.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
     opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
@@ -131,7 +128,6 @@ def blend_tile(fragments, tile, radiance, light, image):
     vertex = fragments.vertex
     last = np.uint64(vertex.shape[0] - 1)
     step = THREE * np.uint64(fragments.stride)
-    coarse = fragments.groups.shape[0] > 0
     for y in range(tile.top, tile.bottom):
         for x in range(tile.left, tile.right):
             n = np.uint64(fragments.counts[np.uint64(base + (y - tile.top) * TILE_WIDTH + x - tile.left)])
@@ -147,12 +143,9 @@ def blend_tile(fragments, tile, radiance, light, image):
                 prefetch(pointer(radiance), later + step + TWO)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
-                    far, on = w * fragments.along[i], step
-                    if coarse and w < FAINT and fragments.groups[v >> SHIFT] != 0:
-                        far = (w * np.float32(v & INNER) + far) * PER_GROUP
-                        v, on = v & ~INNER, FAR
+                    far = w * fragments.along[i]
                     near = w - far
-                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + on)
+                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + step)
                 else:
                     colour += w * load(edges, THREE * (v - vertices))
                 total += w

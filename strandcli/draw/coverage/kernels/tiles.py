@@ -34,11 +34,6 @@ ROW_BITS = 5
 """Bits of the pixel's column, below its row."""
 UNIT = np.float32(2.0**-PLACES)
 """Factor from a fixed-point position to 0 … 1."""
-FAINT = np.float32(1 / 32)
-"""Share of a pixel below which a fragment has light of coarser places."""
-GROUP_BITS = 2
-GROUP = 1 << GROUP_BITS
-"""Vertices from one of these coarser places to the next."""
 THIN = np.float32(1 / 16)
 """Least half height of a band that is drawn, pixels (see `cells`)."""
 
@@ -60,9 +55,6 @@ class Fragments(NamedTuple):
     """(F,) position from that lit vertex to the next, 0 to 1."""
     points: NDArray[np.uint64]
     """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
-    groups: NDArray[np.uint8]
-    """((V − 1) // `GROUP` + 1,) 1 where the vertices from GROUP * g to GROUP * (g + 1) belong to one strand: there
-    fragments of weights below `FAINT` have the light of the first and the last; (0,): all that of the nearest two."""
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""
     place_bits: int

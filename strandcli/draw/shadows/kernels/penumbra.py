@@ -134,8 +134,7 @@ def share(least, radius):
     """Return the visible share of a light, from the sine of the least angle from its centre to an edge, and the sine of
     its angular radius."""
     side = max(least / radius, -ONE)
-    visible = HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
-    return visible if side > -ONE else ZERO
+    return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
 
 
 @inlined

@@ -27,14 +27,14 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import floor, gather, lane_count, load, pointer, sqrt, store, store3, where
+from ....simd import any_lane, floor, gather, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.loss import HALF_WAY
-from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, FILTERED, FOUND, LEFT, LIST, RADIUS
+from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import opacity, sparse_filter
+from . import opacity
 from .filter_window import WIDEST, texel_of, windows_about
 from .minmax import texel_of as project
 
@@ -48,7 +48,6 @@ DISC = np.float32(7.0 / 4.0)
 TEXEL = np.float32(7.0 / 12.0)
 """R² of the weights, whose variance is R² / 7, with the variance of a unit disc, 1/4, and of a texel, 1/12."""
 DARK = np.float32(1e-6)
-FAR = np.float32(1e30)
 FEW = np.float32(1e-3)
 """Initial weight of the mean occluder distance, for points that hardly anything occludes."""
 STEP = np.float32(2.0)
@@ -91,15 +90,9 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
             lights[i, PER_FALL],
         )  # fmt: skip
         locate(work, n, lights, i, views, one, sizes[one])
-        count = sparse_filter.list_ends(work, n, texel_side(work, n, sizes[one]))
-        while count > 0:
-            for k in range(count, -(-count // lane_count(rows)) * lane_count(rows)):
-                work[LIST + k] = work[LIST + count - 1]
-            for k in range(0, count, lane_count(rows)):
+        for k in range(0, n, lane_count(rows)):
+            if any_lane(load(rows, INSIDE + k) > ZERO):
                 filter_light(rows, k, deep, loss)
-            sparse_filter.scatter(work, count)
-            count = sparse_filter.list_between(work, n)
-        sparse_filter.interpolate(work, n)
         for k in range(n):
             work[INSIDE + k] = -work[INSIDE + k] * work[INSIDE + k]  # −1: shaded by an earlier map
 
@@ -139,26 +132,15 @@ def locate(work, n, lights, i, views, one, size):
 
 
 @device
-def texel_side(work, n, size):
-    """Return the least side of a texel at the points of a batch that are inside, metres; size: texels a side."""
-    cloud = FAR
-    for k in range(n):
-        cloud = min(cloud, work[CLOUD + k] if work[INSIDE + k] > ZERO else FAR)
-    return cloud / (WIDE * np.float32(size))
-
-
-@device
 def filter_light(rows, k, deep, loss):
-    """Store what strands leave, in the rows `FILTERED`, of a vector of points inside a `DeepMap`, whose numbers stand
-    in the row `LIST` from place k on, and in `FOUND` the filter radius. rows: `pointer` to the batch; loss: as in
-    `transmittance`."""
-    at = load(rows, LIST + k)
-    u, v, d = of_points(rows, U, at), of_points(rows, V, at), of_points(rows, DEPTH, at)
-    cloud = of_points(rows, CLOUD, at)
+    """Store what strands leave, in the rows `LEFT`, of the vector of points from number k on that are inside a
+    `DeepMap`. rows: `pointer` to the batch; loss: as in `transmittance`."""
+    inside = load(rows, INSIDE + k) > ZERO
+    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    cloud = load(rows, CLOUD + k)
     size = np.float32(deep.size)
-    radius = blur_radius(rows, at, deep)
-    store(rows, FOUND + k, radius)
-    windows, wide, tall = windows_about(u, v, radius, at >= ZERO, ONE)
+    radius = blur_radius(rows, k, deep)
+    windows, wide, tall = windows_about(u, v, radius, inside, ONE)
     total = ZERO * u
     red = green = blue = total
     for row in range(tall):
@@ -172,22 +154,18 @@ def filter_light(rows, k, deep, loss):
             else:
                 near = weight * cloud / (cloud + max(d - back, ZERO))
                 other = (weight - near) * lost
-                place = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
-                j = min(floor(place), np.float32(loss.shape[0] - 2))
-                part = place - j
-                red = red + near * loss_at(loss, j, part, 0) + other
-                green = green + near * loss_at(loss, j, part, 1) + other
-                blue = blue + near * loss_at(loss, j, part, 2) + other
+                at = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
+                j = min(floor(at), np.float32(loss.shape[0] - 2))
+                at = at - j
+                red = red + near * loss_at(loss, j, at, 0) + other
+                green = green + near * loss_at(loss, j, at, 1) + other
+                blue = blue + near * loss_at(loss, j, at, 2) + other
     per = ONE / max(total, DARK)
     if loss.shape[0] == 0:
         green = blue = red
-    store3(rows, FILTERED + k, W, ONE - red * per, ONE - green * per, ONE - blue * per)
-
-
-@inlined
-def of_points(rows, row, at):
-    """Return a vector of the numbers of a row at the places ``at``."""
-    return gather(rows, np.int64(row), at, np.int64(1), ZERO)
+    store(rows, LEFT + k, where(inside, ONE - red * per, load(rows, LEFT + k)))
+    store(rows, LEFT + W + k, where(inside, ONE - green * per, load(rows, LEFT + W + k)))
+    store(rows, LEFT + 2 * W + k, where(inside, ONE - blue * per, load(rows, LEFT + 2 * W + k)))
 
 
 @inlined
@@ -199,13 +177,14 @@ def loss_at(loss, j, part, c):
 
 
 @inlined
-def blur_radius(rows, at, deep):
+def blur_radius(rows, k, deep):
     """Return the filter radius, texels, from the mean distance of the strands that occlude each point of a vector.
     Points without occluders, and those whose radius is already the least, keep that of `RADIUS`."""
-    u, v, d = of_points(rows, U, at), of_points(rows, V, at), of_points(rows, DEPTH, at)
-    radius, away = of_points(rows, RADIUS, at), of_points(rows, AWAY, at)
+    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    radius, away = load(rows, RADIUS + k), load(rows, AWAY + k)
     searched = radius > LEAST
-    windows, wide, tall = windows_about(u, v, radius, searched, STEP)
+    used = searched & (load(rows, INSIDE + k) > ZERO)
+    windows, wide, tall = windows_about(u, v, radius, used, STEP)
     share = ZERO * u + FEW
     distance = FEW * away
     for row in range(tall):
@@ -215,7 +194,7 @@ def blur_radius(rows, at, deep):
             weight = weight * passed / (passed + ONE)
             share = share + weight
             distance = distance + weight * (d - HALF * (front + min(back, d)))
-    blur = of_points(rows, BLUR, at) * (distance / share)
+    blur = load(rows, BLUR + k) * (distance / share)
     found = min(sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
     return where(searched, found, radius)
 
