@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from .groom.followers import Followers
 from .groom.record import Groom
 from .plan import needed_strands
 from .scene.model import MeshShape, Scene
+
+if TYPE_CHECKING:
+    from .draw.renderer import Renderer
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
@@ -189,11 +192,12 @@ class SimulationStage:
 class FrameRenderer:
     """Draws frames, with memory of its own."""
 
-    def __init__(self, moved: SimulationStage) -> None:
+    def __init__(self, moved: SimulationStage, kind: type[Renderer] | None = None) -> None:
+        """``kind``: of the renderer, if not `Renderer` itself."""
         from .draw.renderer import Renderer
 
         self._scene, self._fps = moved.scene, moved.scene.time.fps
-        self._renderer = Renderer(moved.scene, moved.groom, moved.children, moved.combed)
+        self._renderer = (kind or Renderer)(moved.scene, moved.groom, moved.children, moved.combed)
 
     def __call__(self, moved: MovedStrands) -> Frame:
         """The frame with its picture."""

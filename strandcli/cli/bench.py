@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from ..errors import UsageError
 from . import options
@@ -19,14 +20,21 @@ OWN = {
 """Settings that have options of their own here."""
 
 
+OF_THE_HEADLINE = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
+"""Options of the headline scene alone, with the setting that a preset has for each."""
+FRAMES, FRAMES_OF_A_PRESET = 20, 3
+
+
 @click.command()
+@click.argument("preset", required=False)
 @click.option("--strands", type=options.COUNT_STRANDS, default=10_000, show_default=True, metavar="N", help="Strands.")
 @click.option(
     "--particles", type=options.COUNT_PARTICLES, default=10, show_default=True, metavar="N", help="Particles a strand."
 )
 @click.option(
-    "--frames", type=options.Whole(1, 100_000), default=20, show_default=True, metavar="N", help="Frames to time."
-)
+    "--frames", type=options.Whole(1, 100_000), metavar="N",
+    help=f"Frames to time.  [default: {FRAMES}, of PRESET {FRAMES_OF_A_PRESET}]",
+)  # fmt: skip
 @click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
 @click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
 @click.option(
@@ -40,10 +48,13 @@ OWN = {
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
+@click.pass_context
 def command(
+    ctx: click.Context,
+    preset: str | None,
     strands: int,
     particles: int,
-    frames: int,
+    frames: int | None,
     size: tuple[int, int],
     solver: str,
     quality: str,
@@ -60,19 +71,25 @@ def command(
     --set changes it: with image.resolver=sorted, material.model=chiang, material.width=0.0014 and
     lights.0.shadow.model=opacity strands are .2 pixels wide, sorted, and under an opacity map.
 
+    Of PRESET: each stage of its own frames, drawn one by one, what it works on, and the ratio to a loop that does only
+    what the stage cannot do without, measured in the same sitting.
+
     Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
     """
-    for text in overrides:
-        path = text.partition("=")[0].strip()
-        if path in OWN:
-            raise UsageError(f"--set {path}: write {OWN[path]} for it")
+    given = {name for name in ctx.params if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE}
+    refuse_contradictions(preset, given, overrides)
+    frames = frames or (FRAMES if preset is None else FRAMES_OF_A_PRESET)
     from .. import runtime
 
     with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from ..study import bench
 
-        if growth:
+        if preset is not None:
+            from ..study import preset_bench
+
+            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note)
+        elif growth:
             grown = bench.time_growth(solver, overrides, progress.note)
             data = {"solver": solver, **grown, "machine": runtime.machine()}
         else:
@@ -90,7 +107,50 @@ def command(
     if as_json:
         options.print_json(data)
     elif not quiet:
-        say(growth_table(data) if growth else table(data))
+        say(stage_table(data) if preset is not None else growth_table(data) if growth else table(data))
+
+
+def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequence[str]) -> None:
+    """Raise `UsageError` for options and settings that say the same, or that do not go together."""
+    for text in overrides:
+        path = text.partition("=")[0].strip()
+        if path in OWN and not (preset is not None and path in {*OF_THE_HEADLINE.values(), "time.frames"}):
+            raise UsageError(f"--set {path}: write {OWN[path]} for it")
+    if preset is None:
+        return
+    if "growth" in given:
+        raise UsageError(f"--growth: is of the headline scene, not of {preset}; leave out one of them")
+    for name, path in OF_THE_HEADLINE.items():
+        if name in given:
+            raise UsageError(f"--{name}: is of the headline scene; for {preset} write --set {path}=VALUE")
+
+
+def stage_table(data: Mapping[str, Any]) -> str:
+    """A row a stage: what it takes, what it works on, and how far it is from its bound."""
+    wide, high = data["size"]
+    lines = [
+        f"{data['preset']}, {wide}x{high}, {data['frames']} frames one by one, "
+        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
+        "",
+        f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}"
+        f"{'ns':>8}{'bound ns':>10}{'ratio':>8}",
+    ]
+    for name, row in data["stages"].items():
+        line = f"{name:<10}{_ms(row['median_ms']):>10}{_ms(row['min_ms']):>10}"
+        if row["ratio"] is not None:
+            line += f"{row['count']:>14,} {row['element']:<24}{row['element_ns']:>8.3g}"
+            line += f"{row['bound_element_ns']:>10.3g}{row['ratio']:>8.1f}"
+        lines.append(line)
+    frame = data["frame"]
+    lines += [f"{'frame':<10}{_ms(frame['median_ms']):>10}{_ms(frame['min_ms']):>10}", "", "bounds, the least:"]
+    for row in data["stages"].values():
+        for one in row["bounds"]:
+            lines.append(
+                f"  {one['loop']:<10}{one['count']:>14,} {one['element']:<26}{one['element_ns']:>7.3g} ns"
+                f"{one['bytes']:>6.3g} bytes{one['operations']:>5.3g} operations each"
+            )
+    lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
+    return "\n".join(lines)
 
 
 def table(data: Mapping[str, Any]) -> str:

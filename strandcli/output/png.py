@@ -74,13 +74,13 @@ def encode(image: npt.NDArray[Any], text: Mapping[str, str] | None = None) -> li
     rows[:, 0] = SUB
     rows[:, 1 : 1 + step] = flat[:, :step]
     np.subtract(flat[:, step:], flat[:, :-step], out=rows[:, 1 + step :])  # modulo 256, as the format wants
-    data = _deflate(rows)
+    data = deflate(rows)
     for start in range(0, len(data), _PIECE):
         pieces += _chunk(b"IDAT", data[start : start + _PIECE])
     return [*pieces, *_chunk(b"IEND", b"")]
 
 
-def _deflate(rows: Pixels) -> bytes:
+def deflate(rows: Pixels) -> bytes:
     """A zlib stream of rows with their filter types."""
     try:
         from isal import isal_zlib

@@ -1,0 +1,181 @@
+"""`strandcli bench PRESET`: where a frame's time goes, what each stage works on, and how far it is from its bound.
+
+Frames are drawn one by one on all threads that are asked for, and written before the next begins, so that no stage
+takes turns with another. The first is not counted, because it compiles and fills caches. Bounds (`bounds.loops`) are
+measured right after, on the same threads; each has the least time of some runs, and so has each stage that it is
+compared with.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import load, runtime
+from ..errors import UsageError
+from ..plan import make_plan, require_memory
+from ..scene.model import Scene
+from .bench import spread
+from .bounds.loops import BOUNDS, LEAST, MOST, STAGES, Counts, Loop, make_deflate
+
+Notify = Callable[[str], None]
+
+RUNS = 5
+"""Runs of a bound's loop, the least of which counts, after one that does not."""
+
+
+def run(
+    preset: str, frames: int = 3, size: tuple[int, int] = (800, 600), threads: int | None = None,
+    quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """All figures of one sitting: ``stages`` has a row a stage (see `stage_row`), ``counts`` are those of the last
+    frame. Raises `UsageError` for a preset of several panels, or of fewer frames than are asked for."""
+    settings: dict[str, Any] = {"image.size": list(size)}
+    if quality != "preset":
+        settings["quality"] = quality
+    scene = load(preset, overrides=overrides, settings=settings)
+    if scene.panels:
+        raise UsageError(f"{preset}: has {len(scene.panels)} panels, and bench times a single picture")
+    if scene.time.frames < frames + 1:
+        raise UsageError(
+            f"{preset}: has {scene.time.frames} frames, and the first is not counted: use --frames "
+            f"{scene.time.frames - 1} or fewer"
+            if scene.time.frames > 1
+            else f"{preset}: has one frame, which is not counted: add --set time.frames={frames + 1}"
+        )
+    require_memory(make_plan(scene, range(1, frames + 2)))
+    runtime.start(threads, notify)
+    with runtime.thread_count(runtime.checked_threads(threads)):
+        timed, image = time_frames(scene, frames, notify)
+        counts = timed[-1][1]
+        bounds = measure_bounds(counts, image, notify)
+    seconds = [sum(each for each in one.values()) for one, _ in timed]
+    return {
+        "preset": preset,
+        "size": list(size),
+        "frames": frames,
+        "threads": runtime.machine()["threads"] if threads is None else threads,
+        "quality": quality,
+        "set": list(overrides),
+        "compile_seconds": runtime.compile_seconds(),
+        "stages": {name: stage_row(name, timed, bounds) for name in timed[-1][0]},
+        "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
+        "counts": counts,
+        "machine": runtime.machine(),
+    }
+
+
+def time_frames(
+    scene: Scene, frames: int, notify: Notify | None
+) -> tuple[list[tuple[dict[str, float], Counts]], NDArray[np.uint8]]:
+    """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and the last picture."""
+    from .. import compile_ahead
+    from ..draw.counting import CountingRenderer
+    from ..output import png
+    from ..output.files import write_pieces
+    from ..stages import FrameRenderer, RunOptions, SimulationStage
+
+    numbers = range(1, frames + 2)
+    timed = []
+    compile_ahead.begin(scene, None)
+    try:
+        moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
+        draw = FrameRenderer(moved, CountingRenderer)
+        with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
+            for number in numbers:
+                if notify is not None:
+                    notify(f"drawing frame {number}")
+                begun = moved.begin(number)
+                simulated = begun.frame.report["counts"]["particles"]
+                frame = draw(begun)
+                assert frame.image is not None
+                began = time.perf_counter()
+                png.pixels_sha256(frame.image)
+                write_pieces(Path(folder) / "frame.png", png.encode(frame.image))
+                seconds = {**frame.report["seconds"], "write": time.perf_counter() - began}
+                counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, frame.image.size)
+                if number > 1:
+                    timed.append((seconds, counts))
+    finally:
+        compile_ahead.end()
+    return timed, frame.image
+
+
+def complete(counts: Counts, scene: Scene, guides: int, particles: int, size: int) -> Counts:
+    """A frame's counts with what the renderer does not know: simulated particles and steps, and bytes of the file."""
+    return {
+        **counts,
+        "guides": guides,
+        "particles_a_strand": particles // guides,
+        "particle_steps": particles * scene.time.substeps,
+        "children": counts["strands"] if counts.get("child_particles") else 0,
+        "samples_a_side": scene.image.supersample,
+        "bytes": size,
+    }
+
+
+def measure_bounds(counts: Counts, image: NDArray[np.uint8], notify: Notify | None) -> dict[str, dict[str, Any]]:
+    """Of each bound that a frame with these counts has, what it does and its nanoseconds an element."""
+    found = {}
+    for name, bound in BOUNDS.items():
+        count = bound.count(counts)
+        if not count:
+            continue
+        if notify is not None:
+            notify(f"bound: {name}")
+        make = partial(make_deflate, image=image) if name == "deflate" else bound.make
+        found[name] = {
+            "loop": name,
+            "element": bound.element,
+            "bytes": bound.memory(counts),
+            "operations": bound.operations(counts),
+            "element_ns": 1e9 * least_seconds(make(counts, min(max(count, LEAST), MOST))),
+        }
+    return found
+
+
+def least_seconds(loop: Loop) -> float:
+    """Seconds an element of a loop's fastest run."""
+    times = []
+    for _ in range(RUNS + 1):
+        began = time.perf_counter()
+        loop.run()
+        times.append(time.perf_counter() - began)
+    return min(times[1:]) / loop.elements
+
+
+def stage_row(
+    name: str, timed: list[tuple[dict[str, float], Counts]], bounds: dict[str, dict[str, Any]]
+) -> dict[str, Any]:
+    """A stage's milliseconds a frame; the element that it works on, their number in the last frame, and the fastest
+    frame's nanoseconds each; the least time that its bounds ask for, of the fastest frame, too, and the ratio to that.
+    None where the stage has no bound."""
+    seconds = np.array([one.get(name) or 0.0 for one, _ in timed])
+    fastest = int(np.argmin(seconds))
+    row: dict[str, Any] = {
+        **spread(seconds), "element": None, "count": None, "element_ns": None, "bound_element_ns": None,
+        "bound_ms": None, "ratio": None, "bounds": [],
+    }  # fmt: skip
+    mine = [bound for bound in STAGES.get(name, ()) if bound in bounds]
+    if not mine:
+        return row
+    last = timed[-1][1]
+    then = {bound: BOUNDS[bound].count(timed[fastest][1]) for bound in mine}
+    bound_ms = 1e-6 * sum(then[bound] * bounds[bound]["element_ns"] for bound in mine)
+    first = max(then[mine[0]], 1)
+    return row | {
+        "element": bounds[mine[0]]["element"],
+        "count": BOUNDS[mine[0]].count(last),
+        "element_ns": 1e9 * float(seconds[fastest]) / first,
+        "bound_element_ns": 1e6 * bound_ms / first,
+        "bound_ms": bound_ms,
+        "ratio": 1e3 * float(seconds[fastest]) / bound_ms,
+        "bounds": [{**bounds[bound], "count": BOUNDS[bound].count(last)} for bound in mine],
+    }
