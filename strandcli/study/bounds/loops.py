@@ -117,13 +117,13 @@ def make_curves(counts: Counts, elements: int) -> Loop:
     """Strands of as many segments, each cut into as many pieces as the frame's are in the mean."""
     pieces = pieces_of(counts)
     n = max(counts["particles"] // max(counts["strands"], 1), 1)
-    number = whole(elements / (n * pieces))
+    blocks = whole(elements / (n * pieces * strands.LANES))
     t = np.arange(pieces) / pieces
     basis = (np.stack([t**0, t, t**2, t**3], 1) @ CATMULL_ROM).astype(np.float32)
     view = np.array([[500, 0, 9, 1], [0, 500, 9, 1], [0, 0, 1, 4]], np.float32)
-    world = np.empty((number, n * pieces, 3), np.float32)
-    arrays = (uniform(number, n + 3, 3), basis, view, world, np.empty_like(world))
-    return Loop(lambda: strands.tessellate(*arrays), number * n * pieces, arrays)
+    world = np.empty((blocks * strands.LANES, n * pieces, 3), np.float32)
+    arrays = (uniform(blocks, n + 3, 3, strands.LANES), basis, view, world, np.empty_like(world))
+    return Loop(lambda: strands.tessellate(*arrays), world.size // 3, arrays)
 
 
 def make_splats(counts: Counts, elements: int) -> Loop:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from ....jit import parallel, prange
+from ....constants import VECTOR
+from ....jit import device, parallel, prange
+from ....simd import lane_count, load, load3, pointer, sqrt, store3
 
-ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+LANES = VECTOR // 4
+"""Numbers of a vector."""
 TINY = np.float32(1e-20)
 
 
@@ -18,25 +19,31 @@ def move(now, before, rest, fall, out):
     """Write to out the particles a step later: Verlet's rule with a constant fall, metres, then from the root on each
     segment at its rest length.
 
-    now, before, out (blocks, n, 3, lanes) metres; rest (blocks, lanes) metres. The root stays.
+    now, before, out (blocks, n, 3, lanes) metres; rest (blocks, lanes) metres; lanes: a multiple of a vector's. The
+    root stays.
     """
-    lanes = now.shape[3]
     for block in prange(now.shape[0]):
-        for lane in range(lanes):
-            for c in range(3):
-                out[block, 0, c, lane] = now[block, 0, c, lane]
-        for i in range(1, now.shape[1]):
-            for k in range(np.uint64(lanes)):
-                x = now[block, i, 0, k] + (now[block, i, 0, k] - before[block, i, 0, k])
-                y = now[block, i, 1, k] + (now[block, i, 1, k] - before[block, i, 1, k]) - fall
-                z = now[block, i, 2, k] + (now[block, i, 2, k] - before[block, i, 2, k])
-                x -= out[block, i - 1, 0, k]
-                y -= out[block, i - 1, 1, k]
-                z -= out[block, i - 1, 2, k]
-                size = rest[block, k] / math.sqrt(x * x + y * y + z * z + TINY)
-                out[block, i, 0, k] = out[block, i - 1, 0, k] + x * size
-                out[block, i, 1, k] = out[block, i - 1, 1, k] + y * size
-                out[block, i, 2, k] = out[block, i - 1, 2, k] + z * size
+        move_block(now, before, rest, fall, out, np.int64(block))
+
+
+@device
+def move_block(now, before, rest, fall, out, block):
+    """Move the strands of one block."""
+    here, past, to, sizes = pointer(now), pointer(before), pointer(out), pointer(rest)
+    n, lanes = now.shape[1], now.shape[3]
+    for k in range(0, lanes, lane_count(here)):
+        o = block * n * 3 * lanes + k
+        long = load(sizes, block * lanes + k)
+        ax, ay, az = load3(here, o, lanes)
+        store3(to, o, lanes, ax, ay, az)
+        for _ in range(1, n):
+            o += 3 * lanes
+            x, y, z = load3(here, o, lanes)
+            u, v, w = load3(past, o, lanes)
+            x, y, z = x + (x - u) - ax, y + (y - v) - fall - ay, z + (z - w) - az
+            size = long / sqrt(x * x + y * y + z * z + TINY)
+            ax, ay, az = ax + x * size, ay + y * size, az + z * size
+            store3(to, o, lanes, ax, ay, az)
 
 
 @parallel
@@ -55,25 +62,39 @@ def interpolate(guides, parents, weights, out):
 def tessellate(controls, basis, view, world, screen):
     """Write points of cubic curves, and where they are on the screen.
 
-    controls (S, n + 3, 3) metres; basis (pieces, 4): weights of four controls that follow each other; view (3, 4): rows
-    right, down and forward, each with a shift, in pixels and metres; world (S, n * pieces, 3) metres; screen of that
-    shape: x, y in pixels, and inverse depth, 1/m.
+    controls (blocks, n + 3, 3, lanes) metres; lanes: those of a vector; basis (pieces, 4): weights of four controls
+    that follow each other; view (3, 4): rows right, down and forward, each with a shift, in pixels and metres; world
+    (blocks * lanes, n * pieces, 3) metres; screen of that shape: x, y in pixels, and inverse depth, 1/m.
     """
-    pieces = basis.shape[0]
-    for s in prange(controls.shape[0]):
-        for i in range(controls.shape[1] - 3):
-            for j in range(pieces):
-                k = i * pieces + j
-                x = y = z = ZERO
-                for c in range(4):
-                    w = basis[j, c]
-                    x += w * controls[s, i + c, 0]
-                    y += w * controls[s, i + c, 1]
-                    z += w * controls[s, i + c, 2]
-                world[s, k, 0] = x
-                world[s, k, 1] = y
-                world[s, k, 2] = z
-                over = ONE / (view[2, 0] * x + view[2, 1] * y + view[2, 2] * z + view[2, 3])
-                screen[s, k, 0] = (view[0, 0] * x + view[0, 1] * y + view[0, 2] * z + view[0, 3]) * over
-                screen[s, k, 1] = (view[1, 0] * x + view[1, 1] * y + view[1, 2] * z + view[1, 3]) * over
-                screen[s, k, 2] = over
+    for block in prange(controls.shape[0]):
+        work = np.empty(6 * LANES, np.float32)
+        tessellate_block(controls, basis, view, world, screen, work, np.int64(block))
+
+
+@device
+def tessellate_block(controls, basis, view, world, screen, work, block):
+    """Write the points of one block's curves; work (6 * LANES,): scratch."""
+    rows, row = pointer(controls), pointer(work)
+    pieces, n = basis.shape[0], controls.shape[1]
+    for i in range(n - 3):
+        o = (block * n + i) * 3 * LANES
+        ax, ay, az = load3(rows, o, LANES)
+        bx, by, bz = load3(rows, o + 3 * LANES, LANES)
+        cx, cy, cz = load3(rows, o + 6 * LANES, LANES)
+        dx, dy, dz = load3(rows, o + 9 * LANES, LANES)
+        for j in range(pieces):
+            a, b, c, d = basis[j, 0], basis[j, 1], basis[j, 2], basis[j, 3]
+            x = a * ax + b * bx + c * cx + d * dx
+            y = a * ay + b * by + c * cy + d * dy
+            z = a * az + b * bz + c * cz + d * dz
+            over = ONE / (view[2, 0] * x + view[2, 1] * y + view[2, 2] * z + view[2, 3])
+            store3(row, 0, LANES, x, y, z)
+            u = (view[0, 0] * x + view[0, 1] * y + view[0, 2] * z + view[0, 3]) * over
+            v = (view[1, 0] * x + view[1, 1] * y + view[1, 2] * z + view[1, 3]) * over
+            store3(row, 3 * LANES, LANES, u, v, over)
+            place = np.uint64(i * pieces + j)
+            for k in range(np.uint64(LANES)):
+                s = np.uint64(block * LANES) + k
+                for at in range(np.uint64(3)):
+                    world[s, place, at] = work[at * np.uint64(LANES) + k]
+                    screen[s, place, at] = work[(at + np.uint64(3)) * np.uint64(LANES) + k]
