@@ -129,7 +129,7 @@ def stage_table(data: Mapping[str, Any]) -> str:
     """A row a stage: what it takes, what it works on, and how far it is from its bound."""
     wide, high = data["size"]
     lines = [
-        f"{data['preset']}, {wide}x{high}, {data['frames']} frames one by one, "
+        f"{data['preset']}, {wide}x{high}, {data['frames']} {'frame' if data['frames'] == 1 else 'frames'} one by one, "
         f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
         "",
         f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}"

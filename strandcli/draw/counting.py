@@ -59,7 +59,7 @@ class CountingRenderer(Renderer):
 
     def count(self, name: str, number: int) -> None:
         """Add to a count."""
-        self.work[name] = self.work.get(name, 0) + int(number)
+        self.work[name] = self.work.get(name, 0) + number
 
     def draw(self, *args: Any, **named: Any) -> Drawing:
         """As `Renderer.draw`, with the counts."""
@@ -73,7 +73,7 @@ class CountingRenderer(Renderer):
     ) -> NDArray[np.float32]:
         """As `Renderer.shade`; counts the vertices that are lit."""
         with unclocked(self._drawing):
-            self.count("lit_vertices", np.count_nonzero(marks))
+            self.count("lit_vertices", int(np.count_nonzero(marks)))
             if self.coverage is None:
                 self.count("vertices", len(batch.lines.world))
                 self.count("line_samples", samples_of(batch.lines.first, batch.screen, self.size))
@@ -100,7 +100,7 @@ class CountingRenderer(Renderer):
                 self.count("fragments_found", canvas.fragments)
                 self.count("vertices", canvas.segments + self._drawing.counts["strands"])
             solid = (canvas.keys != EMPTY) & ((canvas.keys & LOW) >= FIRST)
-            self.count("solid_samples", np.count_nonzero(solid))
+            self.count("solid_samples", int(np.count_nonzero(solid)))
             self.count("samples", len(canvas.keys))
             self.work["lights"] = len(self.scene.lights)
             maps = canvas.lighting.maps
@@ -118,7 +118,7 @@ class _CountingCoverage(Coverage):
         """As `Coverage.layers`."""
         for layer in super().layers(*args, **named):
             with unclocked(self._renderer._drawing):
-                self._renderer.count("fragments_blended", layer.fragments.counts.sum(dtype=np.int64))
+                self._renderer.count("fragments_blended", int(layer.fragments.counts.sum(dtype=np.int64)))
             yield layer
 
 

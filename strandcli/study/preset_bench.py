@@ -84,6 +84,7 @@ def time_frames(
 
     numbers = range(1, frames + 2)
     timed = []
+    image = np.zeros((0, 0, 3), np.uint8)
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
@@ -96,16 +97,17 @@ def time_frames(
                 simulated = begun.frame.report["counts"]["particles"]
                 frame = draw(begun)
                 assert frame.image is not None
+                image = frame.image
                 began = time.perf_counter()
-                png.pixels_sha256(frame.image)
-                write_pieces(Path(folder) / "frame.png", png.encode(frame.image))
+                png.pixels_sha256(image)
+                write_pieces(Path(folder) / "frame.png", png.encode(image))
                 seconds = {**frame.report["seconds"], "write": time.perf_counter() - began}
-                counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, frame.image.size)
+                counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, image.size)
                 if number > 1:
                     timed.append((seconds, counts))
     finally:
         compile_ahead.end()
-    return timed, frame.image
+    return timed, image
 
 
 def complete(counts: Counts, scene: Scene, guides: int, particles: int, size: int) -> Counts:

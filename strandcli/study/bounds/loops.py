@@ -198,8 +198,8 @@ def make_pixels(counts: Counts, elements: int) -> Loop:
     share = light.TASKS * light.LANES
     pixels = whole(elements / (lights * share)) * share
     directions = uniform(lights, 3, low=-1)
-    arrays = (coherent(pixels), directions, counts["lights_with_maps"], maps_of(counts))
-    arrays += (np.empty((pixels, 3), np.float32),)
+    out = np.empty((pixels, 3), np.float32)
+    arrays = (coherent(pixels), directions, counts["lights_with_maps"], maps_of(counts), out)
     return Loop(lambda: light.light_pixels(*arrays), pixels * lights, arrays)
 
 

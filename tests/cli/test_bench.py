@@ -1,0 +1,76 @@
+"""`strandcli bench PRESET`: its table and JSON, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cli_runs import TINY, Runner
+from strandcli.study import preset_bench
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(preset_bench, "LEAST", 256)
+    return Runner(tmp_path, capsys)
+
+
+def test_a_presets_stages_stand_beside_their_bounds(run: Runner) -> None:
+    data = json.loads(run("bench", "tiny.yaml", "--size", "64x48", "--frames", "2", "--threads", "1", "--json").out)
+    assert (data["preset"], data["size"], data["frames"], data["threads"]) == ("tiny.yaml", [64, 48], 2, 1)
+    stages = data["stages"]
+    assert set(stages) >= {"simulate", "curves", "shadow", "raster", "shade", "film", "write"}
+    assert stages["simulate"]["count"] == 150 * 5
+    assert (stages["write"]["element"], stages["write"]["count"]) == ("byte", 3 * 64 * 48)
+    assert stages["film"]["count"] == data["counts"]["samples"]
+    assert stages["shade"]["count"] == data["counts"]["lit_vertices"] * data["counts"]["lights"]
+    for row in stages.values():
+        assert row["min_ms"] <= row["median_ms"]
+        if row["ratio"] is not None:
+            assert row["ratio"] == pytest.approx(row["min_ms"] / row["bound_ms"])
+            assert row["ratio"] == pytest.approx(row["element_ns"] / row["bound_element_ns"])
+            assert all(one["count"] > 0 and one["element_ns"] > 0 and one["bytes"] > 0 for one in row["bounds"])
+    assert data["frame"]["median_ms"] >= sum(row["min_ms"] for row in stages.values()) * 0.999
+    assert data["counts"]["strands"] == 150
+
+
+def test_the_table_has_a_row_a_stage_and_one_a_bound(run: Runner) -> None:
+    lines = run("bench", "tiny.yaml", "--size", "64x48", "--frames", "1", "--threads", "1").out.splitlines()
+    assert lines[0] == "tiny.yaml, 64x48, 1 frame one by one, 1 thread"
+    assert lines[2].split()[:3] == ["stage", "median", "ms"]
+    begin = next(number for number, line in enumerate(lines) if line == "bounds, the least:")
+    simulate = next(line for line in lines[3:begin] if line.startswith("simulate"))
+    assert "750 particle and step" in simulate
+    assert len(simulate) == len(lines[2])
+    assert any(line.startswith("  deflate") and "9,216 byte" in line for line in lines[begin:])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["har"], "no preset 'har'; did you mean 'hair'?"),
+        (
+            ["hair", "--strands", "10"],
+            "--strands: is of the headline scene; for hair write --set emitter.strands=VALUE",
+        ),
+        (["hair", "--particles", "10"], "for hair write --set emitter.particles=VALUE"),
+        (["hair", "--solver", "rod"], "for hair write --set solver=VALUE"),
+        (["hair", "--growth"], "--growth: is of the headline scene, not of hair"),
+        (["hair", "--set", "image.size=[9, 9]"], "write --size for it"),
+        (["hair", "--set", "quality=draft"], "write --quality for it"),
+        (["solvers"], "has 2 panels, and bench times a single picture"),
+        (["tiny.yaml", "--frames", "12"], "has 12 frames, and the first is not counted: use --frames 11 or fewer"),
+        (["tiny.yaml", "--set", "time.frames=1"], "add --set time.frames=4"),
+        (["tiny.yaml", "--set", "wind.strenght=1"], "strenght"),
+    ],
+)
+def test_contradictions_and_what_is_not_there_are_refused_in_a_line(
+    run: Runner, arguments: list[str], words: str
+) -> None:
+    refused = run("bench", *arguments)
+    assert refused.code == 2
+    assert words in refused.error()

@@ -1,0 +1,125 @@
+"""What a counting renderer counts, against counts made otherwise, and its pictures."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strand_kit import scene_of
+from strandcli.draw import canvas, counting
+from strandcli.draw.canvas import Canvas
+from strandcli.draw.renderer import Renderer
+from strandcli.draw.shadows.shadow import coarseness
+from strandcli.scene import Scene
+from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
+
+HAIRY = """
+emitter: {strands: 40, particles: 5, length: 0.5}
+image: {size: [64, 48], resolver: %s, supersample: %d, aovs: [solid]}
+material: {width: 0.01}
+children: {count: 3}
+solids:
+- {kind: plane, position: [0, -0.5, 0]}
+lights:
+- {kind: directional, direction: [0, -1, 0.5], shadow: {model: %s, size: 64}}
+- {kind: point, position: [1, 2, 1], shadow: {model: off}}
+"""
+
+
+def drawn(scene: Scene, kind: type[Renderer]) -> Any:
+    """The first frame."""
+    moved = SimulationStage(scene, [1], None, RunOptions())
+    return FrameRenderer(moved, kind)(moved.begin(1))
+
+
+def test_counts_of_sorted_strands_are_those_of_the_fragments_blended(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_of(HAIRY % ("sorted", 2, "opacity"))
+    lit, blended, lines = set(), 0, []
+    blend, shadows = Canvas._blend, counting.count_in_maps
+
+    def watch(self: Canvas, layer: Any, batch: Any) -> None:
+        nonlocal blended
+        parts = layer.fragments
+        for tile in np.flatnonzero(parts.begin >= 0):
+            count = int(parts.counts.reshape(len(parts.begin), -1)[tile].sum())
+            vertices = parts.vertex[parts.begin[tile] : parts.begin[tile] + count].astype(int)
+            of_strands = vertices[vertices < len(batch.lines.world)]
+            lit.update(of_strands, of_strands + parts.stride)
+            blended += count
+        blend(self, layer, batch)
+
+    def keep(maps: Any, polylines: Any, scratch: Any) -> Any:
+        stride = coarseness(polylines, maps.views[0])
+        lines.append((maps, polylines.world.copy(), polylines.first.copy(), stride))
+        return shadows(maps, polylines, scratch)
+
+    monkeypatch.setattr(canvas.Canvas, "_blend", watch)
+    monkeypatch.setattr(counting, "count_in_maps", keep)
+    frame, plain = drawn(scene, counting.CountingRenderer), drawn(scene, Renderer)
+    counts = frame.report["counts"]
+    assert np.array_equal(frame.image, plain.image)
+    assert not set(counts) <= set(plain.report["counts"])
+    assert counts["fragments_found"] == plain.report["counts"]["fragments"]
+    assert counts["fragments_blended"] * 2 == blended  # two frames were watched
+    assert counts["lit_vertices"] == len(lit)
+    assert counts["child_particles"] == 40 * 3 * counts["particles"] // counts["strands"]
+    assert counts["samples"] == 4 * 64 * 48
+    assert counts["solid_samples"] == pytest.approx(4 * frame.aovs["solid"].sum(), abs=0.01)
+    assert 0 < counts["solid_samples"] < counts["samples"]
+    assert (counts["lights"], counts["lights_with_maps"]) == (2, 1)
+    maps, world, first, stride = lines[0]
+    assert counts["vertices"] == len(world)
+    assert counts["map_numbers"] == len(maps.stacks)
+    wanted, unsure = splats_by_numpy(maps.views[0], world, first, stride)
+    assert abs(counts["splats"] - wanted) <= unsure < wanted // 50
+
+
+def splats_by_numpy(view: Any, world: Any, first: Any, stride: int) -> tuple[int, int]:
+    """One a texel of a segment's longest side in the light's view, one for those of up to a texel and a half; and how
+    many segments are too near a whole number of texels for single precision to tell."""
+    turned = world.astype(float) @ np.stack([view.right, view.up, view.forward]).T * view.focal
+    sides = [np.diff(turned[begin:end:stride], axis=0) for begin, end in pairwise(first)]
+    longest = np.abs(np.concatenate(sides)).max(1)
+    near = np.minimum(np.abs(longest - np.round(longest)), np.abs(longest - 1.5)) < 1e-3
+    return int(np.where(longest > 1.5, np.floor(longest) + 1, 1).sum()), int(near.sum())
+
+
+def test_counts_of_a_z_buffer_are_those_of_its_lines_and_keys() -> None:
+    scene = scene_of(HAIRY % ("zbuffer", 1, "minmax"))
+    frame, plain = drawn(scene, counting.CountingRenderer), drawn(scene, Renderer)
+    counts = frame.report["counts"]
+    assert np.array_equal(frame.image, plain.image)
+    assert counts["strand_samples"] == plain.report["counts"]["fragments"]
+    assert counts["line_samples"] >= counts["strand_samples"] > 0
+    assert counts["map_texels"] > 0
+    assert counts["splats"] == 0
+
+
+def test_samples_of_lines_are_columns_or_rows_whose_centres_they_pass() -> None:
+    rng = np.random.default_rng(3)
+    screen = rng.uniform(-5, 25, (60, 3)).astype(np.float32)
+    screen[:, 2] = 1
+    screen[7, 2] = -1  # behind the eye
+    first = np.array([0, 2, 10, 10, 60])
+    wanted = 0
+    for s in range(4):
+        for v in range(first[s] + 1, first[s + 1]):
+            a, b = screen[v - 1].astype(float), screen[v].astype(float)
+            if min(a[2], b[2]) <= 0:
+                continue
+            long = 0 if abs(b[0] - a[0]) >= abs(b[1] - a[1]) else 1
+            for place in range((20, 16)[long]):
+                t = (place + 0.5 - a[long]) / (b[long] - a[long])
+                across = a[1 - long] + t * (b[1 - long] - a[1 - long])
+                wanted += 0 <= t <= 1 and 0 <= across < (16, 20)[long]
+    assert counting.samples_of(first, screen, (20, 16)) == wanted > 50
+
+
+def test_counting_is_charged_to_no_stage() -> None:
+    drawing = counting.Drawing(np.zeros((1, 1, 3), np.uint8))
+    with counting.unclocked(drawing):
+        while_inside = drawing.clock
+    assert drawing.clock > while_inside
