@@ -46,6 +46,7 @@ FRAMES, FRAMES_OF_A_PRESET = 20, 3
 )
 @options.overrides
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
+@click.option("--cpu", is_flag=True, help="Of PRESET: the processor's time of all threads, where other programs run.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 @click.pass_context
@@ -60,6 +61,7 @@ def command(
     quality: str,
     overrides: tuple[str, ...],
     growth: bool,
+    cpu: bool,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -88,7 +90,7 @@ def command(
         if preset is not None:
             from ..study import preset_bench
 
-            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note)
+            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note, cpu)
         elif growth:
             grown = bench.time_growth(solver, overrides, progress.note)
             data = {"solver": solver, **grown, "machine": runtime.machine()}
@@ -117,6 +119,8 @@ def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequen
         if path in OWN and not (preset is not None and path in {*OF_THE_HEADLINE.values(), "time.frames"}):
             raise UsageError(f"--set {path}: write {OWN[path]} for it")
     if preset is None:
+        if "cpu" in given:
+            raise UsageError("--cpu: is of a preset; name one, such as strandcli bench hair --cpu")
         return
     if "growth" in given:
         raise UsageError(f"--growth: is of the headline scene, not of {preset}; leave out one of them")
@@ -130,7 +134,8 @@ def stage_table(data: Mapping[str, Any]) -> str:
     wide, high = data["size"]
     lines = [
         f"{data['preset']}, {wide}x{high}, {data['frames']} {'frame' if data['frames'] == 1 else 'frames'} one by one, "
-        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
+        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}"
+        + (", the processor's time of all" if data["clock"] == "cpu" else ""),
         "",
         f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}"
         f"{'ns':>8}{'bound ns':>10}{'ratio':>8}",

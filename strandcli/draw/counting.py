@@ -6,7 +6,6 @@ counts none of this.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .canvas import Canvas
-from .common.drawing import Drawing
+from .common.drawing import Drawing, ProcessorDrawing
 from .common.kernels.keys import EMPTY, FIRST, LOW
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
@@ -36,9 +35,9 @@ Counts = dict[str, int]
 @contextmanager
 def unclocked(drawing: Drawing) -> Iterator[None]:
     """What is done inside is charged to no stage."""
-    began = time.perf_counter()
+    began = drawing.now()
     yield
-    drawing.clock += time.perf_counter() - began
+    drawing.clock += drawing.now() - began
 
 
 class CountingRenderer(Renderer):
@@ -105,6 +104,12 @@ class CountingRenderer(Renderer):
             self.work["lights"] = len(self.scene.lights)
             maps = canvas.lighting.maps
             self.work["lights_with_maps"] = 0 if maps is None else sum(number > 0 for _, number in maps.owners)
+
+
+class ProcessorRenderer(CountingRenderer):
+    """A `CountingRenderer` whose times are those of the processor."""
+
+    clocked = ProcessorDrawing
 
 
 class _CountingCoverage(Coverage):

@@ -48,6 +48,8 @@ class Renderer:
     keeps_light = False
     """Whether shadow maps and occlusion of the last picture are reused: strands, solids and lights are the same, and
     shadows do not depend on the view (see `shadows_of_any_view`)."""
+    clocked: type[Drawing] = Drawing
+    """What keeps a frame's picture and times."""
 
     def __init__(
         self, scene: Scene, groom: Groom, children: Children | Followers | None = None, combed: Combed | None = None
@@ -91,7 +93,7 @@ class Renderer:
 
         ``before``: positions one frame earlier, for motion blur; None: the strands have not moved.
         """
-        self._drawing = Drawing(self.blank())
+        self._drawing = self.clocked(self.blank())
         scene, camera = self.scene, self.scene.camera
         if self.children is not None:
             self.tones, self.ids = self.children.select(positions)

@@ -1,9 +1,9 @@
 """`strandcli bench PRESET`: where a frame's time goes, what each stage works on, and how far it is from its bound.
 
 Frames are drawn one by one on all threads that are asked for, and written before the next begins, so that no stage
-takes turns with another. The first is not counted, because it compiles and fills caches. Bounds (`bounds.loops`) are
-measured right after, on the same threads; each has the least time of some runs, and so has each stage that it is
-compared with.
+takes turns with another; to simulate is to move on to a frame, its errors looked at. The first is not counted, because
+it compiles and fills caches. Bounds (`bounds.loops`) are measured right after, on the same threads; each has the least
+time of some runs, and so has each stage that it is compared with.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from .bench import spread
 from .bounds.loops import BOUNDS, LEAST, MOST, STAGES, Counts, Loop, make_deflate
 
 Notify = Callable[[str], None]
+Clock = Callable[[], float]
+"""Tells seconds."""
 
 RUNS = 5
 """Runs of a bound's loop, the least of which counts, after one that does not."""
@@ -33,10 +35,11 @@ RUNS = 5
 
 def run(
     preset: str, frames: int = 3, size: tuple[int, int] = (800, 600), threads: int | None = None,
-    quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None,
+    quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None, cpu: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting: ``stages`` has a row a stage (see `stage_row`), ``counts`` are those of the last
-    frame. Raises `UsageError` for a preset of several panels, or of fewer frames than are asked for."""
+    frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile. Raises `UsageError` for a
+    preset of several panels, or of fewer frames than are asked for."""
     settings: dict[str, Any] = {"image.size": list(size)}
     if quality != "preset":
         settings["quality"] = quality
@@ -52,10 +55,11 @@ def run(
         )
     require_memory(make_plan(scene, range(1, frames + 2)))
     runtime.start(threads, notify)
+    clock = time.process_time if cpu else time.perf_counter
     with runtime.thread_count(runtime.checked_threads(threads)):
-        timed, image = time_frames(scene, frames, notify)
+        timed, image = time_frames(scene, frames, clock, notify)
         counts = timed[-1][1]
-        bounds = measure_bounds(counts, image, notify)
+        bounds = measure_bounds(counts, image, clock, notify)
     seconds = [sum(each for each in one.values()) for one, _ in timed]
     return {
         "preset": preset,
@@ -64,6 +68,7 @@ def run(
         "threads": runtime.machine()["threads"] if threads is None else threads,
         "quality": quality,
         "set": list(overrides),
+        "clock": "cpu" if cpu else "wall",
         "compile_seconds": runtime.compile_seconds(),
         "stages": {name: stage_row(name, timed, bounds) for name in timed[-1][0]},
         "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
@@ -73,11 +78,11 @@ def run(
 
 
 def time_frames(
-    scene: Scene, frames: int, notify: Notify | None
+    scene: Scene, frames: int, clock: Clock, notify: Notify | None
 ) -> tuple[list[tuple[dict[str, float], Counts]], NDArray[np.uint8]]:
     """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and the last picture."""
     from .. import compile_ahead
-    from ..draw.counting import CountingRenderer
+    from ..draw.counting import CountingRenderer, ProcessorRenderer
     from ..output import png
     from ..output.files import write_pieces
     from ..stages import FrameRenderer, RunOptions, SimulationStage
@@ -88,20 +93,23 @@ def time_frames(
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
-        draw = FrameRenderer(moved, CountingRenderer)
+        draw = FrameRenderer(moved, ProcessorRenderer if clock is time.process_time else CountingRenderer)
         with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
             for number in numbers:
                 if notify is not None:
                     notify(f"drawing frame {number}")
+                began = clock()
                 begun = moved.begin(number)
+                simulated_in = clock() - began
                 simulated = begun.frame.report["counts"]["particles"]
                 frame = draw(begun)
                 assert frame.image is not None
                 image = frame.image
-                began = time.perf_counter()
+                began = clock()
                 png.pixels_sha256(image)
                 write_pieces(Path(folder) / "frame.png", png.encode(image))
-                seconds = {**frame.report["seconds"], "write": time.perf_counter() - began}
+                drawn = frame.report["seconds"]
+                seconds = {**drawn, "simulate": simulated_in, "write": clock() - began}
                 counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, image.size)
                 if number > 1:
                     timed.append((seconds, counts))
@@ -123,7 +131,9 @@ def complete(counts: Counts, scene: Scene, guides: int, particles: int, size: in
     }
 
 
-def measure_bounds(counts: Counts, image: NDArray[np.uint8], notify: Notify | None) -> dict[str, dict[str, Any]]:
+def measure_bounds(
+    counts: Counts, image: NDArray[np.uint8], clock: Clock, notify: Notify | None
+) -> dict[str, dict[str, Any]]:
     """Of each bound that a frame with these counts has, what it does and its nanoseconds an element."""
     found = {}
     for name, bound in BOUNDS.items():
@@ -138,18 +148,18 @@ def measure_bounds(counts: Counts, image: NDArray[np.uint8], notify: Notify | No
             "element": bound.element,
             "bytes": bound.memory(counts),
             "operations": bound.operations(counts),
-            "element_ns": 1e9 * least_seconds(make(counts, min(max(count, LEAST), MOST))),
+            "element_ns": 1e9 * least_seconds(make(counts, min(max(count, LEAST), MOST)), clock),
         }
     return found
 
 
-def least_seconds(loop: Loop) -> float:
+def least_seconds(loop: Loop, clock: Clock) -> float:
     """Seconds an element of a loop's fastest run."""
     times = []
     for _ in range(RUNS + 1):
-        began = time.perf_counter()
+        began = clock()
         loop.run()
-        times.append(time.perf_counter() - began)
+        times.append(clock() - began)
     return min(times[1:]) / loop.elements
 
 

@@ -35,12 +35,12 @@ def test_a_presets_stages_stand_beside_their_bounds(run: Runner) -> None:
             assert row["ratio"] == pytest.approx(row["element_ns"] / row["bound_element_ns"])
             assert all(one["count"] > 0 and one["element_ns"] > 0 and one["bytes"] > 0 for one in row["bounds"])
     assert data["frame"]["median_ms"] >= sum(row["min_ms"] for row in stages.values()) * 0.999
-    assert data["counts"]["strands"] == 150
+    assert (data["counts"]["strands"], data["clock"]) == (150, "wall")
 
 
 def test_the_table_has_a_row_a_stage_and_one_a_bound(run: Runner) -> None:
-    lines = run("bench", "tiny.yaml", "--size", "64x48", "--frames", "1", "--threads", "1").out.splitlines()
-    assert lines[0] == "tiny.yaml, 64x48, 1 frame one by one, 1 thread"
+    lines = run("bench", "tiny.yaml", "--size", "64x48", "--frames", "1", "--threads", "1", "--cpu").out.splitlines()
+    assert lines[0] == "tiny.yaml, 64x48, 1 frame one by one, 1 thread, the processor's time of all"
     assert lines[2].split()[:3] == ["stage", "median", "ms"]
     begin = next(number for number, line in enumerate(lines) if line == "bounds, the least:")
     simulate = next(line for line in lines[3:begin] if line.startswith("simulate"))
@@ -62,6 +62,7 @@ def test_the_table_has_a_row_a_stage_and_one_a_bound(run: Runner) -> None:
         (["hair", "--growth"], "--growth: is of the headline scene, not of hair"),
         (["hair", "--set", "image.size=[9, 9]"], "write --size for it"),
         (["hair", "--set", "quality=draft"], "write --quality for it"),
+        (["--cpu"], "--cpu: is of a preset; name one"),
         (["solvers"], "has 2 panels, and bench times a single picture"),
         (["tiny.yaml", "--frames", "12"], "has 12 frames, and the first is not counted: use --frames 11 or fewer"),
         (["tiny.yaml", "--set", "time.frames=1"], "add --set time.frames=4"),

@@ -11,6 +11,7 @@ import pytest
 from strand_kit import scene_of
 from strandcli.draw import canvas, counting
 from strandcli.draw.canvas import Canvas
+from strandcli.draw.common.drawing import Drawing, ProcessorDrawing
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.shadows.shadow import coarseness
 from strandcli.scene import Scene
@@ -118,8 +119,12 @@ def test_samples_of_lines_are_columns_or_rows_whose_centres_they_pass() -> None:
     assert counting.samples_of(first, screen, (20, 16)) == wanted > 50
 
 
-def test_counting_is_charged_to_no_stage() -> None:
-    drawing = counting.Drawing(np.zeros((1, 1, 3), np.uint8))
+@pytest.mark.parametrize("kind", [Drawing, ProcessorDrawing])
+def test_counting_is_charged_to_no_stage(kind: type[Drawing]) -> None:
+    drawing = kind(np.zeros((1, 1, 3), np.uint8))
+    assert 0 <= drawing.now() - drawing.clock < 60
     with counting.unclocked(drawing):
         while_inside = drawing.clock
     assert drawing.clock > while_inside
+    drawing.lap("shade")
+    assert 0 <= drawing.seconds["shade"] < 60
