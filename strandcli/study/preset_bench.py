@@ -23,7 +23,8 @@ from ..errors import UsageError
 from ..plan import make_plan, require_memory
 from ..scene.model import Scene
 from .bench import spread
-from .bounds.loops import BOUNDS, LEAST, MOST, STAGES, Counts, Loop, make_deflate
+from .bounds.arrays import MOST
+from .bounds.loops import BOUNDS, LEAST, STAGES, Counts, Loop, make_deflate
 
 Notify = Callable[[str], None]
 Clock = Callable[[], float]
@@ -38,8 +39,9 @@ def run(
     quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None, cpu: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting: ``stages`` has a row a stage (see `stage_row`), ``counts`` are those of the last
-    frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile. Raises `UsageError` for a
-    preset of several panels, or of fewer frames than are asked for."""
+    frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile.
+
+    Raises `UsageError` for a preset of several panels, or of fewer frames than are asked for."""
     settings: dict[str, Any] = {"image.size": list(size)}
     if quality != "preset":
         settings["quality"] = quality

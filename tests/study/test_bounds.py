@@ -15,7 +15,7 @@ COUNTS = {
     "solid_samples": 2000, "samples": 4096, "samples_a_side": 2, "fragments_blended": 20_000, "fragments_found": 20_000,
     "particles": 1000, "strands": 100, "vertices": 4000, "splats": 5000, "particles_a_strand": 7, "particle_steps": 900,
     "guides": 20, "children": 80, "child_particles": 800, "map_texels": 5000, "line_samples": 5000,
-    "strand_samples": 3000, "bytes": 4096,
+    "strand_vertices_in_maps": 6000, "strand_samples": 3000, "bytes": 4096,
 }  # fmt: skip
 
 
@@ -66,6 +66,13 @@ def test_curves_pass_through_their_controls_and_are_projected() -> None:
     seen = world @ view[:, :3].T + view[:, 3]
     assert np.abs(screen[..., :2] - seen[..., :2] / seen[..., 2:]).max() < 1e-3
     assert np.abs(screen[..., 2] - 1 / seen[..., 2]).max() < 1e-6
+
+
+def test_lines_are_projected() -> None:
+    world, view, screen = run("lines")
+    seen = np.einsum("ij,njl->nil", view[:, :3], world) + view[None, :, 3:]
+    assert np.abs(screen[:, :2] - seen[:, :2] / seen[:, 2:]).max() < 1e-3
+    assert np.abs(screen[:, 2] - 1 / seen[:, 2]).max() < 1e-6
 
 
 def test_splats_are_added_to_four_texels_of_their_layer() -> None:

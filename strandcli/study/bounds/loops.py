@@ -16,22 +16,22 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...output import png
+from .arrays import COHERENT, Floats, coherent, indices, uniform, whole
 from .kernels import buffers, light, pictures, strands
 
 Counts = Mapping[str, int]
-Floats = NDArray[np.float32]
 
-LEAST, MOST = 2**14, 2**22
-"""Elements of a loop: fewer are over before a clock tells, more take seconds and tell the same."""
+LEAST = 2**14
+"""Elements of a loop: fewer are over before a clock tells."""
 TILE = 32
 """Pixels or texels along a side of a tile."""
-COHERENT = 64
-"""Vertices that follow each other on a strand."""
 TABLE = 64
 """Entries along a side of a fibre's tables."""
 REACH = 8
 """A tile's fragments lie on the vertices of so many tiles' share of all."""
 TEXELS_AT_MOST = 2048
+VIEW = np.array([[500, 0, 9, 1], [0, 500, 9, 1], [0, 0, 1, 4]], np.float32)
+"""A view as `kernels.strands.tessellate` takes it."""
 CATMULL_ROM = np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]]) / 2
 
 
@@ -59,29 +59,6 @@ class Bound:
     """Additions, multiplications, divisions, comparisons and roots for an element."""
     make: Callable[[Counts, int], Loop]
     """The loop, for a frame's counts and about so many elements."""
-
-
-def whole(part: float, low: int = 1, high: int = MOST) -> int:
-    """Return a number rounded, within bounds."""
-    return int(min(max(round(part), low), high))
-
-
-def uniform(*shape: int, low: float = 0.0, high: float = 1.0) -> Floats:
-    """Return random numbers, the same each time."""
-    return np.random.default_rng(len(shape)).uniform(low, high, shape).astype(np.float32)
-
-
-def indices(high: int, *shape: int) -> NDArray[np.int32]:
-    """Return random whole numbers from 0 to high − 1, the same each time."""
-    return np.random.default_rng(high).integers(0, high, shape, np.int32)
-
-
-def coherent(count: int) -> Floats:
-    """Return (count, 3) places from 0 to 1, runs of `COHERENT` on lines from roots that are near the one before."""
-    roots = uniform(-(-count // COHERENT), 3, high=0.9)
-    roots = roots[np.lexsort((roots[:, 0], np.floor(16 * roots[:, 1])))]
-    way = np.linspace(0, 0.1, COHERENT, dtype=np.float32)[:, None]
-    return np.ascontiguousarray((roots[:, None] + way * uniform(len(roots), 1, 3)).reshape(-1, 3)[:count])
 
 
 def make_move(counts: Counts, elements: int) -> Loop:
@@ -120,10 +97,16 @@ def make_curves(counts: Counts, elements: int) -> Loop:
     blocks = whole(elements / (n * pieces * strands.LANES))
     t = np.arange(pieces) / pieces
     basis = (np.stack([t**0, t, t**2, t**3], 1) @ CATMULL_ROM).astype(np.float32)
-    view = np.array([[500, 0, 9, 1], [0, 500, 9, 1], [0, 0, 1, 4]], np.float32)
     world = np.empty((blocks * strands.LANES, n * pieces, 3), np.float32)
-    arrays = (uniform(blocks, n + 3, 3, strands.LANES), basis, view, world, np.empty_like(world))
+    arrays = (uniform(blocks, n + 3, 3, strands.LANES), basis, VIEW, world, np.empty_like(world))
     return Loop(lambda: strands.tessellate(*arrays), world.size // 3, arrays)
+
+
+def make_lines(counts: Counts, elements: int) -> Loop:
+    """Vertices of polylines."""
+    world = uniform(whole(elements / strands.LANES), 3, strands.LANES)
+    arrays = (world, VIEW, np.empty_like(world))
+    return Loop(lambda: strands.project(*arrays), world.size // 3, arrays)
 
 
 def make_splats(counts: Counts, elements: int) -> Loop:
@@ -267,6 +250,7 @@ BOUNDS: dict[str, Bound] = {
     ),
     "curves": Bound("vertex", _of("vertices"), lambda c: 24 + 12 / pieces_of(c), _is(43), make_curves),
     "splats": Bound("splat", _of("splats"), _is(48), _is(16), make_splats),
+    "lines": Bound("vertex in a map", _of("strand_vertices_in_maps"), _is(24), _is(21), make_lines),
     "texels": Bound("texel on a line", _of("map_texels"), _is(24), _is(2), make_texels),
     "fragments": Bound("fragment", _of("fragments_found"), _is(24), _is(2), make_fragments),
     "keys": Bound("sample on a line", _of("line_samples"), _is(28), _is(1), make_keys),
@@ -286,7 +270,7 @@ BOUNDS: dict[str, Bound] = {
 }  # fmt: skip
 
 STAGES: dict[str, tuple[str, ...]] = {
-    "simulate": ("move",), "children": ("children",), "curves": ("curves",), "shadow": ("splats", "texels"),
+    "simulate": ("move",), "children": ("children",), "curves": ("curves",), "shadow": ("splats", "texels", "lines"),
     "raster": ("fragments", "keys"), "shade": ("vertices", "pixels"), "film": ("film", "blend", "colour"),
     "write": ("deflate",),
 }  # fmt: skip

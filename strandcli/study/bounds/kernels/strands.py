@@ -71,6 +71,24 @@ def tessellate(controls, basis, view, world, screen):
         tessellate_block(controls, basis, view, world, screen, work, np.int64(block))
 
 
+@parallel
+def project(world, view, screen):
+    """Write where points (n, 3, lanes), metres, are on the screen, of that shape; view, lanes: as in `tessellate`."""
+    for row in prange(world.shape[0]):
+        project_row(world, view, screen, np.int64(row))
+
+
+@device
+def project_row(world, view, screen, row):
+    """Project the points of one row."""
+    o = row * 3 * LANES
+    x, y, z = load3(pointer(world), o, LANES)
+    over = ONE / (view[2, 0] * x + view[2, 1] * y + view[2, 2] * z + view[2, 3])
+    u = (view[0, 0] * x + view[0, 1] * y + view[0, 2] * z + view[0, 3]) * over
+    v = (view[1, 0] * x + view[1, 1] * y + view[1, 2] * z + view[1, 3]) * over
+    store3(pointer(screen), o, LANES, u, v, over)
+
+
 @device
 def tessellate_block(controls, basis, view, world, screen, work, block):
     """Write the points of one block's curves; work (6 * LANES,): scratch."""
