@@ -18,6 +18,7 @@ import math
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -99,14 +100,19 @@ def trace(subject: Subject, folder: Path, samples: int, depth: int = 2, strands:
     return Traced(one[0][..., :3], two[0][..., :3], alpha, samples, (one[1] + two[1]) / (2 * samples), exact)
 
 
-def spline(points: Any) -> Any:
-    """Control points (n + 2, …) of the uniform cubic B-spline through points (n, …) that is straight at its ends:
-    (c₋ + 4 c + c₊) / 6 at each point in between."""
-    n = len(points)
+@cache
+def _knots(n: int) -> Any:
+    """The matrix that makes knots of n points."""
     sums = np.eye(n)
     for i in range(1, n - 1):
         sums[i, i - 1 : i + 2] = np.array([1, 4, 1]) / 6
-    knots = np.linalg.solve(sums, points)
+    return np.linalg.inv(sums)
+
+
+def spline(points: Any) -> Any:
+    """Control points (n + 2, …) of the uniform cubic B-spline through points (n, …) that is straight at its ends:
+    (c₋ + 4 c + c₊) / 6 at each point in between."""
+    knots = _knots(len(points)) @ points
     return np.concatenate([[2 * knots[0] - knots[1]], knots, [2 * knots[-1] - knots[-2]]])
 
 
