@@ -35,7 +35,7 @@ max_error = click.option(
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, catenary, "
               "pendulum, twist, or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures curves, coverage, "
-              "shadow, occlusion, lod, tables, end-to-end.  [default: motion]")  # fmt: skip
+              "shadow, occlusion, lod, tables, end-to-end, quality.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,foil"), metavar="NAMES",
               help="Solvers: thesis, rod, foil.  [default: all]")  # fmt: skip
@@ -116,6 +116,10 @@ def command(
         from ..study.tables import to_text
 
         texts = [to_text(one) for one in studies]
+        if axis == "quality":
+            from ..study.pictures import quality_front
+
+            texts += [quality_front.to_text(one.points) for one in studies]
         if len(studies) > 1:
             texts.append(summary.to_text(summary.rows(studies, max_error)))
         say("\n\n".join(texts))

@@ -7,12 +7,21 @@ from collections.abc import Mapping
 from ..errors import UsageError
 from . import exactness, motion
 from .axes import Axis
-from .pictures import coverage, curves, end_to_end, lod, occlusion, shadow, tables
+from .pictures import coverage, curves, end_to_end, lod, occlusion, quality_front, shadow, tables
 
 
 def every() -> Mapping[str, Axis]:
     """All axes by name."""
-    drawn = (curves.AXIS, coverage.AXIS, shadow.AXIS, occlusion.AXIS, lod.AXIS, tables.AXIS, end_to_end.AXIS)
+    drawn = (
+        curves.AXIS,
+        coverage.AXIS,
+        shadow.AXIS,
+        occlusion.AXIS,
+        lod.AXIS,
+        tables.AXIS,
+        end_to_end.AXIS,
+        quality_front.AXIS,
+    )
     return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS, *drawn)}
 
 

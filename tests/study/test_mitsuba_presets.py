@@ -14,7 +14,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numba
-import numpy as np
 import pytest
 
 pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-against-mitsuba")
@@ -82,7 +81,8 @@ def test_strands_of_presets_have_the_same_direct_light(tmp_path: Path, preset: s
     print(f"\n{preset}: {one.strands.count:,} strands, exact rays {traced.exact}\n{words(found, seconds, traced)}")
     exact = {f"lights.{number}.shadow.model": "traced" for number in range(len(scene.lights))}
     for name, settings in {
-        "3 × 3 samples": {"image.supersample": 3}, "exact shadows": {"image.supersample": 3, **exact}
+        "3 × 3 samples": {"image.supersample": 3},
+        "exact shadows": {"image.supersample": 3, **exact},
     }.items():
         image, seconds = drawn(changed(scene, settings), 1)
         print(f"{name}: {words(figures(image, traced), seconds, traced)}")
