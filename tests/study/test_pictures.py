@@ -27,7 +27,7 @@ image: {size: [32, 24]}
 lights: [{kind: directional, direction: [0.3, -1, -0.5], shadow: {size: 64}}]
 rules: {elasticity: {}}
 """
-AXES = ("curves", "coverage", "shadow", "occlusion", "lod", "tables", "end-to-end")
+AXES = ("curves", "coverage", "shadow", "occlusion", "lod", "tables", "end-to-end", "quality")
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from .end_to_end import WholeStudy
 from .experiment import Pictures
 from .frame_study import FINEST, FrameStudy
 from .settings import changed
+from .windows import Windows
 
 SAMPLES = (1, 2, 3, 4, 6)
 TOLERANCES = (0.1, 0.25, 1.0)
@@ -27,12 +28,23 @@ class QualityStudy(FrameStudy):
 
     axis = "quality"
 
+    def open_subject(self, request: Request) -> Windows:
+        """As in `FrameStudy`; times are the processor's, so that other programs do not move the front."""
+        found = super().open_subject(request)
+        found.of_processor = True
+        return found
+
     def choices(self) -> list[Knobs]:
         """Those by name, then the grid."""
         found: list[Knobs] = [{"quality": name} for name in ("preset", *QUALITIES)]
         fine = {"curves.mode": "adaptive", "curves.level": FINEST}
         found += [{**fine, **knobs} for knobs in grid({"image.supersample": SAMPLES, "curves.tolerance": TOLERANCES})]
         return found + [{**fine, "curves.tolerance": 1.0, "detail.pixels": pixels} for pixels in (0.25, 0.5, 0.75)]
+
+    def reference(self) -> dict[str, Any]:
+        """As in `FrameStudy`."""
+        told = super().reference()
+        return {**told, "what": f"{told['what']}; seconds are the processor's, of a whole frame"}
 
     def settings(self) -> list[Knobs]:
         """Those that the preset has."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...draw.common.drawing import ProcessorDrawing
 from ...draw.common.scratch import Scratch
 from ...draw.fibre.tables import FibreTables
 from ...draw.geometry.curves import Polylines
@@ -96,6 +97,9 @@ class Subject:
     Lines of no width, a sample wide whatever the sampling, have no finer picture to be compared with: such strands are
     given the width in metres that the preset draws them with in the middle of the groom, at the size studied.
     """
+
+    of_processor = False
+    """Whether seconds are the processor's, of all threads, and not those of the clock."""
 
     def __init__(self, request: Request) -> None:
         scene = request.scene
@@ -214,6 +218,8 @@ class Subject:
                 f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
             )
         renderer = renderer or LinearRenderer(scene, self.groom)
+        if self.of_processor:
+            renderer.clocked = ProcessorDrawing
         renderer.keep_shading = renderer.trace_unseen = keep_shading
         if tables is not None:
             renderer.palette.use(tables)
