@@ -105,7 +105,7 @@ QUALITIES: Mapping[str, Mapping[str, Any]] = {
         "detail.near": Scaled(0.5),
         "detail.pixels": AtLeast(0.75),
     },
-    "default": {**FINE, "curves.level": 2, "curves.tolerance": 0.25, "image.supersample": 1},
+    "default": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 1},
     "best": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 3},
 }
 
