@@ -121,7 +121,7 @@ golden-update: $(READY)
 CHECK := .venv-check
 
 check-against-mitsuba: $(CHECK)/.ready
-	$(CHECK)/bin/python -m pytest -s tests/study/test_mitsuba.py
+	$(CHECK)/bin/python -m pytest -s tests/study/test_mitsuba.py tests/study/test_mitsuba_presets.py
 
 $(CHECK)/.ready: pyproject.toml
 	$(PYTHON) -m venv $(CHECK)
