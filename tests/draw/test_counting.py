@@ -14,6 +14,7 @@ from strandcli.draw.canvas import Canvas
 from strandcli.draw.common.drawing import Drawing, ProcessorDrawing
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.shadows.shadow import coarseness
+from strandcli.draw.view.camera import View
 from strandcli.scene import Scene
 from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
 
@@ -128,3 +129,18 @@ def test_counting_is_charged_to_no_stage(kind: type[Drawing]) -> None:
     assert drawing.clock > while_inside
     drawing.lap("shade")
     assert 0 <= drawing.seconds["shade"] < 60
+
+
+@pytest.mark.parametrize(
+    ("long", "rise", "splats"),
+    [(0.5, 0, 1), (1.2, 0, 1), (1.6, 0, 2), (3.3, 0, 4), (0.5, 2.4, 3), (200, 0, 0)],
+    ids=["short", "within a footprint", "longer", "four texels", "along the light", "longer than four maps"],
+)
+def test_a_segment_has_a_splat_a_texel_of_its_longest_side(long: float, rise: float, splats: int) -> None:
+    """In a light's view of 2 texels a metre and 20 metres of depth; rise: in texels."""
+    axes = np.eye(3)
+    view = View(np.zeros(3), axes[0], axes[1], axes[2], False, 2.0, 0.0, 20.0, 32, 32)
+    screen = np.array([[3, 9, 0.5], [3 + long, 9, 0.5 + rise / 2 / 20]], np.float32)
+    assert counting.splats_of(np.array([0, 2]), screen, 32, view) == splats
+    screen[:, 1] = 35  # beside the map
+    assert counting.splats_of(np.array([0, 2]), screen, 32, view) == 0
