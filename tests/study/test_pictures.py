@@ -14,10 +14,12 @@ from cli_runs import Runner
 from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
+from strandcli.study.pictures import quality_front
 from strandcli.study.pictures.curves import bezier, to_polyline
 from strandcli.study.pictures.settings import changed, knows
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along
 from strandcli.study.pictures.subject import LinearRenderer, Subject, differences
+from strandcli.study.points import Point
 
 SMALL = """\
 title: a small brush
@@ -216,3 +218,20 @@ def test_an_error_that_nothing_keeps_under(run: Runner) -> None:
     done = run("study", "brush.yaml", "--axis", "coverage", "--max-error", "0.0001%", "-q", "-o", "s")
     assert done.code == 3
     assert "allow a greater error" in done.error()
+
+
+def test_a_quality_stands_beside_the_cheapest_setting_that_is_as_near() -> None:
+    def point(seconds: float, error: float | None, **knobs: object) -> Point:
+        return Point(knobs=knobs, seconds=seconds, error={"rmse": error, "flip": error})
+
+    points = [
+        point(4.0, 0.100, quality="default"), point(1.0, 0.103, samples=1), point(3.0, 0.101, samples=2),
+        point(0.5, 0.300, quality="draft"), point(0.4, None, samples=3), point(9.0, 0.01, quality="best"),
+    ]  # fmt: skip
+    found = quality_front.standing(points)
+    assert (found["default"]["cheapest"], found["default"]["of_its_time"]) == ({"samples": 2}, 0.75)
+    assert found["draft"]["cheapest"] == {"quality": "draft"}
+    assert found["best"]["of_its_time"] == 1
+    text = quality_front.to_text(points[:4])
+    assert "default   10.0%, ꟻLIP 0.100, 4.00 s: samples 2 takes 75% of its time" in text
+    assert "draft     30.0%, ꟻLIP 0.300, 0.50 s: it is the cheapest" in text

@@ -73,7 +73,8 @@ def standing(points: Sequence[Point]) -> dict[str, dict[str, Any]]:
         error = point.error["rmse"]
         if "quality" not in point.knobs or error is None:
             continue
-        near = [other for other in points if (other.error["rmse"] or 0.0) <= 1.02 * error]
+        known = [(other, other.error["rmse"]) for other in points]
+        near = [other for other, off in known if off is not None and off <= 1.02 * error]
         best = min(near, key=lambda other: other.seconds)
         found[str(point.knobs["quality"])] = {
             "seconds": point.seconds,
