@@ -19,6 +19,7 @@ from .say import printable
 
 # name: module of this package and what --help says. Commands for pictures first, tools after.
 COMMANDS = {
+    "new": ("new", "Write a commented preset that draws as it is."),
     "render": ("render", "Simulate and draw a preset as PNG frames."),
     "simulate": ("simulate", "Simulate a preset and keep the positions only."),
     "export": ("export", "Write the strands that a preset draws, for other programs."),
