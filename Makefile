@@ -117,6 +117,7 @@ golden: $(READY)
 
 golden-update: $(READY)
 	$(RUN) golden update tests/golden
+	$(RUN) golden update strandcli/doctor/golden
 
 CHECK := .venv-check
 

@@ -36,6 +36,7 @@ COMMANDS = {
     "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
     "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),
+    "doctor": ("doctor", "Look whether all is well here, and tell what to do where it is not."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }
 
