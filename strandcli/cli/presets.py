@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from . import options
+from . import complete, options
 from .say import say
 
 
@@ -41,7 +41,7 @@ def list_all(as_json: bool = False) -> None:
 
 
 @command.command("show")
-@click.argument("name")
+@click.argument("name", shell_complete=complete.shipped)
 @options.debug
 def show(name: str) -> None:
     """Print the file of a shipped preset."""
@@ -51,7 +51,7 @@ def show(name: str) -> None:
 
 
 @command.command("copy")
-@click.argument("name")
+@click.argument("name", shell_complete=complete.shipped)
 @click.argument("target", required=False, type=options.PathType())
 @options.overwrite
 @options.quiet

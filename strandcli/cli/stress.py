@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import MismatchError, UsageError
-from . import options
+from . import complete, options
 from .progress import Progress
 from .say import say
 
@@ -23,7 +23,7 @@ MOST_TOLD = 20
 
 
 @click.command()
-@click.argument("preset", required=False)
+@click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Whose matrix.  [default: both]")
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")

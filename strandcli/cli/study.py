@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import MismatchError, UsageError
-from . import options
+from . import complete, options
 from .progress import Progress, beginner, stepper
 from .say import say
 from .values import ErrorType, ListType, count, integrator, step, word
@@ -30,7 +30,7 @@ max_error = click.option(
 
 
 @click.command()
-@click.argument("preset", required=False)
+@click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, catenary, "
               "pendulum, twist, or all.")  # fmt: skip
