@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, options, signals
+from . import camera_files, html_page, options, signals
 from .frame_range import FrameRange
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 @camera_files.cameras
 @options.from_cache
 @options.keep_going
+@html_page.no_html
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -56,6 +57,7 @@ def command(
     camera: str | None,
     from_cache: Path | None,
     keep_going: bool,
+    no_html: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -67,11 +69,11 @@ def command(
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
     strands (.hair, .data, .bin, .tfx, .ply, .npz, .abc, .usd) as it is.
 
-    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
-    wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its
-    length (thesis), or the solver's iterations leave it off by its whole length. With --max-error
-    settings are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the
-    picture (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
+    Writes frame_0001.png …, report.json and report.html. Whatever ends the run, finished frames stay and are whole. A
+    run that goes wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100
+    times its length (thesis), or the solver's iterations leave it off by its whole length. With --max-error settings
+    are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the picture
+    (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
@@ -112,9 +114,13 @@ def command(
     )
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
-    with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
+    page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
+    hidden = no_progress or quiet
+    with html_page.of_failed(page), Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress:
         data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
+    if page is not None:
+        page.write(data, made)
     if as_json:
         options.print_json(data)
     if not quiet:
