@@ -16,6 +16,8 @@ from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
+from .sweep import run as run_sweep
+from .sweep import sweep_option
 from .values import KindsType, LayersType
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
 @options.from_cache
 @options.keep_going
 @html_page.no_html
+@sweep_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -58,6 +61,7 @@ def command(
     from_cache: Path | None,
     keep_going: bool,
     no_html: bool,
+    sweep: tuple[Any, ...],
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -75,6 +79,9 @@ def command(
     are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the picture
     (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
+    if sweep:
+        run_sweep(_draw, click.get_current_context().params)
+        return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
@@ -125,6 +132,11 @@ def command(
         options.print_json(data)
     if not quiet:
         tell(data, writer, made)
+
+
+def _draw(**given: Any) -> None:
+    """The command itself, for one point of a sweep."""
+    command.callback(**given)  # type: ignore[misc]
 
 
 def _with_layers(scene: Scene, exr: bool) -> Scene:

@@ -22,7 +22,7 @@ body { margin: 0; background: var(--paper); color: var(--ink); font: 15px/1.5 sy
 main { max-width: 1180px; margin: 0 auto; padding: 36px 28px 56px; }
 h1 { font-size: 30px; line-height: 1.2; margin: 0; letter-spacing: -.02em; overflow-wrap: anywhere; }
 h2 { font-size: 12px; text-transform: uppercase; letter-spacing: .09em; color: var(--faint); margin: 0 0 14px; }
-p { margin: 0 0 8px; } a { color: var(--accent); }
+p { margin: 0 0 8px; } a { color: inherit; text-decoration: none; } a:hover figcaption { color: var(--accent); }
 header { display: flex; flex-wrap: wrap; gap: 6px 16px; align-items: baseline; margin-bottom: 22px; }
 header p { flex-basis: 100%; color: var(--faint); margin: 0; }
 .badge { border-radius: 99px; padding: 2px 12px; font-size: 13px; font-weight: 600; color: var(--card);
@@ -55,6 +55,7 @@ table { border-collapse: collapse; width: 100%; font-size: 14px; } td, th { text
 tr:first-child td { border-top: 0; }
 thead th { border: 0; color: var(--faint); font-weight: 500; white-space: nowrap; }
 td { color: var(--faint); } td:first-child { color: var(--ink); }
+table:has(thead) td { overflow-wrap: normal; }
 table:not(:has(thead)) td:first-child { width: 34%; overflow-wrap: normal; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 details summary { cursor: pointer; color: var(--faint); } details > * + * { margin-top: 12px; }
