@@ -25,6 +25,7 @@ COMMANDS = {
     "export": ("export", "Write the strands that a preset draws, for other programs."),
     "plan": ("plan", "Tell what would run, what is left out and why; run nothing."),
     "new": ("new", "Write a commented preset that draws as it is."),
+    "farm": ("farm", "Write job files for Slurm, GNU parallel or Open Job Description."),
     "presets": ("presets", "List, show or copy the presets that come with strandcli."),
     "schema": ("schema", "Print the JSON Schema of presets, for editors."),
     "bench": ("bench", "Time every stage on the thesis's headline scene."),
