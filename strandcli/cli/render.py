@@ -12,13 +12,18 @@ import click
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, html_page, options, signals
 from .frame_range import FrameRange
+from .frame_writer import frame_writer
+from .look import Look
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
 from .sweep import run as run_sweep
 from .sweep import sweep_option
+from .terminal_pictures import Preview, preview_option
 from .values import KindsType, LayersType
+from .watch import run as run_watch
+from .watch import watch_option
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -34,7 +39,7 @@ if TYPE_CHECKING:
 @options.quality
 @options.threads
 @max_error_option
-@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
+@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4.")
 @click.option(
     "--aov", "aovs", type=LayersType(), metavar="LAYERS",
     help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
@@ -45,6 +50,8 @@ if TYPE_CHECKING:
 @options.keep_going
 @html_page.no_html
 @sweep_option
+@watch_option
+@preview_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -62,6 +69,8 @@ def command(
     keep_going: bool,
     no_html: bool,
     sweep: tuple[Any, ...],
+    watch: bool,
+    preview: str | None,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -79,8 +88,9 @@ def command(
     are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the picture
     (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
-    if sweep:
-        run_sweep(_draw, click.get_current_context().params)
+    if watch or sweep:
+        given = click.get_current_context().params
+        run_watch(given) if watch else run_sweep(_draw, given)
         return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
@@ -103,28 +113,22 @@ def command(
     plan = make_plan(scene, numbers)
     require_memory(plan)
 
-    from ..output.frames import FrameWriter
-    from ..output.report import FILE, RunReport, fingerprint
+    from ..output.report import RunReport
 
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
-    writer = FrameWriter(
-        output or options.default_folder(preset),
-        numbers,
-        options.picture_size(scene),
-        overwrite=overwrite,
-        resume=resume,
-        scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
-        also=[f"animation.{kind}" for kind in animate or ()],
-        own=[FILE],
-        layers=scene.image.aovs,
-        exr=exr,
-    )
+    folder = output or options.default_folder(preset)
+    writer = frame_writer(folder, numbers, scene, from_cache, animate or (), overwrite, resume, exr)
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
-    with html_page.of_failed(page), Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress:
-        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound)
+    look = Look(Preview(preview), folder)
+    with (
+        html_page.of_failed(page),
+        Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
+        look.signalled(progress),
+    ):
+        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound, look)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if page is not None:
         page.write(data, made)
@@ -163,7 +167,8 @@ def _run(
     keep_going: bool,
     quiet: bool,
     progress: Progress,
-    bound: PictureError | None = None,
+    bound: PictureError | None,
+    look: Look,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
 
@@ -195,6 +200,7 @@ def _run(
                         bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
+                        look.seen(frame.number, frame.image)
                     progress.step(frame_line(frame.number, frame.report))
                     signals.check()
             if bound is not None:

@@ -87,14 +87,18 @@ class KindsType(click.ParamType):
         kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
         for kind in kinds:
             if kind not in KINDS:
-                self.fail(f"'{kind}' is not an animation that can be written; choose gif, webp or gif,webp", param, ctx)
+                self.fail(
+                    f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several with commas",
+                    param,
+                    ctx,
+                )
         return kinds
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         return listed(KINDS, incomplete)
 
 
-KINDS = ("gif", "webp")
+KINDS = ("gif", "webp", "mp4")
 """Animations that can be written."""
 
 
