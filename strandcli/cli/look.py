@@ -8,11 +8,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import StrandError
 from .progress import Progress
 from .terminal_pictures import Preview
+
+if TYPE_CHECKING:
+    from ..frame import Frame
+    from ..output.frames import FrameWriter
 
 NOW = "now.png"
 PAUSE = 1.0
@@ -28,6 +32,12 @@ class Look:
         self._shown = -PAUSE
         self._asked = threading.Event()
         self._ended = False
+
+    def hand_on(self, writer: FrameWriter, frame: Frame) -> None:
+        """A frame is done: hand it to what writes it, and show it."""
+        assert frame.image is not None
+        writer.submit(frame.number, frame.image, frame.aovs)
+        self.seen(frame.number, frame.image)
 
     def seen(self, number: int, image: Any) -> None:
         """A frame is done: (H, W, 3), which the caller may reuse."""

@@ -199,8 +199,7 @@ def _run(
                     if bound is not None:
                         bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
-                        writer.submit(frame.number, frame.image, frame.aovs)
-                        look.seen(frame.number, frame.image)
+                        look.hand_on(writer, frame)
                     progress.step(frame_line(frame.number, frame.report))
                     signals.check()
             if bound is not None:

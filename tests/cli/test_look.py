@@ -137,15 +137,21 @@ def lines_of(process: subprocess.Popen[str], word: str) -> str:
     raise AssertionError(f"it ended without {word!r}")
 
 
+def saved(text: str) -> None:
+    """Replace the preset at once, as editors do: it is never seen empty."""
+    Path("new.yaml").write_text(text)
+    os.replace("new.yaml", "tiny.yaml")
+
+
 def test_watch_draws_again_when_the_preset_changes_and_tells_faults(run: Runner) -> None:
     process = child(run.folder, "render", "tiny.yaml", "--watch", "-o", "w", "--threads", 1)
     try:
         lines_of(process, "watch.png: frame 1 in")
         first = png.read(Path("w/watch.png"))
-        Path("tiny.yaml").write_text(TINY.replace("strength: 2", "strength: x"))
-        assert "tiny.yaml:7:21: wind.strength" in lines_of(process, "tiny.yaml:")
+        saved(TINY.replace("strength: 2", "strength: x"))
+        assert "tiny.yaml:7:22: wind.strength" in lines_of(process, "tiny.yaml:")
         assert np.array_equal(png.read(Path("w/watch.png")), first)
-        Path("tiny.yaml").write_text(TINY.replace("length: 0.6", "length: 0.9"))
+        saved(TINY.replace("length: 0.6", "length: 0.9"))
         lines_of(process, "watch.png: frame 1 in")
         assert not np.array_equal(png.read(Path("w/watch.png")), first)
         process.send_signal(signal.SIGINT)
