@@ -180,12 +180,12 @@ def test_a_copy_of_a_preset_draws_with_the_meshes_that_it_names(run: Runner) -> 
     assert run("presets", "copy", "hair", "mine.yaml", "-q").code == 0
     assert Path("meshes/head.ply").exists()
     assert strandcli.load("mine.yaml").title == strandcli.load("hair").title
-    assert run("presets", "copy", "ponytail", "-q").code == 0, "the same mesh is there already"
+    assert run("presets", "copy", "hair", "again.yaml", "-q").code == 0, "the same mesh is there already"
     Path("meshes/head.ply").write_text("mine")
-    refused = run("presets", "copy", "portrait")
+    refused = run("presets", "copy", "hair", "other.yaml")
     assert refused.code == 2
     assert "meshes/head.ply: is there already" in refused.error()
-    assert not Path("portrait.yaml").exists()
+    assert not Path("other.yaml").exists()
 
 
 def test_the_schema_is_json_and_written_where_asked(run: Runner) -> None:
