@@ -12,13 +12,15 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
-import numpy.typing as npt
 
-Pixels = npt.NDArray[np.uint8]
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Pixels = npt.NDArray[np.uint8]
 
 CHUNK = 4096
 """Characters of a piece of kitty's protocol at most."""
@@ -67,6 +69,7 @@ def iterm2(image: Pixels) -> str:
 
 def sixel(image: Pixels) -> str:
     """A picture as sixels: bands of six rows, a pass a colour of the band."""
+    import numpy as np
     from PIL import Image
 
     paletted = Image.fromarray(image).quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG)
@@ -87,6 +90,8 @@ def sixel(image: Pixels) -> str:
 
 def _runs(bits: npt.NDArray[Any]) -> str:
     """Characters of a row of sixels, those that repeat as ``!`` and their number."""
+    import numpy as np
+
     ends = np.flatnonzero(np.diff(bits)) + 1
     found, begin = [], 0
     for end in [*ends.tolist(), bits.size]:
@@ -109,7 +114,7 @@ def blocks(image: Pixels) -> str:
     return "".join(lines)
 
 
-KINDS: Mapping[str, Callable[[Pixels], str]] = {"kitty": kitty, "iterm2": iterm2, "sixel": sixel, "blocks": blocks}
+KINDS: Mapping[str, Callable[[Any], str]] = {"kitty": kitty, "iterm2": iterm2, "sixel": sixel, "blocks": blocks}
 
 
 def drawn(image: Pixels, kind: str, columns: int, rows: int) -> str:
@@ -120,6 +125,7 @@ def drawn(image: Pixels, kind: str, columns: int, rows: int) -> str:
 
 def _fitted(image: Pixels, limit: tuple[int, int]) -> Pixels:
     """A picture within (width, height), smaller in proportion; never larger than it is."""
+    import numpy as np
     from PIL import Image
 
     height, width = image.shape[:2]
