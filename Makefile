@@ -9,12 +9,13 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: demo fuzz reading dense mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all wheel unwritable demo fuzz reading dense mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
 	@echo "make test-oldest   kernels with the oldest Numba that is supported, in an environment of its own"
+	@echo "make all        what a release has to pass: check, oldest Numba, wheel installed elsewhere, no home, docs"
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
@@ -61,6 +62,23 @@ types: $(READY)
 	$(BIN)/mypy
 
 check: lint types test
+
+all: lint types test test-oldest wheel unwritable docs
+
+WHEEL := out/wheel
+
+# built, installed into an empty environment, and drawing from there on an empty cache
+wheel: $(READY)
+	rm -rf $(WHEEL)
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir $(WHEEL) .
+	$(PYTHON) -m venv $(WHEEL)/venv
+	$(WHEEL)/venv/bin/python -m pip install --quiet $(WHEEL)/*.whl
+	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli doctor
+	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli render minimal -f 1-2 --size 160x120 -o frames
+
+# a home that is no folder: kernels are kept nowhere, and the run goes on
+unwritable: $(READY)
+	HOME=/dev/null XDG_CACHE_HOME=/dev/null/cache $(RUN) render minimal -f 1 --size 64x48 --strands 100 -o out/unwritable --overwrite
 
 docs: $(DOCS)/.ready
 	$(DOCS)/bin/python -m sphinx --fail-on-warning --keep-going --quiet --builder html docs out/docs
@@ -117,6 +135,7 @@ golden: $(READY)
 
 golden-update: $(READY)
 	$(RUN) golden update tests/golden
+	$(RUN) golden update strandcli/doctor/golden
 
 CHECK := .venv-check
 

@@ -119,7 +119,7 @@ def machine() -> dict[str, Any]:
     except ValueError:  # no parallel kernel has run yet
         layer = None
     return {
-        "cpu": _cpu_name(),
+        "cpu": cpu_name(),
         "cores": os.cpu_count(),
         "threads": int(numba.get_num_threads()),
         "threading_layer": layer,
@@ -138,7 +138,8 @@ def entered_by_several() -> bool:
     return bool(numba.threading_layer() != "workqueue")
 
 
-def _cpu_name() -> str:
+def cpu_name() -> str:
+    """The name of the processor, as the system tells it."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as lines:
             for line in lines:

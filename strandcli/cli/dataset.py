@@ -9,14 +9,14 @@ import click
 
 from ..errors import UsageError
 from ..registry import LAYOUTS
-from . import camera_files, options
+from . import camera_files, complete, options
 from .progress import Progress, stepper, warner
 from .say import say
 from .values import SpanType
 
 
 @click.command()
-@click.argument("grooms", nargs=-1, required=True, metavar="GROOM...")
+@click.argument("grooms", nargs=-1, required=True, metavar="GROOM...", shell_complete=complete.presets)
 @click.option("--layout", required=True, metavar="NAME", help=f"One of {', '.join(LAYOUTS.names())}.")
 @click.option("--views", type=options.Whole(1, 1_000_000), metavar="N", help="Views of each groom.  [default: 8]")
 @click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")

@@ -57,8 +57,9 @@ def command(
     fit = None
     if on is not None:
         from ..groom_file import fits  # Numba comes with it
+        from ..solid_shapes.mesh import Settings
 
-        fit = fits.facts_on(file, ReadOptions(stride, array, lenient=True), on)
+        fit = fits.facts_on(file, ReadOptions(stride, array, lenient=True), Settings(file=str(on)))
     if as_json:
         options.print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:

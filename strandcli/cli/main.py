@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import click
+import click.shell_completion
 
 from .. import __version__, runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
@@ -23,6 +24,8 @@ COMMANDS = {
     "simulate": ("simulate", "Simulate a preset and keep the positions only."),
     "export": ("export", "Write the strands that a preset draws, for other programs."),
     "plan": ("plan", "Tell what would run, what is left out and why; run nothing."),
+    "new": ("new", "Write a commented preset that draws as it is."),
+    "farm": ("farm", "Write job files for Slurm, GNU parallel or Open Job Description."),
     "presets": ("presets", "List, show or copy the presets that come with strandcli."),
     "schema": ("schema", "Print the JSON Schema of presets, for editors."),
     "bench": ("bench", "Time every stage on the thesis's headline scene."),
@@ -35,6 +38,8 @@ COMMANDS = {
     "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
     "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),
+    "completion": ("completion", "Print what a shell needs to complete commands, presets and keys."),
+    "doctor": ("doctor", "Look whether all is well here, and tell what to do where it is not."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }
 
@@ -59,6 +64,13 @@ class LazyGroup(click.Group):
         command: click.Command = module.command
         return command
 
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[click.shell_completion.CompletionItem]:
+        """Commands as `--help` lists them, of which none is imported."""
+        if incomplete.startswith("-"):
+            return super().shell_complete(ctx, incomplete)
+        item = click.shell_completion.CompletionItem
+        return [item(name, help=words) for name, (_, words) in COMMANDS.items() if name.startswith(incomplete)]
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, words) for name, (_, words) in COMMANDS.items()])
@@ -67,7 +79,7 @@ class LazyGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
-        if name not in COMMANDS and not name.startswith("-"):
+        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
             from difflib import get_close_matches
 
             close = get_close_matches(name, COMMANDS, n=1)
@@ -117,6 +129,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     state = State(debug=bool(os.environ.get("STRANDCLI_DEBUG")))
+    if arguments is None and "_STRANDCLI_COMPLETE" in os.environ:
+        from .shells import register
+
+        register()
     try:
         code = cli.main(
             args=None if arguments is None else list(arguments),
@@ -158,7 +174,7 @@ def report(error: BaseException, debug: bool) -> int:
             return error.exit_code
         case click.UsageError():
             command = error.ctx.command_path if error.ctx is not None else "strandcli"
-            _say(f"{error.format_message().rstrip('.')} (see '{command} --help')")
+            _say(f"{error.format_message().rstrip('.')}{_next(error)} (see '{command} --help')")
             return USAGE
         case click.ClickException():
             _say(error.format_message())
@@ -182,6 +198,13 @@ def report(error: BaseException, debug: bool) -> int:
             hint = "" if debug else "; please report it with the output of the same command with --debug"
             _say(f"unexpected {type(error).__name__}: {error}{hint}")
             return FAILED
+
+
+def _next(error: click.UsageError) -> str:
+    """What to do about an argument that is missing, where help alone does not tell."""
+    if isinstance(error, click.MissingParameter) and error.param is not None and error.param.name == "preset":
+        return ": name one that 'strandcli presets' lists, or a file, such as 'strandcli new mine' writes"
+    return ""
 
 
 def _os_error(error: OSError) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..errors import UsageError
+from . import complete
 from .frame_range import FrameRange, FrameRangeType
 from .main import set_debug
 from .say import json_text, say
@@ -81,8 +82,8 @@ def folder(default: str | None = None) -> Callable[[F], F]:
     return click.option("-o", "--output", type=PathType(), metavar="DIR", required=not default, help=words)
 
 
-preset = click.argument("preset")
-drawn = click.argument("preset", metavar="PRESET|FILE")
+preset = click.argument("preset", shell_complete=complete.presets)
+drawn = click.argument("preset", metavar="PRESET|FILE", shell_complete=complete.presets)
 frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
 size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
 strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
@@ -94,7 +95,7 @@ quality = click.option(
     help="How finely the preset is drawn, whatever it says itself.  [default: as it says]",
 )  # fmt: skip
 overrides = click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment,
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment, shell_complete=complete.keys,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",
 )  # fmt: skip
 keep_going = click.option(

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from . import options
+from . import complete, options
 from .say import say
 
 
@@ -20,8 +20,19 @@ def command(ctx: click.Context) -> None:
 
 
 def belonging(preset: Path) -> list[Path]:
-    """Files that a shipped preset reads: those that begin with its name."""
-    return sorted(path for path in preset.parent.glob(f"{preset.stem}-*") if path.suffix not in (".yaml", ".yml"))
+    """Files that a shipped preset reads: those that begin with its name, and meshes and pictures that it names."""
+    import strandcli
+
+    from ..scene.named_files import files_of
+
+    text = preset.read_text(encoding="utf-8")
+    found = {path for path in preset.parent.glob(f"{preset.stem}-*") if path.suffix not in (".yaml", ".yml")}
+    for _, name in files_of(strandcli.load(str(preset))):
+        path = Path(name)
+        inside = path.is_relative_to(preset.parent)
+        if inside and path.relative_to(preset.parent).as_posix() in text:  # else what it extends names it
+            found.add(path)
+    return sorted(found)
 
 
 @command.command("list")
@@ -41,7 +52,7 @@ def list_all(as_json: bool = False) -> None:
 
 
 @command.command("show")
-@click.argument("name")
+@click.argument("name", shell_complete=complete.shipped)
 @options.debug
 def show(name: str) -> None:
     """Print the file of a shipped preset."""
@@ -51,14 +62,14 @@ def show(name: str) -> None:
 
 
 @command.command("copy")
-@click.argument("name")
+@click.argument("name", shell_complete=complete.shipped)
 @click.argument("target", required=False, type=options.PathType())
 @options.overwrite
 @options.quiet
 @options.debug
 def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
     """Copy a shipped preset to TARGET, a file or a folder (by default this one), to be changed there."""
-    from ..output.files import write_pieces
+    from ..output.files import prepare_folder, write_pieces
     from ..scene import find
 
     source = find(name)
@@ -69,9 +80,17 @@ def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
         raise UsageError(f"{path.parent}: no such folder")
     options.refuse_existing(path, overwrite)
     beside = [] if path.parent.samefile(source.parent) else belonging(source)
-    for one in beside:
-        options.refuse_existing(path.parent / one.name, overwrite)
-    for one in (source, *beside):
-        write_pieces(path if one == source else path.parent / one.name, [one.read_bytes()])
+    targets = {one: path.parent / one.relative_to(source.parent) for one in beside}
+    wanted = {one: place for one, place in targets.items() if not _same(one, place)}
+    for place in wanted.values():
+        options.refuse_existing(place, overwrite)
+    for one, place in {source: path, **wanted}.items():
+        prepare_folder(place.parent, 0)
+        write_pieces(place, [one.read_bytes()])
     if not quiet:
         say(f"{path}: copied from {name}; draw it with 'strandcli render {path}'", err=True)
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether the second file is there and holds what the first does, as where two presets name one mesh."""
+    return other.is_file() and other.read_bytes() == one.read_bytes()

@@ -10,13 +10,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, options, signals
+from . import camera_files, html_page, options, signals
 from .frame_range import FrameRange
+from .frame_writer import frame_writer
+from .look import Look
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
+from .sweep import run as run_sweep
+from .sweep import sweep_option
+from .terminal_pictures import Preview, preview_option
 from .values import KindsType, LayersType
+from .watch import run as run_watch
+from .watch import watch_option
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -32,7 +39,7 @@ if TYPE_CHECKING:
 @options.quality
 @options.threads
 @max_error_option
-@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp or both: gif,webp.")
+@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4.")
 @click.option(
     "--aov", "aovs", type=LayersType(), metavar="LAYERS",
     help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
@@ -41,6 +48,10 @@ if TYPE_CHECKING:
 @camera_files.cameras
 @options.from_cache
 @options.keep_going
+@html_page.no_html
+@sweep_option
+@watch_option
+@preview_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -56,6 +67,10 @@ def command(
     camera: str | None,
     from_cache: Path | None,
     keep_going: bool,
+    no_html: bool,
+    sweep: tuple[Any, ...],
+    watch: bool,
+    preview: str | None,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -67,12 +82,16 @@ def command(
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
     strands (.hair, .data, .bin, .tfx, .ply, .npz, .abc, .usd) as it is.
 
-    Writes frame_0001.png … and report.json. Whatever ends the run, finished frames stay and are whole. A run that goes
-    wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100 times its
-    length (thesis), or the solver's iterations leave it off by its whole length. With --max-error
-    settings are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the
-    picture (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
+    Writes frame_0001.png …, report.json and report.html. Whatever ends the run, finished frames stay and are whole. A
+    run that goes wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100
+    times its length (thesis), or the solver's iterations leave it off by its whole length. With --max-error settings
+    are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the picture
+    (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
+    if watch or sweep:
+        given = click.get_current_context().params
+        run_watch(given) if watch else run_sweep(_draw, given)
+        return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
@@ -94,31 +113,34 @@ def command(
     plan = make_plan(scene, numbers)
     require_memory(plan)
 
-    from ..output.frames import FrameWriter
-    from ..output.report import FILE, RunReport, fingerprint
+    from ..output.report import RunReport
 
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
-    writer = FrameWriter(
-        output or options.default_folder(preset),
-        numbers,
-        options.picture_size(scene),
-        overwrite=overwrite,
-        resume=resume,
-        scene=fingerprint(scene, *([] if from_cache is None else [str(from_cache.resolve())])),
-        also=[f"animation.{kind}" for kind in animate or ()],
-        own=[FILE],
-        layers=scene.image.aovs,
-        exr=exr,
-    )
+    folder = output or options.default_folder(preset)
+    writer = frame_writer(folder, numbers, scene, from_cache, animate or (), overwrite, resume, exr)
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
-    with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
-        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound)
+    page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
+    hidden = no_progress or quiet
+    look = Look(Preview(preview), folder)
+    with (
+        html_page.of_failed(page),
+        Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
+        look.signalled(progress),
+    ):
+        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound, look)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
+    if page is not None:
+        page.write(data, made)
     if as_json:
         options.print_json(data)
     if not quiet:
         tell(data, writer, made)
+
+
+def _draw(**given: Any) -> None:
+    """The command itself, for one point of a sweep."""
+    command.callback(**given)  # type: ignore[misc]
 
 
 def _with_layers(scene: Scene, exr: bool) -> Scene:
@@ -145,7 +167,8 @@ def _run(
     keep_going: bool,
     quiet: bool,
     progress: Progress,
-    bound: PictureError | None = None,
+    bound: PictureError | None,
+    look: Look,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
 
@@ -176,7 +199,7 @@ def _run(
                     if bound is not None:
                         bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
-                        writer.submit(frame.number, frame.image, frame.aovs)
+                        look.hand_on(writer, frame)
                     progress.step(frame_line(frame.number, frame.report))
                     signals.check()
             if bound is not None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import MismatchError, UsageError
-from . import options
+from . import complete, options
 from .progress import Progress
 from .say import say
 
@@ -23,13 +24,15 @@ MOST_TOLD = 20
 
 
 @click.command()
-@click.argument("preset", required=False)
+@click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Whose matrix.  [default: both]")
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
 @click.option("--accept", is_flag=True, help="Keep the failures of the source's solver as those that are expected.")
+@click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all that is told.")
+@options.overwrite
 @options.threads
 @options.talk("Name each case as it fails, and what is compiled.")
 def command(
@@ -40,6 +43,8 @@ def command(
     listing: bool,
     quick: bool,
     accept: bool,
+    html: Path | None,
+    overwrite: bool,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -56,6 +61,8 @@ def command(
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
     if accept and (case or pattern or preset or solver == "rod"):
         raise UsageError("--accept: takes the whole matrix of the solver thesis, and none of --case, --filter, PRESET")
+    if html is not None:
+        options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress
 
     work, only = _chosen(preset, solver, case, pattern, quick, accept)
@@ -83,6 +90,12 @@ def command(
     if accept:
         say(f"{result.accept()}: rewritten", err=True)
         return
+    if html is not None:
+        from ..html_report.measured import of_stress
+        from ..output.files import prepare_folder, write_pieces
+
+        prepare_folder(html.parent, 0)
+        write_pieces(html, [of_stress(result, table(result))])
     if as_json:
         _print_json(result)
     elif case and not quiet:

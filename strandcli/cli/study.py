@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import MismatchError, UsageError
-from . import options
+from . import complete, options
 from .progress import Progress, beginner, stepper
 from .say import say
 from .values import ErrorType, ListType, count, integrator, step, word
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
-KINDS = ("csv", "json", "png", "svg")
+KINDS = ("csv", "json", "png", "svg", "html")
 """Files of a study."""
 
 max_error = click.option(
@@ -30,7 +30,7 @@ max_error = click.option(
 
 
 @click.command()
-@click.argument("preset", required=False)
+@click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, catenary, "
               "pendulum, twist, or all.")  # fmt: skip
@@ -80,9 +80,9 @@ def command(
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
     far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
-    for each of them and each solver. Prints a table, writes NAME.csv, .json, .png and .svg, and recommends the cheapest
-    setting under an error. A solver that cannot represent something is told as not represented. Exit code 3: no setting
-    keeps under --max-error.
+    for each of them and each solver. Prints a table, writes NAME.csv, .json, .png, .svg and .html, and recommends the
+    cheapest setting under an error. A solver that cannot represent something is told as not represented. Exit code 3:
+    no setting keeps under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     from ..study.registry import find
@@ -205,6 +205,7 @@ def _finite(data: Any) -> Any:
 
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from .. import runtime
+    from ..html_report.measured import of_study
     from ..output.compare import write_image
     from ..output.files import prepare_folder, write_json, write_pieces
     from ..study.chart import chart
@@ -216,4 +217,5 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
     write_pieces(folder / f"{name}.svg", [drawing.svg().encode()])
     write_image(folder / f"{name}.png", drawing.picture())
+    write_pieces(folder / f"{name}.html", [of_study(study, max_error, runtime.machine())])
     write_json(folder / f"{name}.json", _finite({**study.as_dict(), "machine": runtime.machine()}))

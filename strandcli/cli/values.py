@@ -8,6 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
+
+from .complete import listed
 
 MOST_PIXELS = 32_768
 """Along a side of a picture."""
@@ -83,9 +86,20 @@ class KindsType(click.ParamType):
             return value
         kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
         for kind in kinds:
-            if kind not in ("gif", "webp"):
-                self.fail(f"'{kind}' is not an animation that can be written; choose gif, webp or gif,webp", param, ctx)
+            if kind not in KINDS:
+                self.fail(
+                    f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several with commas",
+                    param,
+                    ctx,
+                )
         return kinds
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return listed(KINDS, incomplete)
+
+
+KINDS = ("gif", "webp", "mp4")
+"""Animations that can be written."""
 
 
 class LayersType(click.ParamType):
@@ -108,6 +122,11 @@ class LayersType(click.ParamType):
             if name in names[:place]:
                 self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
         return names
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        from ..scene.model import AOVS
+
+        return listed(AOVS, incomplete)
 
 
 def count(low: int, high: int) -> Callable[[str], int]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import options, signals
+from . import complete, options, signals
 from .progress import Progress
 from .say import say
 
@@ -19,7 +19,7 @@ STRANDS = 128
 
 
 @click.command()
-@click.argument("presets", nargs=-1, metavar="[PRESET]...")
+@click.argument("presets", nargs=-1, metavar="[PRESET]...", shell_complete=complete.presets)
 @options.threads
 @options.talk("Name each preset that is done, and what is compiled.")
 def command(

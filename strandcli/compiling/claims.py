@@ -53,7 +53,7 @@ class Claims:
         if self._file is None or self._file[0] != folder:
             if self._file is not None:
                 os.close(self._file[1])
-            handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
             self._file = folder, handle
         return self._file[1]
 

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RefusedError, UsageError, one_line
+from ..opening import READ
 from .strands import CHUNK, Offsets
 
 SLICE = 1 << 22
@@ -136,7 +137,7 @@ def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
     """A file to be read; arguments as for `Bounded`. Raises `UsageError` for what is no file,
     and `RefusedError` for one that may not be read."""
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        descriptor = os.open(path, READ)
     except FileNotFoundError:
         raise UsageError(f"{path}: no such file") from None
     except PermissionError:

@@ -96,11 +96,10 @@ def words(found: Better, up: str, size: float | None = None) -> str:
     return " and ".join(parts)
 
 
-def facts_on(file: Path, given: ReadOptions, mesh: Path) -> dict[str, Any]:
-    """How the roots of a file lie on a mesh, both in the units and axes of their files, or those that they tell. Raises
-    `UsageError` for a file without finite strands."""
-    from ..solid_shapes.mesh import Settings
-
+def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
+    """How the roots of a file, in its unit and axes or those that it tells, lie on a mesh: the settings of a solid of
+    that kind, in its own frame. Raises `UsageError` for a file without finite strands."""
+    mesh = solid.file
     strands = read(file, given)
     strands = strands.select(~not_finite(strands))
     if not strands.count:
@@ -108,7 +107,7 @@ def facts_on(file: Path, given: ReadOptions, mesh: Path) -> dict[str, Any]:
     known = ends(strands)
     roots = strands.tips() if known is not None and known.root == "last" else strands.roots()
     up, unit = strands.source.up or UP, strands.source.unit or 1.0
-    surface = Surface(Settings(file=str(mesh)))
+    surface = Surface(solid)
     placed = unit * (roots.astype(np.float64) @ turning(up, UP).T)
     off = np.abs(surface.nearest(placed).distances)
     found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)), hangs_from(strands))
@@ -117,7 +116,7 @@ def facts_on(file: Path, given: ReadOptions, mesh: Path) -> dict[str, Any]:
     if found is not None:
         mend = {"up": found.up, "scale": found.factor * unit, "median": found.median}
     return {
-        "mesh": str(mesh), "size": surface.size, "median": median, "most": float(off.max()),
+        "mesh": mesh, "size": surface.size, "median": median, "most": float(off.max()),
         "fits": found is None and median <= CLOSE * surface.size, "up": up, "scale": unit, "mend": mend,
     }  # fmt: skip
 

@@ -31,6 +31,7 @@ from ..compiling.claims import claims
 from ..compiling.clock import clock
 from ..compiling.interrupts import interrupts
 from ..compiling.service import service
+from ..opening import READ
 from . import sources
 
 MAGIC = b"strandcli kernel 1\n"
@@ -120,7 +121,7 @@ def _read(path: Path) -> bytes:
 
     Raises `OSError`, and `ValueError` for what is no file.
     """
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as entry:
+    with open(os.open(path, READ), "rb") as entry:
         status = os.fstat(entry.fileno())
         if not stat.S_ISREG(status.st_mode):
             raise ValueError("it is no file")

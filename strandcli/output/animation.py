@@ -1,4 +1,4 @@
-"""An animation, GIF or WebP, made from finished frames.
+"""An animation, GIF, WebP or MP4, made from finished frames.
 
 A GIF has 256 colours and counts time in hundredths of a second. All its frames share one palette, fitted to frames
 from the whole film, so that still areas keep their colour; it is dithered with a fixed pattern, because diffused error
@@ -33,6 +33,10 @@ def write_animation(path: Path, images: Sequence[Path], frames: Sequence[int], f
     Returns the mean rate that is shown, in film frames a second; it is below ``fps`` where the format is too slow.
     Raises ``UsageError`` for images that cannot be read, ``RefusedError`` if the file cannot be written.
     """
+    if path.suffix == ".mp4":
+        from .video import write_video
+
+        return write_video(path, images, frames, fps)
     unit, shortest = (10, GIF_SHORTEST) if path.suffix == ".gif" else (1, 1)
     times = durations(frames, fps, unit, shortest)
     settings: dict[str, Any] = {"save_all": True, "duration": times if len(times) > 1 else times[0], "loop": 0}
@@ -43,7 +47,7 @@ def write_animation(path: Path, images: Sequence[Path], frames: Sequence[int], f
         pictures = (png.load(image) for image in images)
         settings |= {"format": "WEBP", "quality": WEBP_QUALITY, "method": WEBP_METHOD}
     else:
-        raise ValueError(f"{path}: neither .gif nor .webp")
+        raise ValueError(f"{path}: neither .gif nor .webp nor .mp4")
     first = next(pictures)
     with atomic(path) as file:
         first.save(file, append_images=pictures, **settings)

@@ -7,7 +7,6 @@ that a killed run has left claims nothing. Where a file system has no locks, not
 
 from __future__ import annotations
 
-import fcntl
 import os
 import time
 from collections.abc import Iterable
@@ -15,6 +14,11 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..errors import RefusedError
+
+try:
+    import fcntl
+except ImportError:  # no POSIX
+    fcntl = None  # type: ignore[assignment]
 
 _ALL = (0, 0)
 """First byte of a lock, and how many: on a whole file."""
@@ -36,7 +40,7 @@ class Claim:
         """
         self._path = directory / f".{what}.lock"
         spans = [_ALL] if numbers is None else _spans(numbers)
-        self._file = self._lock(spans, what, time.monotonic() + patience) if spans else None
+        self._file = self._lock(spans, what, time.monotonic() + patience) if spans and fcntl is not None else None
 
     def release(self) -> None:
         """Let go, and remove the file where nobody else holds a part of it."""

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from ..errors import RefusedError, UsageError
+from ..opening import READ
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
 _DAY = 86_400.0
@@ -82,7 +83,7 @@ LARGEST_JSON = 1 << 30
 def read_json(path: Path) -> Any:
     """The data of a JSON file. Raises ``OSError`` where it cannot be read, and ``ValueError`` where it is no JSON, too
     large, or no file but a pipe or a device, of which nothing is read."""
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+    with open(os.open(path, READ), "rb") as file:
         found = os.fstat(file.fileno())
         if not stat.S_ISREG(found.st_mode):
             raise ValueError("no file but a pipe or a device")

@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 import os
-import resource
 import stat
 import sys
 import time
@@ -37,7 +36,11 @@ PATIENCE = 60.0
 
 
 def peak_rss_bytes() -> int:
-    """The most memory that this process has held so far."""
+    """The most memory that this process has held so far; 0 where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # no POSIX
+        return 0
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else peak * 1024
 
@@ -159,7 +162,7 @@ class RunReport:
             "totals": {
                 "seconds": seconds,
                 "frames_per_second": fresh / seconds if fresh and seconds > 0 else None,
-                "peak_rss_bytes": peak_rss_bytes(),
+                "peak_rss_bytes": peak_rss_bytes() or None,
             },
         }
 

@@ -69,7 +69,7 @@ def test_help_lists_every_command_and_each_has_help_of_its_own(run: Runner) -> N
         (["render", "tiny.yaml", "-f", "5-2"], "runs backwards"),
         (["render", "tiny.yaml", "-f", "1-13"], "frame 13, but the animation has frames 1 to 12"),
         (["render", "tiny.yaml", "--set", "seed"], "'seed' is not KEY=VALUE"),
-        (["render", "tiny.yaml", "--animate", "mp4"], "'mp4' is not an animation that can be written"),
+        (["render", "tiny.yaml", "--animate", "avi"], "'avi' is not an animation that can be written"),
         (["render", "tiny.yaml", "--resume", "--overwrite"], "--overwrite and --resume exclude each other"),
         (["render", "tiny.yaml", "-q", "-v"], "--quiet and --verbose exclude each other"),
         (["simulate", "tiny.yaml"], "Missing option '-o'"),

@@ -66,7 +66,7 @@ def test_quality_is_an_option_and_wins_over_the_preset(run: Runner) -> None:
 def test_a_bare_name_is_a_file_here_and_a_shipped_name_that_hides_one_says_so(run: Runner) -> None:
     assert run("plan", "tiny").code == 0
     assert run("render", "tiny", "-f", "1", "-q").code == 0
-    assert names("out/tiny") == ["frame_0001.png", "report.json"]
+    assert names("out/tiny") == ["frame_0001.png", "report.html", "report.json"]
     Path("minimal.yaml").write_text(TINY)
     told = run("plan", "minimal")
     assert told.code == 0
@@ -77,7 +77,7 @@ def test_a_bare_name_is_a_file_here_and_a_shipped_name_that_hides_one_says_so(ru
 def test_frames_and_report_are_what_the_design_page_says(run: Runner) -> None:
     result = run("render", "tiny.yaml", "-f", "1-3")
     assert (result.code, result.out) == (0, "")
-    assert names("out/tiny") == ["frame_0001.png", "frame_0002.png", "frame_0003.png", "report.json"]
+    assert names("out/tiny") == ["frame_0001.png", "frame_0002.png", "frame_0003.png", "report.html", "report.json"]
     data = report("out/tiny")
     assert data["schema_version"] == 1
     assert data["strandcli"] == strandcli.__version__
@@ -223,7 +223,7 @@ def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
         out, err = process.communicate(timeout=240)
         assert (process.returncode, out, err) == (0, "", "")
     assert [entry["frame"] for entry in report("a")["frames"]] == list(range(1, 13))
-    assert names("a") == [*(frames.frame_file(n) for n in range(1, 13)), "report.json"]
+    assert names("a") == [*(frames.frame_file(n) for n in range(1, 13)), "report.html", "report.json"]
 
 
 def test_nothing_is_computed_when_all_is_there(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -295,7 +295,7 @@ def test_a_signal_while_an_animation_is_written_is_told(
     assert result.code == code
     words = "animation.gif is not written; 5 finished frames stay, --resume goes on"
     assert result.err.strip() == f"a: interrupted; {words}"
-    assert names("a") == [".here", *(frames.frame_file(n) for n in range(1, 6)), "report.json"]
+    assert names("a") == [".here", *(frames.frame_file(n) for n in range(1, 6)), "report.html", "report.json"]
     Path("a/.here").unlink()
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif").code == 0
     with Image.open("a/animation.gif") as film:
@@ -355,7 +355,7 @@ def test_whatever_ends_a_run_there_is_a_report_of_what_is_finished(
 
     monkeypatch.setattr(pipeline, "render", until_three)
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5").code == code
-    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.json"]
+    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.html", "report.json"]
     data = report("a")
     assert data["status"] == status
     assert [entry["frame"] for entry in data["frames"]] == [1, 2]
@@ -374,7 +374,7 @@ def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, m
     result = run("render", "tiny.yaml", "-o", "a")
     assert result.code == 4
     assert "the disk is full; 2 finished frames are whole" in result.error()
-    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.json"]
+    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.html", "report.json"]
     assert report("a")["status"] == "failed"
 
 
@@ -412,7 +412,7 @@ def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, numbe
     assert data["status"] == "interrupted"
     done = [entry["file"] for entry in data["frames"]]
     assert len(done) >= 4
-    assert names("a") == [*done, "report.json"]
+    assert names("a") == [*done, "report.html", "report.json"]
     for entry in data["frames"]:
         assert png.pixels_sha256(png.read(Path("a", entry["file"]))) == entry["pixels_sha256"]
 
@@ -432,7 +432,7 @@ def test_a_terminal_that_is_closed_keeps_finished_frames_and_writes_the_report(r
     os.close(ours)  # which sends SIGHUP
     assert process.wait(60) == 129
     assert report("a")["status"] == "interrupted"
-    assert names("a") == [*(entry["file"] for entry in report("a")["frames"]), "report.json"]
+    assert names("a") == [*(entry["file"] for entry in report("a")["frames"]), "report.html", "report.json"]
 
 
 def drained(terminal: int, enough: Callable[[], bool]) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import strandcli
 from cli_runs import TINY, Runner
 from strandcli import pipeline, runtime, study
 from strandcli.output import png
@@ -173,6 +174,18 @@ def test_presets_are_listed_shown_and_copied(run: Runner, monkeypatch: pytest.Mo
     assert Path("fig02.yaml").read_text() == TINY
     assert run("presets", "copy", "hair", "no/such/a.yaml").code == 2
     assert "did you mean 'hair'" in run("presets", "show", "hai").error()
+
+
+def test_a_copy_of_a_preset_draws_with_the_meshes_that_it_names(run: Runner) -> None:
+    assert run("presets", "copy", "hair", "mine.yaml", "-q").code == 0
+    assert Path("meshes/head.ply").exists()
+    assert strandcli.load("mine.yaml").title == strandcli.load("hair").title
+    assert run("presets", "copy", "hair", "again.yaml", "-q").code == 0, "the same mesh is there already"
+    Path("meshes/head.ply").write_text("mine")
+    refused = run("presets", "copy", "hair", "other.yaml")
+    assert refused.code == 2
+    assert "meshes/head.ply: is there already" in refused.error()
+    assert not Path("other.yaml").exists()
 
 
 def test_the_schema_is_json_and_written_where_asked(run: Runner) -> None:

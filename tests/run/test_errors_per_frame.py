@@ -66,7 +66,13 @@ def test_a_rule_that_makes_nan_is_named_with_frame_and_strand(run: Runner) -> No
     assert "rule rooted makes it diverge" in line
     assert "time.substeps" in line
     assert "--keep-going" in line
-    assert sorted(os.listdir("a")) == ["frame_0001.png", "frame_0002.png", "frame_0003.png", "report.json"]
+    assert sorted(os.listdir("a")) == [
+        "frame_0001.png",
+        "frame_0002.png",
+        "frame_0003.png",
+        "report.html",
+        "report.json",
+    ]
     data = report("a")
     assert data["status"] == "failed"
     assert {key: data["failure"][key] for key in ("frame", "strand")} == {"frame": 4, "strand": strand}

@@ -1,0 +1,50 @@
+"""`strandcli doctor`: whether all is well here."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from ..errors import FAILED
+from . import options
+from .say import printable, say
+
+MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BROKEN", "red")}
+
+
+@click.command()
+@options.as_json
+@options.quiet
+@options.debug
+@click.pass_context
+def command(ctx: click.Context, as_json: bool, quiet: bool) -> None:
+    """Look whether strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture that is
+    drawn and compared with the one that is known. A line each, with what to do; exit code 1 where something is broken.
+    """
+    from ..doctor.examine import examine
+    from ..doctor.finding import BROKEN, OK
+
+    found = []
+    for one in examine():
+        found.append(one)
+        if not as_json and not (quiet and one.state == OK):
+            _tell(*one)
+        if one.check == "extras" and not as_json and not quiet and sys.stderr.isatty():
+            say("drawing a small picture; the first time it compiles, for about a minute", err=True)
+    broken = [one.check for one in found if one.state == BROKEN]
+    if as_json:
+        options.print_json({"broken": broken, "checks": [one._asdict() for one in found]})
+    elif not quiet:
+        say(f"broken: {', '.join(broken)}" if broken else "all is well", err=True)
+    if broken:
+        ctx.exit(FAILED)
+
+
+def _tell(check: str, state: str, text: str, advice: str) -> None:
+    mark, colour = MARKS[state]
+    shown = False if os.environ.get("NO_COLOR") else None
+    click.echo(f"{click.style(mark, fg=colour)} {printable(f'{check:<10} {text}')}", color=shown)
+    if advice:
+        say(f"{'':<17} {advice}")

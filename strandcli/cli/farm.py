@@ -1,0 +1,107 @@
+"""`strandcli farm`: job files for a scheduler."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import UsageError
+from . import options
+from .frame_range import FrameRange
+from .say import say
+from .values import KindsType
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+TARGETS = ("slurm", "parallel", "openjd")
+NEXT = {"slurm": "sh {}/submit.sh", "parallel": "sh {}/run.sh", "openjd": "openjd run {}/job.yaml"}
+MOST_THREADS = 4096
+
+
+@click.command()
+@options.drawn
+@click.option("--target", type=click.Choice(TARGETS), required=True, help="What runs them.")
+@options.folder("farm/PRESET")
+@options.frames
+@options.scene_options
+@options.quality
+@click.option(
+    "--chunk", type=options.Whole(1, 100_000), metavar="N", help="Frames a task.  [default: 8, at most 1000 tasks]"
+)
+@click.option(
+    "--threads", type=options.Whole(1, MOST_THREADS), metavar="N", default=4, show_default=True, help="Threads a task."
+)
+@click.option("--animate", type=KindsType(), metavar="KIND", help="Also join the frames as an animation.")
+@options.keep_going
+@options.overwrite
+@options.as_json
+@options.quiet
+@options.debug
+def command(
+    preset: str,
+    target: str,
+    output: Path | None,
+    frames: FrameRange | None,
+    chunk: int | None,
+    threads: int,
+    animate: tuple[str, ...] | None,
+    keep_going: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    **scene_settings: Any,
+) -> None:
+    """Write job files that draw PRESET by a scheduler: Slurm, GNU parallel, or one that takes Open Job Description.
+
+    Kernels are compiled once, the scene is simulated once, chunks of frames are drawn side by side, and what they made
+    is looked through, joined and reported. The preset is written beside with all its settings, so that a later change
+    of yours mixes no films. The jobs may be submitted again: finished work is kept.
+    """
+    from ..farm import job as jobs
+    from ..farm import openjd, scripts
+    from ..output.files import prepare_folder, write_pieces
+
+    scene = options.load_scene(preset, **scene_settings)
+    numbers = options.frame_numbers(frames, scene)
+    folder = output or Path("farm", *options.default_folder(preset).parts[1:])
+    options.refuse_existing(folder / jobs.SCENE, overwrite)
+    try:
+        chunks = jobs.chunks_of(numbers, chunk)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    extra = ("--keep-going",) if keep_going else ()
+    job = jobs.Job(
+        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers), threads,
+        ",".join(animate or ()), extra,
+    )  # fmt: skip
+    files = openjd.files(job) if target == "openjd" else scripts.files(job, target, options.available_cores())
+    prepare_folder(folder, 0)
+    write_pieces(folder / jobs.SCENE, [_alone(scene).encode("utf-8", "surrogateescape")])
+    for name, text in files.items():
+        write_pieces(folder / name, [text.encode("utf-8", "surrogateescape")])
+    again = NEXT[target].format(folder)
+    if as_json:
+        options.print_json({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
+    if not quiet:
+        say(f"{folder}: {len(numbers)} frames in {len(chunks)} tasks; start them with '{again}'", err=True)
+
+
+def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:
+    """The frames to simulate beforehand, as -f takes them; "" where each task does it, or nothing moves."""
+    from ..farm.job import spelled
+    from ..plan import make_plan
+
+    if scene.panels or not make_plan(scene, numbers).steps:
+        return ""
+    before = {number - 1 for number in numbers if number > 1} if scene.camera.shutter > 0 else set()
+    return spelled(sorted({*numbers, *before}))
+
+
+def _alone(scene: Scene) -> str:
+    """The preset's text with all settings."""
+    from ..scene import dump
+
+    return f"# All settings of this job, as they were when it was written.\n{dump(scene)}"

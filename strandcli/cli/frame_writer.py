@@ -1,0 +1,38 @@
+"""What takes the frames of `strandcli render`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import options
+
+if TYPE_CHECKING:
+    from ..output.frames import FrameWriter
+    from ..scene.model import Scene
+
+
+def frame_writer(
+    folder: Path, numbers: tuple[int, ...], scene: Scene, cache: Path | None, animate: tuple[str, ...], overwrite: bool,
+    resume: bool, exr: bool,
+) -> FrameWriter:  # fmt: skip
+    """What takes the frames; refuses up front what would be refused later."""
+    from ..output.frames import FrameWriter
+    from ..output.report import FILE, fingerprint
+
+    if "mp4" in animate:
+        from ..output.video import ffmpeg
+
+        ffmpeg()
+    return FrameWriter(
+        folder,
+        numbers,
+        options.picture_size(scene),
+        overwrite=overwrite,
+        resume=resume,
+        scene=fingerprint(scene, *([] if cache is None else [str(cache.resolve())])),
+        also=[f"animation.{kind}" for kind in animate],
+        own=[FILE],
+        layers=scene.image.aovs,
+        exr=exr,
+    )

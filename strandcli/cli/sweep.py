@@ -1,0 +1,151 @@
+"""`strandcli render --sweep`: one run for each combination of values, a table, a sheet and a page of all."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import click
+
+from ..errors import SimulationError, UsageError
+from . import options, signals
+from .say import say
+from .sweep_values import Point, SweepType, points
+
+TABLE, SHEET = "sweep.csv", "sweep.png"
+COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
+"""Of the sheet: pictures a row, their width, and how many at most."""
+
+sweep_option = click.option(
+    "--sweep", "sweep", multiple=True, type=SweepType(), metavar="KEY=VALUES",
+    help="Draw once for each of wind.strength=1,2,4 or seed=1-8; of several all combinations.",
+)  # fmt: skip
+
+
+def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
+    """Draw every point with ``draw``, the command itself, whose arguments are ``given``.
+
+    A point that goes wrong is told in the table, and the others go on; then the whole ends as that one did.
+    """
+    settings = dict(given)
+    try:
+        wanted = points(settings.pop("sweep"))
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    output = settings.pop("output")
+    folder = output or options.default_folder(f"{options.preset_name(settings['preset'])}-sweep")
+    _check(wanted, folder, settings)
+    entries: list[dict[str, Any]] = []
+    failed: list[SimulationError] = []
+    for place, point in enumerate(wanted, 1):
+        if not settings["quiet"]:
+            say(f"{place}/{len(wanted)} {', '.join(point.overrides())}", err=True)
+        one = {**settings, "sweep": (), "output": folder / point.name, "as_json": False, "quiet": True,
+               "verbose": False, "overrides": (*settings["overrides"], *point.overrides())}  # fmt: skip
+        try:
+            draw(**one)
+        except SimulationError as error:
+            failed.append(error)
+            if not settings["quiet"]:
+                say(f"{point.name}: {error}", err=True)
+        entries.append(_entry(point, folder))
+        _write_table(folder / TABLE, entries)
+        signals.check()
+    made = _finish(folder, settings, entries)
+    if settings["as_json"]:
+        options.print_json({"folder": str(folder), "points": entries})
+    if not settings["quiet"]:
+        bad = f", {len(failed)} of which went wrong" if failed else ""
+        say(f"{folder}: {len(entries)} runs{bad}; {', '.join(made)}", err=True)
+    if failed:
+        raise failed[0]
+
+
+def _check(wanted: Sequence[Point], folder: Path, settings: Mapping[str, Any]) -> None:
+    """Load every point's scene, so that a wrong value is told before the first is drawn."""
+    if not (settings["overwrite"] or settings["resume"]) and (folder / TABLE).exists():
+        raise UsageError(
+            f"{folder}: holds {TABLE} already; add --overwrite to replace or --resume to keep what is there"
+        )
+    names = ("size", "strands", "particles", "seed", "quality")
+    own = {name: settings[name] for name in names}
+    for point in wanted:
+        scene = options.load_scene(settings["preset"], **own, overrides=(*settings["overrides"], *point.overrides()))
+        options.frame_numbers(settings["frames"], scene, settings["from_cache"])
+
+
+def _entry(point: Point, folder: Path) -> dict[str, Any]:
+    """What the report of a point says, for the table."""
+    from ..output.report import read_report
+
+    data = read_report(folder / point.name) or {}
+    frames = [one for one in data.get("frames", []) if isinstance(one, dict)]
+    seconds = [one["seconds"]["total"] for one in frames if (one.get("seconds") or {}).get("total") is not None]
+    errors: dict[str, float] = {}
+    for one in frames:
+        for name, value in (one.get("error") or {}).items():
+            if value is not None:
+                errors[name] = max(value, errors.get(name, value))
+    return {
+        "folder": point.name, "settings": dict(point.settings), "status": data.get("status", "failed"),
+        "frames": len(frames), "seconds_a_frame": median(seconds) if seconds else None,
+        "last_frame": frames[-1].get("file") if frames else None,
+        "pixels_sha256": frames[-1].get("pixels_sha256") if frames else None, "error": errors,
+    }  # fmt: skip
+
+
+def _write_table(path: Path, entries: Sequence[Mapping[str, Any]]) -> None:
+    from ..output.files import prepare_folder, write_pieces
+
+    prepare_folder(path.parent, 0)
+    write_pieces(path, [to_csv(entries).encode("utf-8", "backslashreplace")])
+
+
+def to_csv(entries: Sequence[Mapping[str, Any]]) -> str:
+    """A row a point: its folder, its settings, and what its report says."""
+    head, rows = rows_of(entries)
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows([head, *rows])
+    return out.getvalue()
+
+
+def rows_of(entries: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[Any]]]:
+    """The table's head and rows."""
+    keys = list(entries[0]["settings"])
+    errors = list(dict.fromkeys(name for one in entries for name in one["error"]))
+    head = ["folder", *keys, "status", "frames", "seconds_a_frame", *errors, "last_frame", "pixels_sha256"]
+    rows = [
+        [one["folder"], *one["settings"].values(), one["status"], one["frames"], _number(one["seconds_a_frame"]),
+         *(_number(one["error"].get(name)) for name in errors), one["last_frame"] or "", one["pixels_sha256"] or ""]
+        for one in entries
+    ]  # fmt: skip
+    return head, rows
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"
+
+
+def _finish(folder: Path, settings: Mapping[str, Any], entries: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Write sheet and page; returns the names of all that stands beside the points' folders."""
+    from ..output.sheet import Cell, write_sheet
+
+    made = [TABLE]
+    cells = [
+        Cell(folder / one["folder"] / one["last_frame"], ", ".join(f"{k}={v}" for k, v in one["settings"].items()))
+        for one in entries
+        if one["last_frame"]
+    ][:MOST_CELLS]
+    if cells:
+        write_sheet(folder / SHEET, cells, min(COLUMNS, len(cells)), WIDTH)
+        made.append(SHEET)
+    if not settings["no_html"]:
+        from ..html_report import of_sweep
+
+        of_sweep.write(folder, options.preset_name(settings["preset"]), entries, *rows_of(entries))
+        made.append(of_sweep.FILE)
+    return made

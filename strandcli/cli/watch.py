@@ -1,0 +1,190 @@
+"""`strandcli render --watch`: a frame drawn anew whenever the preset is saved."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import MismatchError, StrandError, UsageError
+from . import options, signals
+from .progress import Progress
+from .say import say
+from .terminal_pictures import Preview
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+FILE = "watch.png"
+PAUSE = 0.05
+"""Seconds between two looks at the files."""
+SIDE = 400
+"""Pixels of the longer side, where no --size is given."""
+NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs")
+
+watch_option = click.option(
+    "--watch", is_flag=True, help=f"Draw one frame into {FILE}, as a draft, again whenever the preset is saved."
+)
+
+
+def run(given: Mapping[str, Any]) -> None:
+    """Draw the first frame asked for until Ctrl-C, by the arguments of the command ``render``."""
+    for name in NOT_WITH:
+        if given[name]:
+            raise UsageError(f"--watch draws one frame again and again: --{name.replace('_', '-')} does not go with it")
+    folder = given["output"] or options.default_folder(given["preset"])
+    path = folder / FILE
+    _require_ours(path, given["overwrite"])
+    frame = given["frames"].numbers()[0] if given["frames"] is not None else 1
+    from .. import runtime
+    from ..output.files import prepare_folder
+
+    prepare_folder(folder, 0)
+    preview = Preview(given["preview"])
+    watcher = Watcher(given["preset"])
+    runtime.start(given["threads"])
+    if not given["quiet"]:
+        say(f"{given['preset']}: drawn into {path} whenever it is saved; Ctrl-C ends", err=True)
+    try:
+        while True:
+            if watcher.changed():
+                _round(given, watcher, path, frame, preview)
+            signals.check()
+            time.sleep(PAUSE)
+    except KeyboardInterrupt as end:
+        if type(end) is not KeyboardInterrupt:  # SIGTERM and SIGHUP
+            raise
+
+
+def _require_ours(path: Path, overwrite: bool) -> None:
+    from ..output import png
+
+    if path.exists() and not overwrite and png.keyword(path, "Software") != "strandcli":
+        raise UsageError(f"{path}: was not written by strandcli; add --overwrite to replace it")
+
+
+def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview) -> None:
+    """Draw once; faults are told in place, and the picture before stays."""
+    start = time.perf_counter()
+    quiet = given["quiet"]
+    try:
+        scene = _scene(given)
+        watcher.follow(scene)
+        image, compiling = _drawn(scene, frame, given, quiet)
+        from ..output.files import write_pieces
+        from ..output.png import encode
+
+        write_pieces(path, encode(image, {"Software": "strandcli"}))
+        preview.show(image, alone=True)
+        if not quiet:
+            more = f", of which {compiling:.1f} s compiling" if compiling > 0.05 else ""
+            _in_place(f"{path}: frame {frame} in {time.perf_counter() - start:.2f} s{more}")
+    except (StrandError, MemoryError) as error:
+        if isinstance(error, MismatchError):
+            raise
+        watcher.follow(None)
+        _in_place(str(error) or "out of memory; ask for fewer --strands or a smaller --size")
+
+
+def _scene(given: Mapping[str, Any]) -> Scene:
+    """The scene as a draft, unless a quality is asked for, and small, unless a size is."""
+    names = ("size", "strands", "particles", "seed", "overrides")
+    settings = {name: given[name] for name in names} | {"quality": given["quality"] or "draft"}
+    scene = options.load_scene(given["preset"], **settings)
+    width, height = scene.image.size
+    if settings["size"] is None and max(width, height) > SIDE and not scene.panels:
+        share = SIDE / max(width, height)
+        settings["size"] = (max(1, round(width * share)), max(1, round(height * share)))
+        scene = options.load_scene(given["preset"], **settings)
+    return scene
+
+
+def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], quiet: bool) -> tuple[Any, float]:
+    """The picture, and the seconds that compiling took."""
+    from .. import pipeline, runtime
+    from ..plan import make_plan, require_memory
+
+    if frame > scene.time.frames:
+        raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")
+    require_memory(make_plan(scene, [frame]))
+    before = runtime.compile_seconds()
+    with Progress(1, options.preset_name(given["preset"]), hidden=quiet or given["no_progress"]) as progress:
+        (found,) = pipeline.render(
+            scene, [frame], threads=given["threads"], notify=progress.note, keep_going=given["keep_going"],
+            warn=lambda text: None if quiet else progress.line(f"warning: {text}"),
+        )  # fmt: skip
+    return found.image, runtime.compile_seconds() - before
+
+
+def _in_place(text: str) -> None:
+    """Say what the last round came to; on a terminal in place of what it said before."""
+    clear = "\x1b[H\x1b[2J" if sys.stderr.isatty() and not sys.stdout.isatty() else ""
+    click.echo(clear, err=True, nl=False)
+    say(text, err=True)
+
+
+class Watcher:
+    """Tells when a preset, what it extends, or a file that it names has another content."""
+
+    def __init__(self, preset: str) -> None:
+        self._preset = preset
+        self._files: dict[str, tuple[tuple[int, int], str]] = {}
+        self._first = True
+        self.follow(None)
+
+    def follow(self, scene: Scene | None) -> None:
+        """Look at the files of the preset, and at those that a scene names."""
+        names = dict.fromkeys(self._chain())
+        if scene is not None:
+            from ..scene.named_files import files_of
+
+            names |= dict.fromkeys(path for _, path in files_of(scene))
+        self._files = {name: self._files.get(name) or (_stamp(name), _digest(name)) for name in names}
+
+    def changed(self) -> bool:
+        """Whether any has another content than at the last call, looked at closely where its time or size changed."""
+        found = self._first
+        self._first = False
+        for name, (stamp, digest) in list(self._files.items()):
+            now = _stamp(name)
+            if now != stamp:
+                content = _digest(name)
+                found = found or content != digest
+                self._files[name] = now, content
+        return found
+
+    def _chain(self) -> list[str]:
+        """The file of the preset and those that it extends, as far as they can be read."""
+        from ..scene.chain import chain_of, locate
+        from ..simulate.rules import registry
+
+        if options.is_groom(self._preset):
+            return [self._preset]
+        files: list[str] = []
+        try:
+            chain_of(locate(self._preset), registry(), files, [], hashlib.sha256())
+        except StrandError:
+            files = files or [self._preset]
+        return files
+
+
+def _stamp(name: str) -> tuple[int, int]:
+    try:
+        found = Path(name).stat()
+    except OSError:
+        return 0, -1
+    return found.st_mtime_ns, found.st_size
+
+
+def _digest(name: str) -> str:
+    """Hash of a file's content; "" where it cannot be read, as while an editor replaces it."""
+    try:
+        with open(name, "rb") as file:
+            return hashlib.file_digest(file, "blake2b").hexdigest()
+    except OSError:
+        return ""

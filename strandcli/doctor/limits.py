@@ -1,0 +1,54 @@
+"""Limits that a control group of Linux, as of a container or a cluster's job, sets on a process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path("/sys/fs/cgroup")
+UNLIMITED = 1 << 60
+"""Bytes; control groups of version 1 say a number about 2^63 where there is no limit."""
+
+
+def folders(controller: str, root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> Iterator[Path]:
+    """Folders of this process's group and of those that it is in, of either version."""
+    try:
+        lines = told.read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    for line in lines:
+        _, names, path = (*line.split(":", 2), "", "")[:3]
+        if names == "" or controller in names.split(","):
+            base = root if names == "" else root / controller
+            place = base / path.lstrip("/")
+            yield from (one for one in (place, *place.parents) if one == base or base in one.parents)
+    yield from (root, root / controller)  # inside a container
+
+
+def cores(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | None:
+    """Cores' worth of time that the process may use; None where there is no such limit."""
+    found = []
+    for folder in folders("cpu", root, told):
+        words = _read(folder / "cpu.max").split() or [
+            _read(folder / "cpu.cfs_quota_us"), _read(folder / "cpu.cfs_period_us")
+        ]  # fmt: skip
+        if len(words) == 2 and all(word.isdigit() for word in words) and int(words[1]) > 0:
+            found.append(int(words[0]) / int(words[1]))
+    return min(found, default=None)
+
+
+def memory(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
+    """Bytes of memory that the process's groups may hold; None where there is no such limit."""
+    found = []
+    for folder in folders("memory", root, told):
+        word = _read(folder / "memory.max") or _read(folder / "memory.limit_in_bytes")
+        if word.isdigit() and int(word) < UNLIMITED:
+            found.append(int(word))
+    return min(found, default=None)
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="ascii").strip()
+    except (OSError, ValueError):
+        return ""

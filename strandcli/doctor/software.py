@@ -1,0 +1,122 @@
+"""Versions, Numba's settings and threading layers, optional packages and programs."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import re
+import shutil
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+
+from .. import __version__
+from .finding import BROKEN, NOTE, OK, Finding
+
+LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1), "pyyaml": (6, 0)}
+"""Versions that pyproject.toml asks for."""
+LEAST_PYTHON = (3, 11)
+EXTRAS = {
+    "OpenEXR": ("--exr", "pip install 'strandcli[exr]'"),
+    "pxr": ("files of USD", "pip install 'strandcli[usd]'"),
+}
+"""Modules of extras: what they are for and how they come."""
+
+
+def versions() -> Iterator[Finding]:
+    """Python and the packages that strandcli cannot do without."""
+    here = ".".join(map(str, sys.version_info[:3]))
+    told = [f"strandcli {__version__}", f"Python {here}"]
+    old = [f"Python {here}"] if sys.version_info[:2] < LEAST_PYTHON else []
+    lost = []
+    for name, least in LEAST.items():
+        try:
+            version = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            lost.append(name)
+            continue
+        told.append(f"{name} {version}")
+        if numbers(version) < least:
+            old.append(f"{name} {version}")
+    text = f"{', '.join(told)}; {platform.system()} {platform.machine()}"
+    if lost or old:
+        wrong = "; ".join(
+            ([f"too old: {', '.join(old)}"] if old else []) + ([f"missing: {', '.join(lost)}"] if lost else [])
+        )
+        yield Finding(
+            "versions", BROKEN, f"{text}; {wrong}", "pip install --upgrade strandcli, with Python 3.11 or newer"
+        )
+    else:
+        yield Finding("versions", OK, text)
+
+
+def numbers(version: str) -> tuple[int, ...]:
+    """The first two numbers of a version."""
+    return tuple(int(one) for one in re.findall(r"[0-9]+", version)[:2])
+
+
+def numba_settings() -> Iterator[Finding]:
+    """Numba, its compiler, and variables that change what it does."""
+    try:
+        import llvmlite.binding as llvm
+        import numba
+    except Exception as error:  # what a broken installation raises may be anything
+        yield Finding("numba", BROKEN, f"cannot be imported: {error}", "pip install --force-reinstall numba llvmlite")
+        return
+    text = f"LLVM {'.'.join(map(str, llvm.llvm_version_info))}, llvmlite {metadata.version('llvmlite')}"
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        yield Finding("numba", BROKEN, f"{text}; NUMBA_DISABLE_JIT is set", "unset NUMBA_DISABLE_JIT")
+        return
+    mine = sorted(name for name in os.environ if name.startswith("NUMBA_") and name != "NUMBA_NUM_THREADS")
+    if mine:
+        yield Finding("numba", NOTE, f"{text}; set: {', '.join(mine)}", "unset them unless you mean them")
+    else:
+        yield Finding("numba", OK, text)
+
+
+def threading_layers() -> Iterator[Finding]:
+    """OpenMP or TBB, by which several frames are drawn at once; Numba's own layer lets one thread in."""
+    found = []
+    for module, name in (("tbbpool", "TBB"), ("omppool", "OpenMP"), ("workqueue", "Numba's own")):
+        try:
+            importlib.import_module(f"numba.np.ufunc.{module}")
+        except Exception:  # the library behind it is missing
+            continue
+        found.append(name)
+    text = f"threading layers: {', '.join(found) or 'none'}"
+    if not found:
+        yield Finding("threading", BROKEN, text, "pip install --force-reinstall numba")
+    elif found == ["Numba's own"]:
+        install = "apt-get install libgomp1" if sys.platform.startswith("linux") else "pip install tbb"
+        yield Finding("threading", NOTE, f"{text}: frames are drawn one by one", f"{install}: several at once")
+    else:
+        yield Finding("threading", OK, text)
+
+
+def optional() -> Iterator[Finding]:
+    """Extras, and ffmpeg, which none of the usual work needs."""
+    there, ways = [], []
+    for module, (use, way) in EXTRAS.items():
+        if importlib.util.find_spec(module) is not None:
+            there.append(module)
+        else:
+            ways.append(f"for {use}: {way}")
+    if shutil.which("ffmpeg"):
+        there.append("ffmpeg")
+    elif importlib.util.find_spec("imageio_ffmpeg") is not None:
+        there.append("imageio-ffmpeg")
+    else:
+        ways.append("for --animate mp4: ffmpeg, or pip install 'strandcli[video]'")
+    yield Finding("extras", OK, ", ".join(there) or "none installed", "; ".join(ways))
+
+
+def presets() -> Iterator[Finding]:
+    """The presets that come with strandcli."""
+    from ..scene.library import folder, list_presets
+
+    found = list_presets()
+    if found:
+        yield Finding("presets", OK, f"{len(found)} in {folder()}")
+    else:
+        yield Finding("presets", BROKEN, f"{folder()}: holds none", "pip install --force-reinstall strandcli")

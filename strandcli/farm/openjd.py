@@ -1,0 +1,63 @@
+"""A template of Open Job Description (specification jobtemplate-2023-09), which several render managers take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .job import FRAMES, POSITIONS, SCENE, Job
+
+JOB = "job.yaml"
+SPECIFICATION = "jobtemplate-2023-09"
+COMMAND = "{{Param.Strandcli}}"
+PATHS = {"scene": "{{Param.Scene}}", "positions": "{{Param.Positions}}", "frames": "{{Param.Frames}}"}
+
+
+def files(job: Job) -> dict[str, str]:
+    """The template by its file's name."""
+    import yaml
+
+    return {JOB: yaml.safe_dump(template(job), sort_keys=False, allow_unicode=True, width=100)}
+
+
+def template(job: Job) -> dict[str, Any]:
+    """The template as plain data."""
+    draw = job.draw("{{Task.Param.Chunk}}", **PATHS)
+    steps = [_step("Warm up", job.warm_up(PATHS["scene"]), job.threads)]
+    if job.simulated:
+        moved = job.simulate(PATHS["scene"], PATHS["positions"])
+        steps.append(_step("Simulate", moved, job.threads, after=steps[-1]["name"]))
+    steps.append(_step("Draw", draw, job.threads, after=steps[-1]["name"], chunks=job.chunks))
+    steps.append(_step("Join", job.join(**PATHS), job.threads, after="Draw"))
+    return {
+        "specificationVersion": SPECIFICATION,
+        "name": "".join(c if c.isprintable() and c not in "{}" else "-" for c in job.name)[:120] or "strands",
+        "parameterDefinitions": [
+            _path("Scene", SCENE, "FILE", "IN", "Preset with all settings"),
+            _path("Positions", POSITIONS, "DIRECTORY", "INOUT", "Simulated positions"),
+            _path("Frames", FRAMES, "DIRECTORY", "INOUT", "Pictures, animation, report"),
+            {"name": "Strandcli", "type": "STRING", "default": "strandcli", "description": "The command on the hosts"},
+        ],
+        "steps": steps,
+    }
+
+
+def _path(name: str, default: str, kind: str, flow: str, words: str) -> dict[str, str]:
+    return {"name": name, "type": "PATH", "objectType": kind, "dataFlow": flow, "default": default,
+            "description": words}  # fmt: skip
+
+
+def _step(
+    name: str, arguments: Sequence[str], threads: int, after: str = "", chunks: Sequence[str] = ()
+) -> dict[str, Any]:
+    """A step that runs strandcli, once or for each chunk."""
+    step: dict[str, Any] = {"name": name}
+    if after:
+        step["dependencies"] = [{"dependsOn": after}]
+    if chunks:
+        definition = {"name": "Chunk", "type": "STRING", "range": list(chunks)}
+        step["parameterSpace"] = {"taskParameterDefinitions": [definition]}
+    step["hostRequirements"] = {"amounts": [{"name": "amount.worker.vcpu", "min": threads}]}
+    action = {"command": COMMAND, "args": [*arguments, "--threads", str(threads)]}
+    step["script"] = {"actions": {"onRun": action}}
+    return step

@@ -1,0 +1,110 @@
+"""Shell scripts: the job's stages, and how Slurm or GNU parallel runs them. POSIX sh, for clusters' old shells."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+
+from .job import CHUNKS, Job
+
+JOB, SUBMIT, RUN = "job.sh", "submit.sh", "run.sh"
+
+STAGES = """\
+#!/bin/sh
+# Stages of "{name}": sh job.sh warmup | simulate | draw [FRAMES] | join, in this folder.
+# All of them may run again: what is there and whole is kept.
+set -eu
+strandcli() {{
+  if [ -n "${{STRANDCLI:-}}" ]; then $STRANDCLI "$@"; else {command} "$@"; fi
+}}
+threads="${{SLURM_CPUS_PER_TASK:-{threads}}}"
+case "$1" in
+  warmup) strandcli {warmup} --threads "$threads" ;;
+  simulate) {simulate} ;;
+  draw)
+    frames="${{2:-}}"
+    if [ -z "$frames" ]; then frames="$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {chunks})"; fi
+    strandcli {draw} --threads "$threads" ;;
+  join) strandcli {join} --threads "$threads" ;;
+  *) echo "job.sh: no stage '$1'" >&2; exit 2 ;;
+esac
+"""
+
+SLURM = """\
+#!/bin/sh
+# Submit "{name}" to Slurm: kernels, motion, {count} tasks of frames, then all joined, each after what it needs.
+# Options of sbatch go with it: sh submit.sh --partition=short --time=2:00:00
+# Submit it again after a failure: finished work is kept.
+# This folder has to be on storage that all nodes share, and so has the cache of kernels: STRANDCLI_CACHE_DIR.
+set -eu
+cd "$(dirname "$0")"
+mkdir -p logs
+submit() {{
+  id="$(sbatch --parsable --chdir="$(pwd)" --cpus-per-task={threads} --requeue --kill-on-invalid-dep=yes "$@")"
+  echo "${{id%%;*}}"
+}}
+warm="$(submit --job-name={short}-warmup --output=logs/warmup-%j.txt "$@" job.sh warmup)"
+{simulate}drawn="$(submit --job-name={short}-draw --output=logs/draw-%A-%a.txt --array=0-{last} \\
+  --dependency="afterok:${after}" "$@" job.sh draw)"
+joined="$(submit --job-name={short}-join --output=logs/join-%j.txt --dependency="afterok:$drawn" "$@" job.sh join)"
+echo "submitted: the last job is $joined; frames go to $(pwd)/frames"
+"""
+SIMULATE = """\
+moved="$(submit --job-name={short}-simulate --output=logs/simulate-%j.txt \\
+  --dependency="afterok:$warm" "$@" job.sh simulate)"
+"""
+
+PARALLEL = """\
+#!/bin/sh
+# Run "{name}" on this machine by GNU parallel, {threads} threads a task; its options go with it:
+#   sh run.sh --sshloginfile nodes.txt --workdir .   # on several that share this folder
+# Run it again after a failure: finished work is kept.
+set -eu
+cd "$(dirname "$0")"
+sh job.sh warmup
+{simulate}parallel --halt soon,fail=1 --jobs "${{JOBS:-{jobs}}}" "$@" sh job.sh draw {{}} :::: {chunks}
+sh job.sh join
+"""
+
+
+def files(job: Job, target: str, cores: int) -> dict[str, str]:
+    """The scripts by name. ``cores``: of this machine, for GNU parallel."""
+    if target == "slurm":
+        return {JOB: _stages(job), SUBMIT: _slurm(job), CHUNKS: _lines(job.chunks)}
+    return {JOB: _stages(job), RUN: _parallel(job, cores), CHUNKS: _lines(job.chunks)}
+
+
+def _lines(words: Sequence[str]) -> str:
+    return "".join(f"{word}\n" for word in words)
+
+
+def _stages(job: Job) -> str:
+    simulate = f'strandcli {shlex.join(job.simulate())} --threads "$threads"' if job.simulated else ":"
+    draw = shlex.join(job.draw("CHUNK")).replace("-f CHUNK", '-f "$frames"')
+    command = f"{shlex.quote(sys.executable)} -m strandcli"
+    return STAGES.format(
+        name=_comment(job.name), command=command, threads=job.threads, warmup=shlex.join(job.warm_up()),
+        simulate=simulate, draw=draw, join=shlex.join(job.join()), chunks=CHUNKS,
+    )  # fmt: skip
+
+
+def _slurm(job: Job) -> str:
+    short = "".join(c if c.isascii() and c.isalnum() else "-" for c in job.name)[:40].strip("-") or "strands"
+    simulate = SIMULATE.format(short=short) if job.simulated else ""
+    return SLURM.format(
+        name=_comment(job.name), count=len(job.chunks), threads=job.threads, short=short, last=len(job.chunks) - 1,
+        simulate=simulate, after="moved" if job.simulated else "warm",
+    )  # fmt: skip
+
+
+def _parallel(job: Job, cores: int) -> str:
+    return PARALLEL.format(
+        name=_comment(job.name), threads=job.threads, jobs=max(1, cores // job.threads), chunks=CHUNKS,
+        simulate="sh job.sh simulate\n" if job.simulated else "",
+    )  # fmt: skip
+
+
+def _comment(text: str) -> str:
+    """Text that ends neither a comment nor a line."""
+    return "".join(c if c.isprintable() else "?" for c in text)

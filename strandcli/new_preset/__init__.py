@@ -1,0 +1,1 @@
+"""Presets that `strandcli new` writes: commented, and drawn as they are."""

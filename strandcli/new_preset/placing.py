@@ -1,0 +1,124 @@
+"""How files of strands and of meshes are placed: their unit and up axis, as files tell them or as they are guessed."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError
+
+HEAD_SIZE = 0.28
+"""Metres: longest side of a head without shoulders, for meshes of no known unit."""
+GROOM_SIZE = 0.4
+"""Likewise of strands that hang from one."""
+DENSITIES = ("scalp", "density", "hair", "fur")
+"""Attributes of vertices that tell where strands grow."""
+TOLD = "metres a unit, as the file says"
+COLUMN = 22
+"""Width of a key with its value, before a comment."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A file with the lines of its placing.
+
+    file: its path as the preset names it; lines: `up`, `scale` or `size`, with comments; size: longest side, metres;
+    density: the attribute by which strands grow on it.
+    """
+
+    file: str
+    lines: tuple[str, ...]
+    size: float
+    up: str
+    scale: float
+    density: str | None = None
+
+
+def named(path: Path, preset: Path) -> str:
+    """A file's path as a preset names it: from the preset's folder where it lies there, below or beside it."""
+    try:
+        near = Path(os.path.relpath(path.resolve(), preset.parent.resolve()))
+    except ValueError:  # on another drive
+        near = path.resolve()
+    found = near if near.parts.count("..") < 2 else path.resolve()
+    text = found.as_posix()
+    if not text.isprintable():
+        raise UsageError(f"{path}: its name has characters that a preset cannot hold; give it another one")
+    return text
+
+
+def mesh(path: Path, preset: Path) -> Placed:
+    """A mesh placed by what its file tells, else by guesses. Raises `UsageError` where it cannot be read."""
+    from ..meshes.facts import facts_of_file
+
+    data, _ = facts_of_file(path)
+    guess = data["guess"]
+    up, why_up = _first((data["up"], "as the file says"), (guess["up"], "a guess: it stands on a flat side"))
+    if up is None:
+        up, why_up = "y", "of the file; nothing tells, so look at the picture"
+    size = max(data["box"]["size"])
+    guessed, words = (None, "") if guess["unit"] is None else (guess["unit"]["scale"], guess["unit"]["unit"])
+    unit, why = _first((data["unit"], TOLD), (guessed, f"metres a unit, a guess: it is in {words}"))
+    names = {one["name"] for one in data["attributes"] if one["domain"] == "vertex"}
+    density = next((name for name in DENSITIES if name in names), None)
+    scale = HEAD_SIZE / size if unit is None else float(unit)
+    return Placed(
+        named(path, preset), _lines(up, why_up, scale, unit is None, why, HEAD_SIZE), scale * size, up, scale, density
+    )
+
+
+def strands(path: Path, preset: Path) -> Placed:
+    """Strands placed by what their file tells, else by guesses."""
+    from ..exchange.facts import facts_of_file
+    from ..exchange.files import ReadOptions
+
+    data = facts_of_file(path, ReadOptions()).data
+    if data["box"] is None:
+        raise UsageError(f"{path}: holds no strand that could be drawn; 'strandcli info {path}' tells what is in it")
+    guess = data["guess"]
+    up, why_up = _first(
+        (data["up"], "as the file says"), (guess["up"] and guess["up"]["axis"], "a guess: hair hangs from above")
+    )
+    if up is None:
+        up, why_up = "y", "of the file; nothing tells, so look at the picture"
+    head = guess["head"] or {"unit": ""}
+    guessed = head["scale"] if head["unit"] else None
+    unit, why = _first((data["unit"], TOLD), (guessed, f"metres a unit, a guess: the head is in {head['unit']}"))
+    size = max(data["box"]["size"])
+    scale = GROOM_SIZE / size if unit is None else float(unit)
+    return Placed(
+        named(path, preset), _lines(up, why_up, scale, unit is None, why, GROOM_SIZE), scale * size, up, scale
+    )
+
+
+def strands_on(path: Path, head: Placed, head_file: Path, preset: Path) -> tuple[Placed, str | None]:
+    """Strands placed by how their roots lie on a placed mesh, and what to do where they lie on it in no way."""
+    from ..exchange.files import ReadOptions
+    from ..groom_file import fits  # Numba comes with it
+    from ..solid_shapes.mesh import Settings
+
+    solid = Settings(file=str(head_file), up=head.up, scale=head.scale)
+    fit = fits.facts_on(path, ReadOptions(lenient=True), solid)
+    found = fit["mend"] or fit
+    up, scale = found["up"], found["scale"]
+    why = f"measured: roots lie {found['median']:.2g} m off the head in the median"
+    warning = None
+    if not fit["fits"] and fit["mend"] is None:
+        why = "not sure: roots lie off the head"
+        warning = f"{path}: {fits.said(fit)}"
+    return Placed(named(path, preset), _lines(up, why, scale, False, why, 0), 0.0, up, scale), warning
+
+
+def _first(*found: tuple[Any, str]) -> tuple[Any, str]:
+    """The first value that is known, with its reason."""
+    return next(((value, why) for value, why in found if value), (None, ""))
+
+
+def _lines(up: str, why_up: str, scale: float, by_size: bool, why: str, size: float) -> tuple[str, ...]:
+    if by_size:
+        second = f"{f'size: {size:g}':<{COLUMN}} # metres, its longest side; the unit is not known"
+    else:
+        second = f"{f'scale: {scale:.6g}':<{COLUMN}} # {why}"
+    return f"{f'up: {up}':<{COLUMN}} # {why_up}", second

@@ -1,0 +1,243 @@
+"""Looking on: pictures in terminals, --watch, SIGUSR1, and MP4."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import os
+import pty
+import re
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from cli_runs import TINY, Runner, child, environment
+from strandcli.cli import terminal_pictures as shown
+from strandcli.errors import RefusedError, UsageError
+from strandcli.output import png, video
+from strandcli.output.compare import write_image
+
+SIZES = st.tuples(st.integers(1, 40), st.integers(1, 40))
+
+
+def picture(size: tuple[int, int], seed: int = 1) -> np.ndarray:
+    """A picture (H, W, 3) of few colours, so that a palette holds them all."""
+    rng = np.random.default_rng(seed)
+    colours = rng.choice([0, 51, 102, 204, 255], (7, 3)).astype(np.uint8)
+    return colours[rng.integers(0, 7, size)]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+@given(SIZES, st.integers(0, 9))
+def test_sixels_hold_the_picture(size: tuple[int, int], seed: int) -> None:
+    """Read again by what the manual says: bands of six rows, `$` back to the left, `-` to the next band."""
+    image = picture(size, seed)
+    text = shown.sixel(image)
+    body = re.fullmatch(r'\x1bPq"1;1;(\d+);(\d+)(.*)\x1b\\\n', text, re.DOTALL)
+    assert body is not None
+    assert (int(body[2]), int(body[1])) == size
+    found = np.zeros((*size, 3), np.uint8)
+    palette: dict[int, list[int]] = {}
+    x = y = colour = 0
+    for number, parts, count, sign, move in re.findall(r"#(\d+)((?:;\d+)*)|(?:!(\d+))?([?-~])|([$-])", body[3]):
+        if number:
+            colour = int(number)
+            if parts:
+                palette[colour] = [round(int(one) * 255 / 100) for one in parts.split(";")[2:]]
+        elif move:
+            x, y = 0, y + (6 if move == "-" else 0)
+        else:
+            for row in range(6):
+                if (ord(sign) - 63) >> row & 1:
+                    found[y + row, x : x + int(count or 1)] = palette[colour]
+            x += int(count or 1)
+    assert np.abs(found.astype(int) - image).max() <= 2, "colours are hundredths"
+
+
+@given(SIZES)
+def test_kitty_and_iterm2_are_handed_the_pictures_png(size: tuple[int, int]) -> None:
+    image = picture(size)
+    pieces = re.findall(r"\x1b_G([^;]*);([^\x1b]*)\x1b\\", shown.kitty(image))
+    assert all(len(data) <= shown.CHUNK for _, data in pieces)
+    assert [keys.rpartition("m=")[2] for keys, _ in pieces] == ["1"] * (len(pieces) - 1) + ["0"]
+    inline = re.fullmatch(r"\x1b\]1337;File=inline=1;size=(\d+);[^:]*:(.*)\x07\n", shown.iterm2(image))
+    assert inline is not None
+    for text in ("".join(data for _, data in pieces), inline[2]):
+        data = base64.b64decode(text)
+        assert np.array_equal(np.asarray(Image.open(io.BytesIO(data))), image)
+    assert len(base64.b64decode(inline[2])) == int(inline[1])
+
+
+def test_half_blocks_have_two_pixels_each() -> None:
+    image = picture((6, 5))
+    lines = shown.blocks(image).splitlines()
+    assert [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in lines] == [shown.UPPER_HALF * 5] * 3
+    for row, line in enumerate(lines):
+        colours: list[str] = []
+        for code, blocks in re.findall(r"\x1b\[([0-9;]+)m(\u2580+)", line):
+            colours += [code] * len(blocks)
+        for x, code in enumerate(colours):
+            upper, lower = image[2 * row, x].tolist(), image[2 * row + 1, x].tolist()
+            assert code == f"38;2;{upper[0]};{upper[1]};{upper[2]};48;2;{lower[0]};{lower[1]};{lower[2]}"
+    assert len(shown.drawn(picture((300, 400)), "blocks", 80, 24).splitlines()) == 20
+
+
+@pytest.mark.parametrize(("variables", "kind"), [
+    ({"TERM": "xterm-kitty"}, "kitty"), ({"KITTY_WINDOW_ID": "1"}, "kitty"), ({"TERM_PROGRAM": "ghostty"}, "kitty"),
+    ({"TERM_PROGRAM": "iTerm.app"}, "iterm2"), ({"LC_TERMINAL": "iTerm2"}, "iterm2"), ({"TERM": "foot"}, "sixel"),
+    ({"TERM": "xterm-256color"}, "blocks"), ({"TERM": "tmux-256color", "KITTY_WINDOW_ID": "1"}, "blocks"),
+    ({"TERM_PROGRAM": "WezTerm", "TMUX": "/tmp/x"}, "blocks"), ({}, "blocks"),
+])  # fmt: skip
+def test_terminals_are_told_by_their_variables(variables: dict[str, str], kind: str) -> None:
+    assert shown.detected(variables) == kind
+
+
+def test_a_preview_goes_to_terminals_alone_unless_a_kind_is_named(run: Runner) -> None:
+    render = ["render", "tiny.yaml", "-f", "1", "-o", "a", "--overwrite", "-q", "--no-html"]
+    assert run(*render, "--preview").out == ""
+    forced = run(*render, "--preview", "blocks").out
+    assert forced.count("\n") == 20
+    follower, leader = pty.openpty()
+    process = subprocess.Popen([sys.executable, "-m", "strandcli", *render, "--preview"], stdout=leader, cwd=run.folder,
+                               env={**environment(), "TERM": "xterm-256color"})  # fmt: skip
+    os.close(leader)
+    told = b""
+    with contextlib.suppress(OSError):  # which is how Linux tells that the other side is closed
+        while piece := os.read(follower, 4096):
+            told += piece
+    os.close(follower)
+    assert process.wait(30) == 0
+    assert told.decode().count("\n") == 20
+    assert "\u2580" in told.decode()
+
+
+def lines_of(process: subprocess.Popen[str], word: str) -> str:
+    """The next line on stderr that holds a word."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        if word in line:
+            return line
+    raise AssertionError(f"it ended without {word!r}")
+
+
+def saved(text: str) -> None:
+    """Replace the preset at once, as editors do: it is never seen empty."""
+    Path("new.yaml").write_text(text)
+    os.replace("new.yaml", "tiny.yaml")
+
+
+def test_watch_draws_again_when_the_preset_changes_and_tells_faults(run: Runner) -> None:
+    process = child(run.folder, "render", "tiny.yaml", "--watch", "-o", "w", "--threads", 1)
+    try:
+        lines_of(process, "watch.png: frame 1 in")
+        first = png.read(Path("w/watch.png"))
+        saved(TINY.replace("strength: 2", "strength: x"))
+        assert "tiny.yaml:7:22: wind.strength" in lines_of(process, "tiny.yaml:")
+        assert np.array_equal(png.read(Path("w/watch.png")), first)
+        saved(TINY.replace("length: 0.6", "length: 0.9"))
+        lines_of(process, "watch.png: frame 1 in")
+        assert not np.array_equal(png.read(Path("w/watch.png")), first)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 0
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_watch_goes_with_no_run_of_many_frames_and_replaces_no_file_of_others(run: Runner) -> None:
+    assert "--resume does not go with it" in run("render", "tiny.yaml", "--watch", "--resume").error()
+    assert "--sweep does not go" in run("render", "tiny.yaml", "--watch", "--sweep", "seed=1-2").error()
+    Path("w").mkdir()
+    write_image(Path("w/watch.png"), picture((4, 4)))
+    Image.open("w/watch.png").save("w/watch.png")
+    assert "was not written by strandcli" in run("render", "tiny.yaml", "--watch", "-o", "w").error()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="no such signal here")
+def test_a_signal_has_the_newest_frame_written(run: Runner) -> None:
+    Path("long.yaml").write_text(TINY.replace("frames: 12", "frames: 100000"))
+    process = child(run.folder, "render", "long.yaml", "-o", "a", "--no-html", "--threads", 1)
+    try:
+        for _ in range(600):
+            if Path("a/frame_0003.png").exists():
+                break
+            time.sleep(0.1)
+        process.send_signal(signal.SIGUSR1)
+        told = re.search(r"a/now.png: frame (\d+), \d+ of 100000 are done", lines_of(process, "now.png"))
+        assert told is not None
+        now = png.pixels_sha256(png.read(Path("a/now.png")))
+        assert process.poll() is None, "the run goes on"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+        assert now == png.pixels_sha256(png.read(Path(f"a/frame_{int(told[1]):04d}.png")))
+    finally:
+        process.kill()
+        process.communicate()
+
+
+FFMPEG = f"""\
+#!{sys.executable}
+import pathlib, sys
+words = sys.argv[1:]
+if "libx264" in words:
+    sys.exit("Unknown encoder 'libx264'")
+if "fail" in words[-1]:
+    sys.exit("no such luck")
+data = sys.stdin.buffer.read()
+pathlib.Path(words[-1].removeprefix("file:")).write_bytes(" ".join(words[:-1]).encode() + b"\\n" + data)
+"""
+
+
+def test_ffmpeg_is_handed_every_frame_for_its_time(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a stand-in that was built without x264."""
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    refused = run("render", "tiny.yaml", "-f", "1", "--animate", "mp4", "-o", "a")
+    assert (refused.code, "there is no ffmpeg; install ffmpeg" in refused.error()) == (2, True)
+    assert not Path("a").exists()
+    Path("ffmpeg").write_text(FFMPEG)
+    Path("ffmpeg").chmod(stat.S_IRWXU)
+    monkeypatch.setenv("PATH", str(run.folder))
+    images = []
+    for number in (1, 3, 4):
+        images.append(Path(f"frame_{number:04d}.png"))
+        write_image(images[-1], picture((3, 5), number))
+    assert video.write_video(Path("film.mp4"), images, [1, 3, 4], 23.976) == 23.976
+    words, _, data = Path("film.mp4").read_bytes().partition(b"\n")
+    assert b"-video_size 5x3 -framerate 2997/125" in words
+    assert data == b"".join(picture((3, 5), number).tobytes() for number in (1, 1, 3, 4))
+    with pytest.raises(RefusedError, match="ffmpeg could not write it: no such luck"):
+        video.write_video(Path("fail.mp4"), images, [1, 3, 4], 24)
+    assert sorted(path.suffix for path in Path().iterdir() if path.name.startswith((".", "fail"))) == []
+
+
+def test_a_real_ffmpeg_makes_a_film_of_the_right_length(run: Runner) -> None:
+    try:
+        command = video.ffmpeg()
+    except UsageError:
+        pytest.skip("no ffmpeg")
+    assert run("render", "tiny.yaml", "-f", "1-9x4", "--size", "63x47", "--animate", "mp4", "-o", "a", "-q").code == 0
+    raw = subprocess.run([command, "-v", "error", "-i", "a/animation.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+                         capture_output=True, check=True).stdout  # fmt: skip
+    films = np.frombuffer(raw, np.uint8).reshape(9, 48, 64, 3)
+    for place, number in ((0, 1), (3, 1), (4, 5), (8, 9)):
+        image = png.read(Path(f"a/frame_{number:04d}.png")).astype(int)
+        assert np.abs(films[place, :47, :63] - image).mean() < 6
+    assert shutil.which("ffmpeg") or "imageio" in command

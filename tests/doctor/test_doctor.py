@@ -1,0 +1,142 @@
+"""`strandcli doctor`: a healthy machine is told so, and each disease by its name."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from cli_runs import Runner
+from strandcli.compiling.folder import cache
+from strandcli.doctor import examine, kernels, limits, machine, self_test, software
+from strandcli.doctor.finding import BROKEN, NOTE, OK, Finding
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def test_all_is_well_here(run: Runner) -> None:
+    result = run("doctor", "--json")
+    data = json.loads(result.out)
+    assert (result.code, data["broken"]) == (0, []), result.out
+    states = {one["check"]: one["state"] for one in data["checks"]}
+    assert set(states) == {*examine.CHECKS, "temporary"}
+    assert states["self-test"] == OK
+    assert "exact" in data["checks"][-1]["text"] or "tolerance" in data["checks"][-1]["text"]
+
+
+def test_what_is_broken_ends_in_exit_code_1(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> Iterator[Finding]:
+        raise OSError("no such luck")
+
+    broken = Finding("numba", BROKEN, "cannot be imported\x1b[2J", "install it")
+    checks = {"disk": fails, "numba": lambda: iter([broken]), "self-test": self_test.picture}
+    monkeypatch.setattr(examine, "CHECKS", checks)
+    result = run("doctor")
+    assert result.code == 1
+    assert result.err == "broken: disk, numba, self-test\n"
+    assert "BROKEN disk       OSError: no such luck" in result.out
+    assert "BROKEN self-test  not run\n                  mend numba first" in result.out
+    assert "\x1b" not in result.out
+    quiet = run("doctor", "-q")
+    assert (quiet.code, quiet.err) == (1, "")
+
+
+def test_a_picture_that_differs_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "golden"
+    shutil.copytree(self_test.GOLDEN, folder)
+    monkeypatch.setattr(self_test, "GOLDEN", folder)
+    good = self_test.draw()
+    assert good["matches"]
+    assert self_test.told(0, json.dumps(good), "").state == OK
+    listed = folder / "golden.yaml"
+    listed.write_text(listed.read_text().replace("strands=400", "strands=399"))
+    wrong = self_test.told(0, json.dumps(self_test.draw()), "")
+    assert wrong.state == BROKEN
+    assert "pictures are wrong here" in wrong.advice
+    assert (Image.open(folder / "self-test.png").size) == (96, 72)
+
+
+def test_a_self_test_that_ends_otherwise_is_told() -> None:
+    assert "SIGSEGV" in self_test.told(-11, "", "").text
+    assert self_test.told(1, "", "Traceback\nImportError: no numba\n").text == "ImportError: no numba"
+    assert self_test.told(0, '{"error": "UsageError: unset it"}\n', "").text == "UsageError: unset it"
+    assert self_test.told(1, "", "").text == "exit code 1"
+
+
+def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(tmp_path: Path) -> None:
+    told = tmp_path / "told"
+    told.write_text("0::/user/job\n")
+    inner = tmp_path / "root/user/job"
+    inner.mkdir(parents=True)
+    assert limits.cores(tmp_path / "root", told) is None
+    (inner / "cpu.max").write_text("max 100000\n")
+    (inner.parent / "cpu.max").write_text("150000 100000\n")
+    (inner / "memory.max").write_text("max\n")
+    (inner.parent / "memory.max").write_text("5000\n")
+    (tmp_path / "root/memory.max").write_text("7000\n")
+    assert limits.cores(tmp_path / "root", told) == 1.5
+    assert limits.memory(tmp_path / "root", told) == 5000
+
+
+def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
+    told = tmp_path / "told"
+    told.write_text("4:cpu,cpuacct:/job\n3:memory:/job\n")
+    for name in ("cpu/job", "memory/job"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "cpu/job/cpu.cfs_quota_us").write_text("-1")
+    (tmp_path / "cpu/job/cpu.cfs_period_us").write_text("100000")
+    (tmp_path / "cpu/cpu.cfs_quota_us").write_text("400000")
+    (tmp_path / "cpu/cpu.cfs_period_us").write_text("100000")
+    (tmp_path / "memory/job/memory.limit_in_bytes").write_text(str(2**63 - 4096))
+    assert limits.cores(tmp_path, told) == 4
+    assert limits.memory(tmp_path, told) is None
+
+
+def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "cores", lambda: 1.0)
+    monkeypatch.setattr("strandcli.runtime.checked_threads", lambda threads: 4)
+    (found,) = machine.threads()
+    assert (found.state, "--threads 1" in found.advice) == (NOTE, True)
+    monkeypatch.setattr(limits, "cores", lambda: 4.0)
+    (found,) = machine.threads()
+    assert found.state == OK
+
+
+def test_the_kernels_folder_tells_damage_and_other_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tmp_path.chmod(0o700)
+    monkeypatch.setattr(cache, "_path", tmp_path)
+    monkeypatch.setattr(cache, "_trouble", None)
+    good = tmp_path / f"a.b-{'0' * 24}.kernel"
+    good.write_bytes(kernels.FIRST_BYTES + bytes(2000))
+    (tmp_path / "another file").write_text("not strandcli's")
+    (found,) = kernels.kept()
+    assert (found.state, "1 kernels" in found.text) == (OK, True)
+    for content in (b"", kernels.FIRST_BYTES, bytes(3000)):
+        good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
+        (found,) = kernels.kept()
+        assert (found.state, "1 damaged" in found.text) == (NOTE, True)
+    tmp_path.chmod(0o777)
+    if hasattr(os, "getuid"):
+        (found,) = kernels.kept()
+        assert "other users may write there" in found.text
+    monkeypatch.setattr(cache, "_trouble", "kernels cannot be kept")
+    (found,) = kernels.kept()
+    assert found == Finding("cache", NOTE, "kernels cannot be kept")
+
+
+def test_versions_that_are_too_old_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert software.numbers("2.0.1rc3") == (2, 0)
+    monkeypatch.setattr(software, "LEAST", {"numba": (999, 0), "no-such-package": (1, 0)})
+    (found,) = software.versions()
+    assert found.state == BROKEN
+    assert "too old: numba" in found.text
+    assert "missing: no-such-package" in found.text

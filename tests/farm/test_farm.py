@@ -1,0 +1,205 @@
+"""`strandcli farm`: what is generated is run by stand-ins for the schedulers, to the very frames of a plain run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import stat
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cli_runs import TINY, Runner, environment
+from strandcli.cli.frame_range import FrameRange
+from strandcli.farm import job as jobs
+from strandcli.farm import openjd, scripts
+from strandcli.output import png
+
+SBATCH = """\
+#!/bin/sh
+# Runs a job at once, each task of an array by itself, if what it depends on went well; prints its number.
+id=$(($(cat "$JOBS.count" 2>/dev/null || echo 100) + 1)); echo $id > "$JOBS.count"
+array=0-0; depends=""
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --array=*) array="${1#--array=}" ;;
+    --dependency=afterok:*) depends="${1#--dependency=afterok:}" ;;
+    --chdir=*) cd "${1#--chdir=}" ;;
+    --*) ;;
+    *) break ;;
+  esac
+  shift
+done
+echo "$id $2 ${depends:-none} $array" >> "$JOBS"
+if [ -n "$depends" ] && ! grep -qx "$depends" "$JOBS.well"; then echo "$id"; exit 0; fi
+copy="$(mktemp)"; cp "$1" "$copy"; shift  # as Slurm does: the script's own folder is another one
+for task in $(seq "${array%-*}" "${array#*-}"); do
+  SLURM_CPUS_PER_TASK=1 SLURM_ARRAY_TASK_ID=$task sh "$copy" "$@" >&2 || { rm "$copy"; echo "$id;cluster"; exit 0; }
+done
+rm "$copy"; echo "$id" >> "$JOBS.well"; echo "$id;cluster"
+"""
+PARALLEL = """\
+#!/bin/sh
+# Runs a command for each line of the file after ::::, in place of {}.
+command=""
+while [ "$1" != sh ]; do shift; done
+while [ "$1" != :::: ]; do command="$command $1"; shift; done
+while read -r line; do
+  echo "$line" >> "$JOBS"
+  sh -c "$(printf '%s' "$command" | sed "s/{}/$line/")" < /dev/null || exit 1
+done < "$2"
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    """In a folder with a blank in its name."""
+    folder = tmp_path / "my films"
+    folder.mkdir()
+    (folder / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(folder)
+    return Runner(folder, capsys)
+
+
+def shell(folder: Path, command: list[str], tool: str, text: str) -> subprocess.CompletedProcess[str]:
+    """Run a script with a stand-in of a scheduler's command on the PATH."""
+    tools = folder / "tools"
+    tools.mkdir(exist_ok=True)
+    (tools / tool).write_text(text)
+    (tools / tool).chmod(stat.S_IRWXU)
+    told = {**environment(), "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}", "JOBS": str(folder / "jobs.log")}
+    return subprocess.run(command, cwd=folder, env=told, capture_output=True, text=True)
+
+
+def hashes(folder: str) -> dict[str, str]:
+    return {path.name: png.pixels_sha256(png.read(path)) for path in sorted(Path(folder).glob("frame_*.png"))}
+
+
+def plain(run: Runner) -> dict[str, str]:
+    """Frames of a plain run with the options that the tests hand to the farm."""
+    assert run("render", "tiny.yaml", "-o", "plain", "-f", "1-9x2", "--set", "wind.strength=3", "-q").code == 0
+    return hashes("plain")
+
+
+FARM = ["farm", "tiny.yaml", "-f", "1-9x2", "--set", "wind.strength=3", "--chunk", "2", "--threads", "1", "-q"]
+
+
+def test_slurm_draws_the_frames_of_a_plain_run_and_again_what_is_missing(run: Runner) -> None:
+    if shutil.which("sh") is None:
+        pytest.skip("no POSIX shell")
+    assert run(*FARM, "--target", "slurm", "-o", "job", "--animate", "gif").code == 0
+    Path("tiny.yaml").write_text(TINY.replace("0.6", "0.3"))  # which the job does not care for
+    submit = ["sh", "job/submit.sh", "--partition=short"]
+    done = shell(run.folder, submit, "sbatch", SBATCH)
+    assert done.returncode == 0, done.stderr
+    log = [line.split() for line in Path("jobs.log").read_text().splitlines()]
+    assert log == [
+        ["101", "warmup", "none", "0-0"], ["102", "simulate", "101", "0-0"], ["103", "draw", "102", "0-2"],
+        ["104", "join", "103", "0-0"],
+    ]  # fmt: skip
+    assert "the last job is 104" in done.stdout
+    Path("tiny.yaml").write_text(TINY)
+    found = hashes("job/frames")
+    assert found == plain(run)
+    assert Path("job/frames/animation.gif").exists()
+    assert Path("job/frames/report.html").exists()
+    assert json.loads(Path("job/frames/report.json").read_text())["status"] == "complete"
+    kept = Path("job/frames/frame_0001.png").stat().st_mtime_ns
+    Path("job/frames/frame_0005.png").unlink()
+    Path("job/positions/positions_0007.npz").write_bytes(b"torn")
+    assert shell(run.folder, submit, "sbatch", SBATCH).returncode == 0
+    assert hashes("job/frames") == found
+    assert Path("job/frames/frame_0001.png").stat().st_mtime_ns == kept
+
+
+def test_parallel_draws_the_frames_of_a_plain_run(run: Runner) -> None:
+    if shutil.which("sh") is None:
+        pytest.skip("no POSIX shell")
+    assert run(*FARM, "--target", "parallel", "-o", "job").code == 0
+    done = shell(run.folder, ["sh", "job/run.sh"], "parallel", PARALLEL)
+    assert done.returncode == 0, done.stderr
+    assert Path("jobs.log").read_text().split() == ["1-3x2", "5-7x2", "9"]
+    assert hashes("job/frames") == plain(run)
+
+
+def test_open_job_description_draws_the_frames_of_a_plain_run(run: Runner) -> None:
+    """By a stand-in that fills parameters in and runs the steps in the order of their dependencies."""
+    assert run(*FARM, "--target", "openjd", "-o", "job").code == 0
+    template = yaml.safe_load(Path("job/job.yaml").read_text())
+    known = {f"Param.{one['name']}": one["default"] if one["type"] == "STRING" else str(Path("job", one["default"]))
+             for one in template["parameterDefinitions"]}  # fmt: skip
+
+    def filled(text: str, more: dict[str, str]) -> str:
+        return re.sub(r"\{\{([\w.]+)\}\}", lambda match: (known | more)[match[1]], text)
+
+    ran: list[str] = []
+    for step in template["steps"]:
+        assert all(one["dependsOn"] in ran for one in step.get("dependencies", []))
+        space = step.get("parameterSpace", {}).get("taskParameterDefinitions", [{"name": "", "range": [""]}])
+        for value in space[0]["range"]:
+            action = step["script"]["actions"]["onRun"]
+            words = [filled(word, {f"Task.Param.{space[0]['name']}": value}) for word in action["args"]]
+            assert filled(action["command"], {}) == "strandcli"
+            assert run(*words).code == 0
+        ran.append(step["name"])
+    assert ran == ["Warm up", "Simulate", "Draw", "Join"]
+    assert hashes("job/frames") == plain(run)
+
+
+def test_templates_are_valid(run: Runner) -> None:
+    """By the model that the specification's authors publish, where it is installed."""
+    model = pytest.importorskip("openjd.model")
+    for name, chunks in (("hair", ("1-8",)), ("{{odd}}\n" * 50, tuple(str(i) for i in range(1, 1001)))):
+        job = jobs.Job(name, "1-8", chunks, "1-8", 4, "gif")
+        model.decode_job_template(template=openjd.template(job))
+        model.decode_job_template(template=openjd.template(jobs.Job(name, "1", chunks, "", 1)))
+
+
+def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
+    Path("still.yaml").write_text(TINY.partition("rules:")[0] + "rules: []\ntime: {frames: 12}\n".partition("time")[0])
+    assert run("farm", "still.yaml", "--target", "slurm", "-q").code == 0
+    text = Path("farm/still/submit.sh").read_text() + Path("farm/still/job.sh").read_text()
+    assert "--from-cache" not in text
+    assert '--dependency="afterok:$warm" "$@" job.sh draw' in text
+    again = run("farm", "still.yaml", "--target", "slurm")
+    assert again.code == 2
+    assert "add --overwrite" in again.error()
+
+
+@given(st.text(max_size=30))
+def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:
+    job = jobs.Job(f"$(touch x)`touch x`'\"\n{name}", "1", ("1",), "1", 1, "", ())
+    for target in ("slurm", "parallel"):
+        for file, text in scripts.files(job, target, 4).items():
+            if file.endswith(".sh"):
+                code = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
+                assert "touch x)" not in "\n".join(code)
+                assert not [line for line in code if name.strip() and len(name) > 12 and name in line]
+
+
+@given(st.sets(st.integers(1, 5000), min_size=1, max_size=300), st.none() | st.integers(1, 40))
+def test_chunks_are_all_frames_once(frames: set[int], size: int | None) -> None:
+    numbers = sorted(frames)
+    chunks = jobs.chunks_of(numbers, size)
+    found = [list(FrameRange.parse(chunk).numbers()) for chunk in chunks]
+    assert [number for chunk in found for number in chunk] == numbers
+    assert all(len(chunk) == (size or jobs.USUAL_CHUNK) for chunk in found[:-1])
+
+
+def test_too_many_tasks_are_refused_with_what_fits() -> None:
+    with pytest.raises(ValueError, match=r"makes 5,000 tasks; at most 1,000: take 5"):
+        jobs.chunks_of(range(1, 5001), 1)
+    assert len(jobs.chunks_of(range(1, 100_001))) == jobs.MOST_CHUNKS
+
+
+def test_scripts_are_run_by_the_python_that_wrote_them() -> None:
+    job: Any = jobs.Job("x", "1", ("1",), "1", 1)
+    assert f"{sys.executable} -m strandcli" in scripts.files(job, "slurm", 1)["job.sh"].replace("'", "")
