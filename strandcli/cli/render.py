@@ -11,6 +11,7 @@ import click
 
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, options, signals
+from . import checkpoint as checkpoints
 from .frame_range import FrameRange
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 @click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
 @camera_files.cameras
 @options.from_cache
+@checkpoints.option
 @options.keep_going
 @options.resume_or_overwrite
 @options.talk_options
@@ -55,6 +57,7 @@ def command(
     cameras: Path | None,
     camera: str | None,
     from_cache: Path | None,
+    checkpoint: int | None,
     keep_going: bool,
     resume: bool,
     overwrite: bool,
@@ -74,6 +77,7 @@ def command(
     picture (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
     """
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
+    options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
@@ -113,7 +117,7 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
-        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound)
+        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound, checkpoint)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if as_json:
         options.print_json(data)
@@ -146,9 +150,9 @@ def _run(
     quiet: bool,
     progress: Progress,
     bound: PictureError | None = None,
+    checkpoint: int | None = None,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
-
     from .. import compile_ahead, runtime
 
     warn = warner(progress, quiet, report.warn)
@@ -170,6 +174,7 @@ def _run(
                 found = pipeline.render(
                     scene, writer.wanted, threads=threads, positions=positions, keep_going=keep_going,
                     keep_positions=bound is not None, notify=progress.note, warn=warn,
+                    checkpoints=checkpoints.of_run(writer.directory, checkpoint, warn),
                 )  # fmt: skip
                 for frame in found:
                     report.add(frame.number, frame.report)
