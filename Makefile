@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all wheel unwritable demo fuzz reading dense mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all wheel unwritable faults kills demo fuzz reading dense mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -26,6 +26,8 @@ help:
 	@echo "make stress     the whole stability matrix of both solvers, some 50,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
+	@echo "make faults     every place where a command writes fails once in every way; some minutes"
+	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
 	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
@@ -129,6 +131,12 @@ mesh-distances: $(READY)
 
 fuzz: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)
+
+faults: $(READY)
+	STRANDCLI_TEST_FAULTS=all $(BIN)/python -m pytest -q tests/faults
+
+kills: $(READY)
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/kills.py
 
 golden: $(READY)
 	$(RUN) golden check tests/golden

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import compile_ahead, runtime
 from .compiling.folder import cache
@@ -14,6 +14,9 @@ from .plan import pictures_that_fit
 from .scene.model import Scene
 from .scene.named_files import naming_files
 from .stages import FrameRenderer, Notify, Positions, RunOptions, SimulationStage
+
+if TYPE_CHECKING:
+    from .checkpoints import Checkpoints
 
 Item = TypeVar("Item")
 
@@ -34,16 +37,17 @@ def render(
     keep_going: bool = False,
     notify: Notify | None = None,
     warn: Notify | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 
     ``positions`` hands in what was simulated before, by frame number. Raises `SimulationError` at the first frame that
     has gone wrong (see `simulate.health`), drawn or not, and `UsageError` for a number of threads that the machine does
     not have. With ``keep_going`` the trouble is told to ``warn`` once, and strands that cannot be drawn are left out.
-    ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`). Between two frames the
-    caller's number of threads is as it was.
+    ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`). With ``checkpoints`` the
+    simulation goes on from the nearest one. Between two frames the caller's number of threads is as it was.
     """
-    options = RunOptions(draw, keep_positions, keep_going, notify, warn)
+    options = RunOptions(draw, keep_positions, keep_going, notify, warn, checkpoints)
     count = runtime.checked_threads(threads)
     runtime.tell(notify, warn)
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
@@ -79,7 +83,10 @@ def _rendered(scene: Scene, frames: Sequence[int], given: Positions | None, opti
         return
     from .panels import side_by_side
 
-    parts = [_run(panel, frames, given, options, several=False) for panel in scene.panels]
+    parts = [
+        _run(panel, frames, given, options.of_panel(number), several=False)
+        for number, panel in enumerate(scene.panels, 1)
+    ]
     yield from side_by_side(scene, parts)
 
 

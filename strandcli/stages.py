@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from .plan import needed_strands
 from .scene.model import MeshShape, Scene
 
 if TYPE_CHECKING:
+    from .checkpoints import Checkpoints
     from .draw.renderer import Renderer
 
 Notify = Callable[[str], None]
@@ -42,6 +43,12 @@ class RunOptions:
     """Is handed what is being done."""
     warn: Notify | None = None
     """Is handed what is hardly meant."""
+    checkpoints: Checkpoints | None = None
+    """From where the simulation goes on, and where it leaves its state."""
+
+    def of_panel(self, number: int) -> RunOptions:
+        """Return the options of a panel of the scene, counted from 1."""
+        return replace(self, checkpoints=self.checkpoints.of_panel(number)) if self.checkpoints else self
 
 
 @dataclass
@@ -101,7 +108,9 @@ class SimulationStage:
 
                 for words in notes(scene.emitter):
                     self._warn(words)
-            strands = needed_strands(scene, frames) if self.options.draw else None
+            # a state holds all strands, for whichever frames are asked for later
+            needed = self.options.draw and self.options.checkpoints is None
+            strands = needed_strands(scene, frames) if needed else None
             return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands)))
         from .groom_file import from_scene, guided
 
@@ -117,7 +126,7 @@ class SimulationStage:
         before = None
         seconds: dict[str, float | None] = {"simulate": None if given is not None else 0.0}
         # frames that are not drawn are looked at too: a run that has gone wrong stops there
-        for passed in [number] if given is not None else range(self._done + 1, number + 1):
+        for passed in [number] if given is not None else self._to_simulate(number):
             began = time.perf_counter()
             if draw and self.scene.camera.shutter > 0 and passed == number > 1:
                 self._move(number - 1)
@@ -127,6 +136,8 @@ class SimulationStage:
                 seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
             error = solver.errors(passed)
             self._examine(passed, error)
+            if self.options.checkpoints is not None and given is None and not self._wrong:
+                self.options.checkpoints.keep(solver, passed)
         self._done = number
         counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
         kept = solver.particles() if self.options.keep_positions else None
@@ -135,6 +146,15 @@ class SimulationStage:
             return self._drop_nonfinite(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
         return MovedStrands(frame, positions, solver.lengths, self.groom.tones, before, self.groom.places)
+
+    def _to_simulate(self, number: int) -> range:
+        """Return the frames to simulate up to one that is asked for, after the last that is known."""
+        kept = self.options.checkpoints
+        if kept is not None and not self._wrong:
+            before = 1 if self.options.draw and self.scene.camera.shutter > 0 else 0
+            found = kept.go_on(self.solver, self._done, number - before)
+            self._done = min(found, number - 1)  # its errors are measured anew
+        return range(self._done + 1, number + 1)
 
     def _move(self, number: int) -> None:
         """Bring the solver to a frame."""

@@ -24,6 +24,12 @@ def one_thread() -> None:
     numba.set_num_threads(1)
 
 
+@pytest.fixture(autouse=True)
+def no_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests wait for no disk: what they write may be lost with the power."""
+    monkeypatch.setattr(os, "fsync", lambda file: None)
+
+
 DRAWING = ("draw/", "run/", "study/test_pictures", "study/test_golden")
 MOVING = ("simulate/", "stress/", "study/")
 BOTH = ("stress/test_inputs", "study/test_cli")

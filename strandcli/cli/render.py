@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, html_page, options, signals
+from . import checkpoint as checkpoints
 from .frame_range import FrameRange
 from .frame_writer import frame_writer
 from .look import Look
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 @click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
 @camera_files.cameras
 @options.from_cache
+@checkpoints.option
 @options.keep_going
 @html_page.no_html
 @sweep_option
@@ -66,6 +68,7 @@ def command(
     cameras: Path | None,
     camera: str | None,
     from_cache: Path | None,
+    checkpoint: int | None,
     keep_going: bool,
     no_html: bool,
     sweep: tuple[Any, ...],
@@ -93,6 +96,7 @@ def command(
         run_watch(given) if watch else run_sweep(_draw, given)
         return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
+    options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
@@ -123,12 +127,13 @@ def command(
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
+    motion = Motion(positions, checkpoint, keep_going)
     with (
         html_page.of_failed(page),
         Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
         look.signalled(progress),
     ):
-        data = _run(scene, writer, report, positions, threads, keep_going, quiet, progress, bound, look)
+        data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if page is not None:
         page.write(data, made)
@@ -158,20 +163,28 @@ def _with_layers(scene: Scene, exr: bool) -> Scene:
     return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
 
 
+class Motion(NamedTuple):
+    """Where a run's motion comes from, and whether it stops where that has gone wrong."""
+
+    positions: Any
+    """Those of a cache, by frame number; None where the run simulates."""
+    checkpoint: int | None
+    """Frames between two checkpoints."""
+    keep_going: bool
+
+
 def _run(
     scene: Scene,
     writer: FrameWriter,
     report: RunReport,
-    positions: Any,
+    motion: Motion,
     threads: int | None,
-    keep_going: bool,
     quiet: bool,
     progress: Progress,
     bound: PictureError | None,
     look: Look,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
-
     from .. import compile_ahead, runtime
 
     warn = warner(progress, quiet, report.warn)
@@ -191,8 +204,9 @@ def _run(
                 from .. import pipeline
 
                 found = pipeline.render(
-                    scene, writer.wanted, threads=threads, positions=positions, keep_going=keep_going,
+                    scene, writer.wanted, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
                     keep_positions=bound is not None, notify=progress.note, warn=warn,
+                    checkpoints=checkpoints.of_run(writer.directory, motion.checkpoint, warn),
                 )  # fmt: skip
                 for frame in found:
                     report.add(frame.number, frame.report)

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ..errors import UsageError
+from . import checkpoint as checkpoints
 from . import options, signals
 from .frame_range import FrameRange
 from .progress import Progress, warner
@@ -20,6 +21,7 @@ from .say import say
 @options.frames
 @options.scene_options
 @options.threads
+@checkpoints.option
 @options.keep_going
 @options.resume_or_overwrite
 @options.talk_options
@@ -28,6 +30,7 @@ def command(
     output: Path,
     frames: FrameRange | None,
     threads: int | None,
+    checkpoint: int | None,
     keep_going: bool,
     resume: bool,
     overwrite: bool,
@@ -64,6 +67,7 @@ def command(
                 runtime.start(threads, progress.note)
                 from .. import pipeline
 
+                warn = warner(progress, quiet)
                 for frame in pipeline.render(
                     scene,
                     writer.wanted,
@@ -72,7 +76,8 @@ def command(
                     keep_positions=True,
                     keep_going=keep_going,
                     notify=progress.note,
-                    warn=warner(progress, quiet),
+                    warn=warn,
+                    checkpoints=checkpoints.of_run(output, checkpoint, warn),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions, frame.report["error"])

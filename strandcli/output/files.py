@@ -25,7 +25,7 @@ from typing import Any, BinaryIO
 from ..errors import RefusedError, UsageError
 from ..opening import READ
 
-_TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp")
+_TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp(\.\w+)?")
 _DAY = 86_400.0
 ARCHIVE_ERRORS = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError,
                   struct.error, OverflowError)  # fmt: skip
@@ -42,15 +42,17 @@ def temporary_name(path: Path) -> Path:
 
 
 @contextmanager
-def atomic(path: Path) -> Iterator[BinaryIO]:
-    """A binary file that takes the name ``path`` when the block ends well, and vanishes when it does not.
+def placed(path: Path, suffix: str = "") -> Iterator[Path]:
+    """The name under which a block writes what becomes ``path`` when it ends well, and vanishes when it does not: for
+    libraries that open files themselves, and want names that end in ``suffix``.
 
     An ``OSError`` becomes a ``RefusedError`` that says what could not be written and why.
     """
     temporary = temporary_name(path)
+    temporary = temporary.with_name(temporary.name + suffix)
     try:
-        with open(temporary, "wb") as file:
-            yield file
+        _sweep(path.parent)
+        yield temporary
         os.replace(temporary, path)
     except OSError as error:
         _discard(temporary)
@@ -58,6 +60,35 @@ def atomic(path: Path) -> Iterator[BinaryIO]:
     except BaseException:
         _discard(temporary)
         raise
+
+
+@contextmanager
+def atomic(path: Path) -> Iterator[BinaryIO]:
+    """A binary file that takes the name ``path`` when the block ends well and all is on the disk, and vanishes when it
+    does not. Raises `RefusedError` as `placed` does."""
+    with placed(path) as temporary, open(temporary, "wb") as file:
+        yield file
+        file.flush()
+        _to_disk(file)
+
+
+def _to_disk(file: BinaryIO) -> None:
+    """Wait until the disk has a file: else it could be empty under its final name after the power has failed."""
+    try:
+        os.fsync(file.fileno())
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # of file systems that know no such thing
+            raise
+
+
+_swept: set[Path] = set()
+"""Folders where this process has looked for temporary files of killed ones."""
+
+
+def _sweep(directory: Path) -> None:
+    if directory not in _swept:
+        _swept.add(directory)
+        remove_strays(directory)
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
@@ -144,7 +175,7 @@ def remove_strays(directory: Path) -> list[Path]:
     A file of this host is a stray when its process is gone; one of another host when it is a day old.
     """
     removed = []
-    for path in directory.glob(".*.tmp"):
+    for path in directory.glob(".*.tmp*"):
         match = _TEMPORARY.fullmatch(path.name)
         if match is None:
             continue

@@ -20,7 +20,6 @@ strand_id       8 bit colour, one a strand; solids grey, nothing black
 
 from __future__ import annotations
 
-import os
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -31,7 +30,7 @@ from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
 from . import png
-from .files import atomic, refusal, temporary_name, write_pieces
+from .files import atomic, placed, write_pieces
 
 Layers = Mapping[str, NDArray[Any]]
 
@@ -145,13 +144,9 @@ def exr_channels(layers: Layers) -> Iterator[tuple[str, NDArray[np.float32]]]:
 def _write_exr(path: Path, layers: Layers) -> None:
     import OpenEXR
 
-    temporary = temporary_name(path).with_suffix(".tmp")
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     try:
-        OpenEXR.File(header, dict(exr_channels(layers))).write(str(temporary))
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise refusal(error, path) from error
+        with placed(path) as temporary:
+            OpenEXR.File(header, dict(exr_channels(layers))).write(str(temporary))
+    except RuntimeError as error:
         raise RefusedError(f"{path}: cannot be written: {' '.join(str(error).split())}") from error

@@ -52,8 +52,14 @@ def fingerprint(scene: Scene, *more: str) -> str:
     Left out: where the scene was read from, its title, and how many frames the film has, so that a longer film can
     resume a shorter one.
     """
-    data = json.dumps([__version__, _values(scene), *more], sort_keys=True, default=repr)
+    data = json.dumps([__version__, scene_values(scene), *more], sort_keys=True, default=repr)
     return hashlib.sha256(data.encode()).hexdigest()[:32]
+
+
+def scene_values(scene: Scene) -> dict[str, Any]:
+    """Every setting of a scene that its pixels depend on, with hashes of the files that it names; ready for JSON."""
+    found: dict[str, Any] = _values(scene)
+    return found
 
 
 _IGNORED = {"Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}, "Image": {"aovs"}}

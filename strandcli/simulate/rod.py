@@ -8,6 +8,7 @@ material. Twist is not represented.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from operator import sub
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +36,7 @@ from .rod_setup import (
 )
 from .rod_teleport import Jumps, carry, stop
 from .solver import Solver
-from .surroundings import Surroundings
+from .surroundings import Surroundings, flat, pose_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -104,6 +105,23 @@ class RodSolver(Solver):
         arrays = self.state, self.material, self.forcing
         self.kernel = StepKernel(self.strands, rod.iterations, flags, arrays, self.surroundings)
 
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the rods' state, where their roots are, and the poses of the last step."""
+        state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
+        last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
+        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from such a state."""
+        super().restore(state)
+        for name, one in self.state._asdict().items():
+            if one is not self.positions:
+                one[...] = state[f"state {name}"]
+        self.forcing.roots[...] = state["roots"]
+        last = state["last"].tolist()
+        self._last_step, self.pose = last[0], pose_of(last[1:])
+        self.surroundings.set_last_poses(state["poses"])
+
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
         if self.carried and self.scene.emitter.keys:
@@ -151,7 +169,7 @@ class RodSolver(Solver):
     def _run(self, pose: Pose, *numbers: float) -> None:
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
         self.forcing.numbers[: FRICTION + 1] = numbers
-        now, past = _flat(pose), _flat(self.pose)
+        now, past = flat(pose), flat(self.pose)
         self.forcing.pose[:] = (*now, *map(sub, now, past))
         dragged = self.forcing.numbers[STEP] * self.forcing.numbers[DRAG]
         if dragged != self._dragged:
@@ -192,12 +210,6 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.groom.emitted(self.state.residuals.reshape(-1)[: self.strands])
-
-
-def _flat(pose: Pose) -> tuple[float, ...]:
-    """(12,) a pose's rotation by rows and its translation."""
-    a, b, c = pose.rotation
-    return (*a, *b, *c, *pose.translation)
 
 
 def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +85,16 @@ class Solver(ABC):
             for j in range(time.substeps):
                 self.step((self._frame - 1 + (j + 1) / time.substeps) / time.fps, dt)
             self._frame += 1
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return all that later steps read and earlier ones have changed: by name, arrays that always have the same
+        types and shapes for a scene; none where a frame does not depend on those before it."""
+        return {"clock": np.array([self._frame], np.float64), "positions": self.positions}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from a state that `state_arrays` of a solver of the same scene has returned."""
+        self._frame = int(state["clock"][0])
+        self.positions[...] = state["positions"]
 
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """Set the particles of a frame that was simulated before, (strands or more, particles, 3) metres."""

@@ -3,7 +3,7 @@ deforms."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,10 @@ class StillSolver(Solver):
         for block, out, some in zip(self.given, self.positions, rows, strict=True):
             moved = np.einsum("kij,rjk->rik", turns[some], block.reshape(-1, 3, W)) + shifts[some].T
             out.reshape(-1, 3, W)[...] = moved
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return nothing: a frame does not depend on those before it."""
+        return {}
 
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """Set the particles of a frame, (strands or more, particles, 3) metres."""

@@ -5,6 +5,7 @@ Constants, such as solids that do not move, are computed once.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -126,6 +127,21 @@ class Surroundings:
                 self.data = found
         return self._packed
 
+    def last_poses(self) -> NDArray[np.float64]:
+        """Return the time of the last step and the poses at its end: of the emitter, and of solids with motions
+        of their own; NaN where none is known."""
+        time, outer, solids = self._poses
+        rows = [outer, *(solids.get(id(one)) for _, one, own in self._moving if own is None)]
+        return np.array([time, *(number for one in rows for number in ([np.nan] * 12 if one is None else flat(one)))])
+
+    def set_last_poses(self, numbers: NDArray[np.float64]) -> None:
+        """Go on from what `last_poses` has returned."""
+        time, *rest = numbers.tolist()
+        rows = [rest[i : i + 12] for i in range(0, len(rest), 12)]
+        outer, *others = [None if row[0] != row[0] else pose_of(row) for row in rows]
+        moving = [one for _, one, own in self._moving if own is None]
+        self._poses = time, outer, {id(one): p for one, p in zip(moving, others, strict=True) if p is not None}
+
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
         """Return a solid's packed row."""
         if solid.kind in solids.COLUMNS:
@@ -145,6 +161,18 @@ class Surroundings:
             row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)
         rows[:, columns : columns + MOTION_SHIFT] = np.eye(3).ravel()
         return rows
+
+
+def flat(pose: Pose) -> tuple[float, ...]:
+    """Return (12,) a pose's rotation by rows and its translation."""
+    a, b, c = pose.rotation
+    return (*a, *b, *c, *pose.translation)
+
+
+def pose_of(numbers: Sequence[float]) -> Pose:
+    """Return the pose with these 12 numbers, as `flat` has them."""
+    a, b, c, d, e, f, g, h, i, x, y, z = numbers
+    return Pose(((a, b, c), (d, e, f), (g, h, i)), (x, y, z))
 
 
 def _between(last: Pose, pose: Pose) -> Pose:

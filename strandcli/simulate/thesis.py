@@ -6,7 +6,10 @@ depends on the number of particles. These flaws of the source are kept, so that 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
 
 from .. import runtime
 from ..blocks import lanes
@@ -37,6 +40,18 @@ class ThesisSolver(Solver):
             moment = Moment(time, dt, self.scene)
             prepared = [one.prepare(moment) for one in self._distinct]
             self._step(self.positions, self.lengths, self.rest, *[prepared[place] for place in self._places])
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the positions, and what rules keep from step to step."""
+        kept = {f"pass {i}, {j}": one for i, p in enumerate(self._distinct) for j, one in enumerate(p.state)}
+        return {**super().state_arrays(), **kept}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from such a state."""
+        super().restore(state)
+        for i, one in enumerate(self._distinct):
+            for j, array in enumerate(one.state):
+                array[...] = state[f"pass {i}, {j}"]
 
     def place_roots(self, frame: int) -> None:
         """Set the roots by the rules that move them, as `advance` does."""

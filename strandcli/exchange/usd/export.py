@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import UsageError
-from ...output.files import refusal, temporary_name
+from ...output.files import placed
 from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
 from .curves import NAMES
 from .messages import Message
@@ -36,21 +34,14 @@ def write_stage(
 ) -> list[str]:
     """Write strands as linear curves; ``samples``: their points at several times, rising; ``beside``: other prims.
     Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
-    temporary = temporary_name(path).with_suffix(".tmp.usd")
     attributes, lost = _attributes(strands)
     kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
-    request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
-    try:
+    with placed(path, ".usd") as temporary:
         temporary.write_bytes(b"")
         temporary.unlink()
+        request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
         for _ in ask(path, request, _messages(path, strands, attributes, samples, beside)):
             pass
-        os.replace(temporary, path)
-    except OSError as error:
-        raise refusal(error, path) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
     return [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
 
 

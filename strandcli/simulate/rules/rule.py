@@ -44,7 +44,8 @@ class Pass:
     root, and the same in the emitter's own frame.
 
     ``prepare(moment)`` returns the float32 array p for a step: ``(numbers,)`` for a lane pass or, with
-    ``per_particle``, ``(n, numbers)``, a row for each particle.
+    ``per_particle``, ``(n, numbers)``, a row for each particle. It follows from the moment alone; a rule that
+    remembers earlier steps keeps that in the arrays ``state``, which it changes in place, so that checkpoints have it.
     """
 
     function: Callable[..., Any]
@@ -52,3 +53,4 @@ class Pass:
     stage: str = "particle"
     numbers: int = 0
     per_particle: bool = False
+    state: tuple[Any, ...] = ()

@@ -11,6 +11,8 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
+from ...output.files import write_pieces
+
 START = "/start="
 DEFAULT = "straight"
 
@@ -72,6 +74,6 @@ def write(solver: str, failed: Iterable[tuple[str, str]]) -> Path:
     for _, metric in kept:
         reasons[metric]  # every class of failure has its reason, or is none that may be kept
     path = Path(str(files(__package__).joinpath(f"expected_{solver}.txt")))
-    path.write_text(text_of(solver, reasons, kept), encoding="utf-8")
+    write_pieces(path, [text_of(solver, reasons, kept).encode()])
     _read.cache_clear()
     return path

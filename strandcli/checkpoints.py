@@ -1,0 +1,153 @@
+"""Checkpoints: the whole state of a simulation every so many frames, from which a later run goes on to the very same
+bits.
+
+They lie in the folder ``checkpoints`` of a run's results, ``frame_0024.state`` for a scene and ``panel_2_frame_0024``
+for one of its panels. What else must be the same is in a key: all of the scene that moves strands, the files that it
+names, the text of every module that simulates, and the versions and instructions that machine code follows from.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import __version__
+from .output.files import prepare_folder
+from .output.report import scene_values
+from .output.state_file import DamagedError, ForeignError, read_state, write_state
+
+if TYPE_CHECKING:
+    from .scene.model import Scene
+
+FOLDER = "checkpoints"
+ONLY_DRAWN = frozenset(
+    ("camera", "image", "lights", "ambient", "environment", "ambient_occlusion", "material", "curves", "detail",
+     "children", "look", "quality", "label", "panels")
+)  # fmt: skip
+"""Settings of a scene that no strand's motion depends on."""
+CODE = ("strandcli.stages", "strandcli.simulate.thesis", "strandcli.simulate.rod", "strandcli.groom.emit")
+"""Modules that simulate, with all that they import."""
+
+
+class Checkpoints:
+    """The checkpoints of a run, in the folder of its results."""
+
+    def __init__(
+        self, results: Path, every: int = 0, warn: Callable[[str], None] | None = None, name: str = ""
+    ) -> None:
+        """``every``: frames from one checkpoint to the next; 0 reads those that are there and writes none but in
+        place of damaged ones. ``warn`` hears of damaged and foreign ones. ``name``: what names of files begin with."""
+        self.folder = results / FOLDER
+        self.every = every
+        self.warn = warn
+        self._name = name
+        self._key: str | None = None
+        self._bad: set[int] = set()
+        """Frames whose checkpoint is to be made again."""
+        self._told = False
+        self._prepared = False
+
+    def of_panel(self, number: int) -> Checkpoints:
+        """Return those of a panel of the scene, counted from 1."""
+        return Checkpoints(self.folder.parent, self.every, self.warn, f"panel_{number}_")
+
+    def path(self, frame: int) -> Path:
+        """Return the file of a frame's checkpoint."""
+        return self.folder / f"{self._name}frame_{frame:04d}.state"
+
+    def go_on(self, solver: Any, after: int, last: int) -> int:
+        """Bring a solver to the latest checkpoint of the frames ``after`` + 1 to ``last``; return its frame, or
+        ``after`` where there is none that fits."""
+        for frame in sorted(self._frames(after, last), reverse=True):
+            try:
+                solver.restore(read_state(self.path(frame), self.key(solver.scene), solver.state_arrays()))
+            except FileNotFoundError:
+                continue
+            except ForeignError:
+                self._bad.add(frame)
+                self._tell_foreign()
+            except (DamagedError, OSError) as error:
+                self._bad.add(frame)
+                self._say(f"{self.path(frame)}: checkpoint is not used: {_reason(error)}; it will be made again")
+            else:
+                return frame
+        return after
+
+    def keep(self, solver: Any, frame: int) -> None:
+        """Write a frame's checkpoint if it is to have one. Raises `RefusedError` where that cannot be."""
+        due = self.every > 0 and frame % self.every == 0
+        if not due and frame not in self._bad:
+            return
+        arrays = solver.state_arrays()
+        if not arrays:
+            return
+        if not self._prepared:
+            prepare_folder(self.folder, sum(one.nbytes for one in arrays.values()))
+            self._prepared = True
+        write_state(self.path(frame), self.key(solver.scene), arrays)
+        self._bad.discard(frame)
+
+    def key(self, scene: Scene) -> str:
+        """Return the hash of all that a state's bits depend on."""
+        if self._key is None:
+            self._key = key_of(scene)
+        return self._key
+
+    def _frames(self, after: int, last: int) -> Iterable[int]:
+        pattern = re.compile(re.escape(self._name) + r"frame_(\d{4,9})\.state")
+        try:
+            found = [pattern.fullmatch(path.name) for path in self.folder.iterdir()]
+        except OSError:
+            return []
+        frames = {int(one[1]) for one in found if one is not None}
+        return [one for one in frames if after < one <= last and one not in self._bad]
+
+    def _tell_foreign(self) -> None:
+        if not self._told:
+            self._say(
+                f"{self.folder}: holds checkpoints of another scene, version or machine; they are not used and will be "
+                "made again"
+            )
+        self._told = True
+
+    def _say(self, words: str) -> None:
+        if self.warn is not None:
+            self.warn(words)
+
+
+def of_run(results: Path, every: int | None, warn: Callable[[str], None] | None) -> Checkpoints | None:
+    """Return the checkpoints of a run that writes into a folder: where they are asked for or are there already."""
+    if every is None and not (results / FOLDER).is_dir():
+        return None
+    return Checkpoints(results, every or 0, warn)
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
+
+
+def key_of(scene: Scene) -> str:
+    """Return 64 hexadecimal digits: the hash of all that the bits of a simulation's state depend on."""
+    import llvmlite.binding as llvm
+    import numba
+    import numpy as np
+
+    from .jit import sources
+    from .simulate.rules import registry
+
+    values = {name: value for name, value in scene_values(scene).items() if name not in ONLY_DRAWN}
+    values["period"] = scene.time.period
+    rules = sorted(
+        {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
+    )
+    parts = [
+        __version__, values, [sources.digest(one) for one in (*CODE, *rules)],
+        platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(),
+        numba.__version__, llvm.llvm_version_info, np.__version__,
+    ]  # fmt: skip
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=repr).encode()).hexdigest()

@@ -1,0 +1,101 @@
+"""A file of named arrays, checked by a hash, for a reader that knows their types and shapes: nothing that it says is
+believed, no memory is taken on its word, nothing is unpickled.
+
+``strandcli state 1``, a line of JSON (who wrote it, and name, type and shape of each array), the arrays' bytes one
+after the other, little-endian, and 32 bytes of SHA-256 of all that.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import stat
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .files import atomic
+
+MAGIC = b"strandcli state 1\n"
+LONGEST_HEAD = 1 << 16
+"""Bytes of the line of JSON."""
+DIGEST = hashlib.sha256().digest_size
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class DamagedError(Exception):
+    """A file is not what was written."""
+
+
+class ForeignError(Exception):
+    """A file is whole, and of something else."""
+
+
+def write_state(path: Path, key: str, arrays: Arrays) -> None:
+    """Write arrays under a key, whole or not at all. Raises `RefusedError`."""
+    whole = hashlib.sha256()
+    with atomic(path) as file:
+        pieces: list[bytes | memoryview] = [MAGIC, _head(key, arrays), *map(_bytes, arrays.values())]
+        for piece in pieces:
+            whole.update(piece)
+            file.write(piece)
+        file.write(whole.digest())
+
+
+def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a file, with the names, types and shapes of ``arrays``.
+
+    Raises `ForeignError` where it has another key or other arrays, `DamagedError` where it is not what was written, and
+    ``OSError`` where it cannot be read.
+    """
+    head = _head(key, arrays)
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+        found = os.fstat(file.fileno())
+        if not stat.S_ISREG(found.st_mode):
+            raise DamagedError("it is no file")
+        magic = file.read(len(MAGIC))
+        line = file.readline(LONGEST_HEAD)
+        if magic != MAGIC or not line.endswith(b"\n"):
+            raise DamagedError("it does not begin as one")
+        if line != head:
+            raise ForeignError if _is_head(line) else DamagedError("its head is damaged")
+        if found.st_size != len(MAGIC) + len(head) + sum(one.nbytes for one in arrays.values()) + DIGEST:
+            raise DamagedError("it is not as long as it was written")
+        whole = hashlib.sha256(magic + head)
+        read: dict[str, NDArray[Any]] = {}
+        for name, one in arrays.items():
+            read[name] = np.empty(one.shape, one.dtype)
+            if file.readinto(_bytes(read[name])) != one.nbytes:
+                raise DamagedError("it ends too soon")
+            whole.update(_bytes(read[name]))
+        if file.read(DIGEST + 1) != whole.digest():
+            raise DamagedError("its content is not what was written")
+    return read
+
+
+def _bytes(array: NDArray[Any]) -> memoryview:
+    flat: Any = np.ascontiguousarray(array).reshape(-1)
+    return memoryview(flat).cast("B")
+
+
+def _head(key: str, arrays: Arrays) -> bytes:
+    kinds = [[name, one.dtype.newbyteorder("<").str, list(one.shape)] for name, one in arrays.items()]
+    return json.dumps({"key": key, "arrays": kinds}, ensure_ascii=True).encode() + b"\n"
+
+
+def _is_head(line: bytes) -> bool:
+    """Whether a line is that of some file of states; bits that fell over would hardly leave it so."""
+    try:
+        data = json.loads(line)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(data, dict) and data.keys() == {"key", "arrays"} and len(str(data["key"])) == KEY
+
+
+KEY = 64
+"""Hexadecimal digits of a key."""

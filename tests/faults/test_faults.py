@@ -1,0 +1,155 @@
+"""Every place where a command writes fails once, in every way: one line, exit code 4, what was finished stays whole,
+nothing half-written has a final name, and the next run leaves nothing behind.
+
+`make faults` goes through all of it; otherwise a few places of each command, other ones each time, are tried.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import strandcli.output.files as written
+from cli_runs import TINY, Runner
+from faults_kit import KINDS, VANISHED, Audit, Faults, injected
+
+ALL = os.environ.get("STRANDCLI_TEST_FAULTS") == "all"
+FEW = 3
+SMALL = ("--strands", 12, "--particles", 3, "--size", "16x12", "--threads", 1, "-q")
+FILM = ("render", "tiny.yaml", *SMALL, "-f", "1-3", "-o", "out/film")
+COMMANDS: dict[str, tuple[object, ...]] = {
+    "render": FILM,
+    "render with layers": (*FILM, "--aov", "depth,mask", "--animate", "gif,webp"),
+    "render with checkpoints": (*FILM, "--checkpoint", 2),
+    "simulate": ("simulate", "tiny.yaml", *SMALL, "-f", "1-2", "-o", "out/cache"),
+    **{
+        f"export .{kind}": ("export", "tiny.yaml", f"out/strands.{kind}", *SMALL, "-f", frames)
+        for kind, frames in (("abc", "1-2"), ("usda", "1-2"), ("npz", 1), ("hair", "1-2"), ("ply", 1))
+    },
+    **{f"convert .{one}": ("convert", "in.npz", f"out/strands.{one}", "-q") for one in ("data", "usd", "abc")},
+    "dataset": (
+        "dataset", "in.npz", "--layout", "hairstep", "--views", 2, "--size", "16x16", "--threads", 1, "-q",
+        "-o", "out/set",
+    ),
+    "study": ("study", "still.yaml", "--substeps", "1,2", "--threads", 1, "-q", "-o", "out/study"),
+    "sheet": ("sheet", "a.png", "b.png", "-o", "out/sheet.png", "-q"),
+    "compare": ("compare", "a.png", "b.png", "-o", "out/difference.png"),
+    "golden": ("golden", "update", "out/golden", "one", "--threads", 1, "-q"),
+    "info": ("info", "in.npz", "--picture", "out/picture.png"),
+    "schema": ("schema", "-o", "out/schema.json"),
+    "presets": ("presets", "copy", "fox", "out/fox.yaml"),
+}  # fmt: skip
+IN_CI = ("render with layers", "render with checkpoints", "simulate", "export .npz", "convert .abc", "sheet", "schema")
+MISMATCH_IS_FINE = ("compare",)
+"""Commands that end with 3 where all is well: the pictures differ."""
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Iterator[Runner]:
+    monkeypatch.chdir(tmp_path)
+    prepare(tmp_path / "out")
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    (tmp_path / "still.yaml").write_text(TINY.replace("frames: 12", "frames: 2").replace("strands: 150", "strands: 9"))
+    runner = Runner(tmp_path, capsys)
+    assert runner("export", "tiny.yaml", "in.npz", *SMALL, "-f", 1).code == 0
+    for number, name in enumerate("ab", 1):
+        assert runner("render", "tiny.yaml", *SMALL, "-f", number, "-o", name).code == 0
+        (tmp_path / name / f"frame_{number:04d}.png").rename(tmp_path / f"{name}.png")
+    yield runner
+    written._swept.clear()
+
+
+def prepare(out: Path) -> None:
+    """The folder of results, with the list of golden images."""
+    (out / "golden").mkdir(parents=True, exist_ok=True)
+    small = "size: 16x12, set: [emitter.strands=9]"
+    (out / "golden/golden.yaml").write_text(f"- {{preset: minimal, name: one, frame: 1, {small}}}\n")
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """What lies under a folder, by name; locks are nobody's but their holders'."""
+    found = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.endswith(".lock")]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+
+
+def alike(name: str, found: bytes, whole: bytes, tmp_path: Path) -> bool:
+    """Whether a file is one that a run writes: the same bytes, or where it holds times or statuses, whole."""
+    if found == whole:
+        return True
+    if name.endswith((".json", ".csv", ".svg")) and found:
+        return not name.endswith(".json") or isinstance(json.loads(found), dict)
+    if name.endswith(".npz"):  # holds the time of day
+        (tmp_path / "left.npz").write_bytes(found)
+        (tmp_path / "right.npz").write_bytes(whole)
+        with np.load(tmp_path / "left.npz") as left, np.load(tmp_path / "right.npz") as right:
+            return set(left) == set(right) and all(np.array_equal(left[one], right[one]) for one in left)
+    if name.endswith("cameras.usda"):  # lists the views that are there
+        return found.endswith(b"}\n")
+    if name.startswith("study/"):  # a chart of times
+        Image.open(io.BytesIO(found)).load()
+        return True
+    return name.endswith((".usd", ".abc", ".usda")) and len(found) == len(whole)
+
+
+def again(command: tuple[object, ...]) -> tuple[object, ...]:
+    """The command once more, where something may lie already."""
+    return command if command[0] in ("golden", "compare") else (*command, "--overwrite")
+
+
+def plans(count: int, name: str) -> list[tuple[int, str, bool]]:
+    """Which operation fails, how, and whether all after it do."""
+    every = [(at, kind, sticky) for at in range(count) for kind in KINDS for sticky in (False, True)]
+    every += [(at, VANISHED, False) for at in range(count)]
+    if ALL:
+        return every
+    chance = random.Random(f"{name} {os.environ.get('PYTEST_XDIST_TESTRUNUID', '')}")
+    return chance.sample(every, FEW)
+
+
+@pytest.mark.parametrize("name", COMMANDS if ALL else IN_CI)
+def test_faults(name: str, run: Runner, tmp_path: Path) -> None:
+    command, out = COMMANDS[name], tmp_path / "out"
+    fine = (0, 3) if name in MISMATCH_IS_FINE else (0,)
+    with Audit(tmp_path) as audit, injected(Faults(tmp_path)) as counted:
+        result = run(*command)
+    assert result.code in fine, result.err
+    whole = files(out)
+    missed = {one for one in audit.seen - set(counted.seen) if not one[1].endswith(".usd")}
+    assert not missed, "these are written by ways that no fault reaches"
+    for at, kind, sticky in plans(len(counted.seen), name):
+        written._swept.clear()
+        for path in sorted(out.rglob("*"), reverse=True):
+            path.unlink() if path.is_file() else path.rmdir()
+        prepare(out)
+        with injected(Faults(tmp_path, at, kind, sticky)) as faults:
+            result = run(*command)
+        case = (
+            f"{name}: {kind} at {at} of {len(counted.seen)}, {faults.hit}, sticky: {sticky}: {result.code} {result.err}"
+        )
+        assert result.code in (4, *fine), case
+        harmless = result.code in fine
+        touched, where = faults.hit or ("", "")
+        if not harmless:
+            assert len(result.err.splitlines()) == 1, case
+            assert "Traceback" not in result.err, case
+            assert "unexpected" not in result.err, case
+        else:  # a lock that cannot be had claims nothing; a folder may be there, or be made again
+            assert kind == VANISHED or touched == "mkdir" or where.endswith(".lock"), case
+        left = files(out)
+        for one, data in left.items():
+            assert one in whole, f"{case}: left {one}"
+            assert alike(one, data, whole[one], tmp_path), f"{case}: {one} is not whole"
+        prepare(out)
+        result = run(*again(command))
+        assert result.code in fine, f"{case}: then {result.err}"
+        after = files(out)
+        assert after.keys() == whole.keys(), case
+        assert all(alike(one, after[one], whole[one], tmp_path) for one in whole), case
