@@ -28,7 +28,7 @@ from .kernels.composite import MASKED
 from .kernels.exposed import expose
 from .kernels.fragments import SolidPixels
 from .kernels.tile_binning import TileSegments
-from .kernels.tiles import GROUP_BITS, PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH, Fragments
+from .kernels.tiles import PIXELS, PLACES, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
 from .masks import half_planes
 
@@ -101,7 +101,7 @@ class Coverage:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
-            1, 0, PLACES, 0, 1, 1,
+            1, PLACES, 0, 1, 1,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
@@ -141,8 +141,7 @@ class Coverage:
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
         strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
-        grouped = int(lines.stride == 1 and not exact)
-        picture = _Picture(drawn, extents, lines.stride, grouped, edges, depth_slope, masked, scratch)
+        picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -236,6 +235,8 @@ class Coverage:
                 marks.fill(0)
                 return self._layer(picture, top, bottom, workers, marks)
             return None, total
+        stride = picture.stride
+        marks[stride:] |= marks[:-stride]  # a fragment's light is interpolated to the lit vertex after it
         self._note(found, top, bottom)
         each = SORTED_BYTES + (POINTS_BYTES if picture.masked else 0)
         self.peak_bytes = max(self.peak_bytes, total * each + int(used.sum()) * tile_binning.BLOCK * PART_BYTES)
@@ -257,13 +258,13 @@ class Coverage:
     def _fragments(self, picture: _Picture, top: int, bottom: int, room: int) -> Fragments:
         """Return arrays for so many fragments in the rows top <= y < bottom, not yet filled."""
         tiles, borrow = self._tiles(top, bottom), picture.scratch.borrow
-        place_bits = PLACES - (GROUP_BITS if picture.grouped else picture.stride.bit_length() - 1)
+        place_bits = PLACES - (picture.stride.bit_length() - 1)
         return Fragments(
             borrow("tiles_begin", tiles, np.int64), borrow("fragment_counts", tiles * PIXELS, np.uint32),
             borrow("fragment_vertices", room, np.uint32), borrow("fragment_weights", room, np.float32),
             borrow("fragment_along", room, np.float32),
             borrow("fragment_points", room, np.uint64) if picture.masked else NO_BITS,
-            picture.stride, picture.grouped, place_bits, top, bottom, self.size[0],
+            picture.stride, place_bits, top, bottom, self.size[0],
         )  # fmt: skip
 
     def _tiles(self, top: int, bottom: int) -> int:
@@ -280,8 +281,6 @@ class _Picture:
     """(S, 2) from `kernels.strand_extents.find_extents`."""
     stride: int
     """Every stride-th vertex is lit."""
-    grouped: int
-    """As in `Fragments`: not where light across wide strands is added, which is known segment by segment."""
     edges: Edges | None
     """Edges of the solids."""
     depth_slope: DepthSlope

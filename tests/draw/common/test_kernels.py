@@ -53,7 +53,7 @@ SLOPE = DepthSlope(*4 * (ONE,))
 RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
 NUMBERS = np.zeros(64, np.int32)
 TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, NUMBERS, ROW, NUMBERS, ROW)
-STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1, 0)
+STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
     "printed": (tangents.printed, (BLOCK, 0, 1, 4)),

@@ -7,21 +7,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
-from .tiles import (
-    AT_OPACITY,
-    AT_PLACE,
-    AT_VERTEX,
-    COARSE,
-    COARSE_UNIT,
-    FAINT,
-    FINE_UNIT,
-    GROUP,
-    NUMBERS,
-    PIXEL_BITS,
-    PIXELS,
-    TILE_WIDTH,
-    UNIT,
-)
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -44,37 +30,19 @@ def numbers(fragments, i):
     return alpha, vertex, np.int64(np.uint32(fragments[first + AT_PLACE]) >> PIXEL_BITS)
 
 
-@inlined
-def lit_before(identity, place, weight, out):
-    """Return the lit vertex before a fragment of a strand, the position along from there as in `tiles.Fragments`, and
-    how many vertices on the next lit one is. identity, place: of the fragment; weight: its share of the pixel."""
-    number = place >> out.place_bits
-    if out.grouped == 0:
-        return identity - number, np.float32(place) * UNIT, np.int64(out.stride)
-    if number == GROUP or weight >= FAINT:
-        return identity, np.float32(place - (number << out.place_bits)) * FINE_UNIT, np.int64(1)
-    return identity - number, COARSE + np.float32(place) * COARSE_UNIT, np.int64(GROUP)
-
-
-@inlined
-def mark(marks, vertex, step):
-    """Mark the lit vertices before and after a fragment; all tasks write the same number."""
-    marks[np.uint64(vertex)] = 1
-    marks[np.uint64(vertex + step)] = 1
-
-
 @device
 def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     """Write the visible fragments of tile number `tile`, with their weights, to `out` from index o on; return the index
     of their end.
 
     fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
-    `tiles.Fragments`; marks (V,): set at the lit vertices before and after visible fragments.
+    `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
     others cover the pixel independently.
     """
     base = tile * PIXELS
+    bits = out.place_bits
     for p in range(np.uint64(PIXELS)):
         end = np.int64(ends[p])
         m = end - np.int64(counts[p])
@@ -93,15 +61,13 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             alpha = min(alpha, room)
             room -= alpha
             through = front * room
-            weight = front * alpha
-            along = ZERO
             if identity < vertices:
-                identity, along, step = lit_before(identity, t, weight, out)
-                mark(marks, identity, step)
+                identity -= t >> bits
+                marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             out.vertex[to] = np.uint32(identity)
-            out.weight[to] = weight
-            out.along[to] = along
+            out.weight[to] = front * alpha
+            out.along[to] = np.float32(t) * UNIT
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
     return o
@@ -116,7 +82,7 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
     `tiles.Tile`; other arguments as in `composite`.
     """
     screen, widths = lines.screen, lines.widths
-    base = tile.number * PIXELS
+    base, bits = tile.number * PIXELS, out.place_bits
     vertices = screen.shape[0]
     for p in range(np.uint64(PIXELS)):
         end = np.int64(ends[p])
@@ -149,14 +115,13 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
                 thin = front * room
             share = min(share, ONE - total)  # areas are exact, but hidden parts are counted in points
             if share > ZERO:
-                along = ZERO
                 if identity < vertices:
-                    identity, along, step = lit_before(identity, t, share, out)
-                    mark(marks, identity, step)
+                    identity -= t >> bits
+                    marks[np.uint64(identity)] = 1
                 to = np.uint64(o)
                 out.vertex[to] = np.uint32(identity)
                 out.weight[to] = share
-                out.along[to] = along
+                out.along[to] = np.float32(t) * UNIT
                 out.points[to] = visible
                 total += share
                 o += 1

@@ -16,7 +16,7 @@ from .crowds import least_occlusion, leave_out_hidden
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
-from .tiles import ROW_BITS, segment_number
+from .tiles import ROW_BITS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -47,8 +47,6 @@ class Strands(NamedTuple):
     """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
     stride: int
     """Every stride-th vertex is lit."""
-    grouped: int
-    """As in `tiles.Fragments`."""
 
 
 class SolidPixels(NamedTuple):
@@ -172,8 +170,7 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
             after = base + i - 1
             if widths is not None:  # noqa: SIM102  a condition of its own is pruned if widths is None
                 if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < hidden):
-                    past, of = v - 1 - row.begin, row.end - 1 - row.begin
-                    place = segment_number(past, of, strands.stride, strands.grouped) << target.place_bits
+                    place = ((v - 1 - row.begin) & (strands.stride - 1)) << target.place_bits
                     n, m = list_cells(work, k, v, place, run, start, kind != run, n, target, m)
             if after > row.high:
                 return n, m

@@ -12,7 +12,7 @@ from .crowds import SLICES, list_by_pixel
 from .fragments import Strands, find_fragments
 from .row_order import count_rows, list_rows
 from .sorting import RUN, sort_pixels
-from .tiles import COARSE, GROUP, NUMBERS, PIXELS, TILE_WIDTH, tile_at
+from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -21,8 +21,6 @@ INITIAL_ROOM = np.int64(49152)
 AHEAD = np.uint64(24)
 """Fragments that light is prefetched ahead of its use."""
 NONE, TWO, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
-FAR = np.uint64(3 * GROUP)
-"""Places from the light of a group's first vertex to that of its last."""
 
 
 @parallel
@@ -33,8 +31,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     `TileSegments` of the rows of `out`; table: from `strandcli.draw.coverage.masks.half_planes`, for
     `composite.composite_masked`, or None, for `composite.composite`; tasks: number of tasks, which share the tiles and
     the memory evenly; out: `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or
-    not, negative if there was no room; marks (V,) uint8: set at the lit vertices before and after visible
-    fragments.
+    not, negative if there was no room; marks (V,) uint8: set at the lit vertices before visible fragments.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
     opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
@@ -47,7 +44,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion = np.zeros(PIXELS, np.float32)
-        strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride, out.grouped)
+        strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
             np.empty(cells.INTEGERS * cells.CELLS, np.int32),
@@ -131,7 +128,6 @@ def blend_tile(fragments, tile, radiance, light, image):
     vertex = fragments.vertex
     last = np.uint64(vertex.shape[0] - 1)
     step = THREE * np.uint64(fragments.stride)
-    farthest = FAR + TWO if fragments.grouped > 0 else step + TWO
     for y in range(tile.top, tile.bottom):
         for x in range(tile.left, tile.right):
             n = np.uint64(fragments.counts[np.uint64(base + (y - tile.top) * TILE_WIDTH + x - tile.left)])
@@ -144,15 +140,12 @@ def blend_tile(fragments, tile, radiance, light, image):
                 w = fragments.weight[i]
                 later = THREE * np.uint64(vertex[min(i + AHEAD, last)])
                 prefetch(pointer(radiance), later)
-                prefetch(pointer(radiance), later + farthest)
+                prefetch(pointer(radiance), later + step + TWO)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
-                    along, on = fragments.along[i], step
-                    if along >= COARSE:
-                        along, on = along - COARSE, FAR
-                    far = w * along
+                    far = w * fragments.along[i]
                     near = w - far
-                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + on)
+                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + step)
                 else:
                     colour += w * load(edges, THREE * (v - vertices))
                 total += w

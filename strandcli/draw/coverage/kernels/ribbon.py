@@ -15,7 +15,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...geometry.kernels.ribbon import cross_section, measure_ribbon, offsets_across, round_depth
 from .cells import add_fragment
-from .tiles import ROW_BITS, fixed_point, segment_number
+from .tiles import ROW_BITS, fixed_point
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -74,7 +74,7 @@ def cover_ribbon(strands, widths, v, begin, end, target, m):
     ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    past_lit = segment_number(v - 1 - begin, end - 1 - begin, strands.stride, strands.grouped)
+    past_lit = (v - 1 - begin) & (strands.stride - 1)
     for c in range(cells.a_low, cells.a_high):
         m = cover_cell(ribbon, band, c, cells, strands, v - 1, past_lit, target, m)
     return m

@@ -34,16 +34,6 @@ ROW_BITS = 5
 """Bits of the pixel's column, below its row."""
 UNIT = np.float32(2.0**-PLACES)
 """Factor from a fixed-point position to 0 … 1."""
-FAINT = np.float32(1 / 32)
-"""Share of a pixel below which a fragment has light of coarser places: of every `GROUP`-th vertex of its strand."""
-GROUP = 4
-GROUP_BITS = 3
-"""Bits of a segment's number in its group of `GROUP` segments, or of `GROUP` where its strand ends before its group."""
-COARSE = np.float32(2.0)
-"""Added to the position along a group."""
-FINE_UNIT = np.float32(2.0 ** (GROUP_BITS - PLACES))
-COARSE_UNIT = np.float32(2.0 ** (GROUP_BITS - PLACES) / GROUP)
-"""Factors from a fixed-point position along a segment, and along a group, to 0 … 1."""
 THIN = np.float32(1 / 16)
 """Least half height of a band that is drawn, pixels (see `cells`)."""
 
@@ -62,15 +52,13 @@ class Fragments(NamedTuple):
     weight: NDArray[np.float32]
     """(F,) share of the pixel's light that comes from the fragment."""
     along: NDArray[np.float32]
-    """(F,) position from that lit vertex to the next, 0 to 1; plus `COARSE`: to the `GROUP`-th from it."""
+    """(F,) position from that lit vertex to the next, 0 to 1."""
     points: NDArray[np.uint64]
     """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""
-    grouped: int
-    """1: fragments of weights below `FAINT` have light of every `GROUP`-th vertex of their strand; `stride` is 1."""
     place_bits: int
-    """Bits of the position along one segment; the rest of `PLACES` is from `segment_number`."""
+    """Bits of the position along one segment; the rest of `PLACES` is the segment's number after the lit vertex."""
     top: int
     bottom: int
     width: int
@@ -87,19 +75,10 @@ class Tile(NamedTuple):
     right: int
 
 
-@inlined
-def segment_number(past, count, stride, grouped):
-    """Return the number of a segment after the lit vertex before it, or in its group; past: its number in its strand,
-    from 0 on; count: of segments in the strand; stride, grouped: of `Fragments`."""
-    if grouped == 0:
-        return past & (stride - 1)
-    return past & (GROUP - 1) if (past | (GROUP - 1)) < count else np.int64(GROUP)
-
-
 @function
 def fixed_point(t, past, bits):
     """Return the fixed-point position of a fragment from the lit vertex before it to the next, in 2^−`PLACES`; t:
-    position along its segment, 0 to 1; past: from `segment_number`; bits: `Fragments.place_bits`."""
+    position along its segment, 0 to 1; past: segments from the lit vertex; bits: `Fragments.place_bits`."""
     most = np.int64(1) << bits
     return past << bits | min(np.int64(t * np.float32(most)), most - 1)
 
