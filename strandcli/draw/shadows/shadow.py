@@ -2,7 +2,8 @@
 
 The distance between strands (`spacing`) sets the resolution of an opacity map. A texel much finer than that contains
 one strand or none, so it shades points behind it fully or not at all, where it should shade all of them partly; a texel
-much coarser blurs the groom's outline. `strandcli study PRESET --axis shadow` finds `TEXEL` strand spacings best.
+much coarser blurs the groom's outline. `strandcli study PRESET --axis shadow` measured `TEXEL` strand spacings to be
+best.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, sort_into_bands, to_screen
-from .kernels import cell_extents, opacity, opacity_maps, splats
 from .kernels import minmax as kernel
+from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
 from .nearness import sort_by_place
 from .shadow_model import casts_map, model_of
@@ -100,8 +101,7 @@ class ShadowMaps:
         tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
         for number, rows in zip(deep, tables, strict=True):
-            cell_extents.fill_gaps(self.extents[number].copy(), int(self.sizes[number]) // 2, self.extents[number])
-            count = cell_extents.number_cells(self.extents[number], rows)
+            count = opacity_maps.number_cells(self.extents[number], rows)
             lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
         if lengths.max() > PLACES:
             raise RefusedError(

@@ -14,7 +14,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
-from strandcli.draw.shadows.kernels import cell_extents, opacity, opacity_maps, splats
+from strandcli.draw.shadows.kernels import opacity, opacity_maps, splats
 from strandcli.draw.view.camera import View
 from strandcli.draw.zbuffer.kernels.bands import Bands
 from strandcli.draw.zbuffer.raster import draw, to_screen
@@ -202,8 +202,7 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
         opacity_map = splats.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
         opacity_maps.draw(strands, bands, size, seen, opacity_map)
         if not layered:
-            cell_extents.fill_gaps(extents.copy(), size // 2, extents)
-            count = cell_extents.number_cells(extents, rows)
+            count = opacity_maps.number_cells(extents, rows)
             stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
             opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
     texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)

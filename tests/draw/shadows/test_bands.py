@@ -13,7 +13,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.shadows import traced
-from strandcli.draw.shadows.kernels import opacity, splats
+from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.shadows.traced import grid_of
 from strandcli.draw.zbuffer.raster import ROWS, to_screen
@@ -110,7 +110,7 @@ def twin(maps: ShadowMaps, lines: Polylines) -> np.ndarray:
             (x0, y0, q0), (x1, y1, q1) = screen[v - 1 : v + 1]
             rise = abs(q1 - q0) * (view.far - view.near) * view.focal
             length = max(abs(x1 - x0), abs(y1 - y0), rise)
-            spots = int(length / float(splats.SHORT)) + 1
+            spots = int(length) + 1 if length > 1.5 else 1
             width = WIDE.width * (1 - WIDE.taper * (v - a - 0.5) / (end - a - 1)) * view.focal
             share = width * math.hypot(x1 - x0, y1 - y0) / spots
             t = (np.arange(spots) + 0.5) / spots

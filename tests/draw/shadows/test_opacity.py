@@ -16,7 +16,7 @@ from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
-from strandcli.draw.shadows.kernels import opacity, splats
+from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.nearness import sort_by_place
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.zbuffer.raster import sort_into_bands, to_screen
@@ -105,7 +105,7 @@ def splatted(maps: ShadowMaps, light: Light, lines: Polylines) -> np.ndarray:
             (x0, y0, z0), (x1, y1, z1) = p, q
             d0, d1 = (view.near + (1 - z) * (view.far - view.near) for z in (z0, z1))
             reach = max(abs(x1 - x0), abs(y1 - y0), abs(d1 - d0) * view.focal)
-            spots = int(reach / float(splats.SHORT)) + 1
+            spots = int(reach) + 1 if reach > 1.5 else 1
             wide = WIDE.width * (1 - WIDE.taper * (number + 0.5) / (b - a - 1)) * view.focal
             for t in (np.arange(spots) + 0.5) / spots:
                 u, v, d = x0 + t * (x1 - x0) - 0.5, y0 + t * (y1 - y0) - 0.5, d0 + t * (d1 - d0)

@@ -1,4 +1,4 @@
-"""Building of deep opacity maps (see `opacity`): layers between the extents of cells, and strands in these."""
+"""Building of deep opacity maps (see `opacity`): extents of cells, layers between them, and strands in these."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, parallel, prange
+from ....jit import device, function, parallel, prange
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
-from . import cell_extents, splats
+from . import splats
 from .minmax import FARTHEST, NEAREST
-from .opacity import FIVE, HEAD, SCALE, START, TEXELS
+from .opacity import FIVE, HEAD, SCALE, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -56,24 +56,23 @@ def draw(strands, bands, size, view, opacity_map):
     """
     for task in prange(bands.workers):
         work = np.zeros(splats.ROWS * splats.BATCH, np.float32)
-        places = np.zeros(TEXELS * splats.BATCH, np.int64)
         for b in range(task, bands.begin.shape[0] - 1, bands.workers):
             top = b * bands.rows
             window = Window(top, min(top + bands.rows, size), size)
             n = np.int64(0)
             for m in range(bands.begin[b], bands.begin[b + 1]):
                 n = draw_strand(
-                    (work, places), n, strands, np.int64(bands.members[m]), window, view, opacity_map,
-                    opacity_map.stacks, strands.along,
+                    work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
+                    strands.along,
                 )  # fmt: skip
-            add_rest((work, places), n, window, opacity_map, opacity_map.stacks)
+            add_rest(work, n, window, opacity_map, opacity_map.stacks)
 
 
 @device
-def add_rest(batch, n, window, opacity_map, stacks):
+def add_rest(work, n, window, opacity_map, stacks):
     """Run `splats.add`; nothing in the pass that finds the extents."""
     if stacks is not None:
-        splats.add(batch[0], batch[1], n, window, opacity_map)
+        splats.add(work, n, window, opacity_map)
 
 
 @device
@@ -83,10 +82,10 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(batch, n, strands, s, window, view, opacity_map, stacks, along):
+def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
     """Draw the part of strand s within the window; return how many splats the batch holds then, which held n.
 
-    batch: rows and places of `splats`; stacks: those of the map; along: of the strands.
+    work: rows of `splats`; stacks: those of the map; along: of the strands.
     """
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
@@ -118,18 +117,63 @@ def draw_strand(batch, n, strands, s, window, view, opacity_map, stacks, along):
         if far <= ZERO:  # perspective widens strands away from the axis
             w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:
-            cell_extents.widen((x0, y0, d0), (x1, y1, d1), scale, window, opacity_map.extents)
+            widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
         else:
-            n = splats.collect(batch, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+            n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
     return n
+
+
+@function
+def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
+    """Widen the extents of all cells in the window to which `splats.collect` may add. The segment is divided into
+    short parts, so that few other cells are widened. x, y: texels; d: metres; extents: of `OpacityMap`."""
+    top, bottom, size = window
+    dx = x1 - x0
+    dy = y1 - y0
+    length = max(abs(dx), abs(dy))
+    if not length <= np.float32(4 * size):
+        return
+    parts = max(np.int64(length * HALF), 1)
+    per = ONE / np.float32(parts)
+    for part in range(parts):
+        xa = x0 + dx * (np.float32(part) * per)
+        ya = y0 + dy * (np.float32(part) * per)
+        da = d0 + (d1 - d0) * (np.float32(part) * per)
+        xb = x0 + dx * (np.float32(part + 1) * per)
+        yb = y0 + dy * (np.float32(part + 1) * per)
+        db = d0 + (d1 - d0) * (np.float32(part + 1) * per)
+        first = max(np.int64(min(ya, yb) - HALF), top) >> 1
+        last = min(np.int64(max(ya, yb) + HALF), bottom - 1) >> 1
+        left = max(np.int64(min(xa, xb) - HALF), 0) >> 1
+        right = min(np.int64(max(xa, xb) + HALF), size - 1) >> 1
+        for row in range(first, last + 1):
+            for column in range(left, right + 1):
+                cell = np.uint64(row * (size >> 1) + column)
+                extents[cell, NEAREST] = min(extents[cell, NEAREST], min(da, db))
+                extents[cell, FARTHEST] = max(extents[cell, FARTHEST], max(da, db))
+
+
+@function
+def number_cells(extents, rows):
+    """Number the cells that contain strands from 1 on; return how many there are.
+
+    extents (cells, 2): of `OpacityMap`; rows (cells,) out: the numbers, 0 for empty cells. float32 represents every
+    integer up to the greatest number of cells.
+    """
+    count = np.int64(0)
+    for cell in range(extents.shape[0]):
+        there = extents[cell, NEAREST] <= extents[cell, FARTHEST]
+        count += np.int64(there)
+        rows[cell] = np.float32(count) if there else ZERO
+    return count
 
 
 @parallel
 def divide(extents, layers, least, over, rows, stacks):
     """Initialise the rows of all cells with empty layers, and replace the extents by the heads of these rows.
 
-    extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from
-    `cell_extents.number_cells`; stacks (`opacity.numbers_of`,) out.
+    extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `number_cells`;
+    stacks (`opacity.numbers_of`,) out.
     """
     stride = HEAD + FIVE * (layers + 1)
     cells = extents.shape[0]

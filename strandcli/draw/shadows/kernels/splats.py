@@ -13,17 +13,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, inlined
-from ....simd import floor, gather, lane_count, load, pointer, prefetch, store, where
+from ....jit import device, function
+from ....simd import floor, gather, lane_count, load, pointer, store, where
 from .opacity import FIVE, HEAD, SCALE, START, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-SHORT = np.float32(1.2)
-"""Greatest distance between the samples of a segment, texels. Their footprints are two texels wide, and reading
-averages over two again: along a strand the light varies by 1.5 % with 1.25 texels, by 6 % with 1.5."""
+SHORT = np.float32(1.5)
+"""Longest segment, in texels, that is splatted as one sample, whose footprint is two texels wide."""
 BATCH = 256
 """Splats of a batch: whole vectors."""
 OUTSIDE = np.float32(-10.0)
@@ -49,36 +48,28 @@ class OpacityMap(NamedTuple):
     """(`opacity.numbers_of`,) the map itself; None in the pass that finds the extents."""
 
 
-@inlined
-def count_spots(dx, dy, rise, scale, size, step):
-    """Return how many places at most ``step`` texels apart a segment has: 0 where the light is so near that it is
-    longer than four maps of ``size`` texels. dx, dy: its extent, texels; rise: in depth, metres; scale: texels a
-    metre."""
-    length = max(max(abs(dx), abs(dy)), abs(rise) * scale)
-    if not length <= np.float32(4 * size):
-        return np.int64(0)
-    return np.int64(length * (ONE / step)) + 1
-
-
 @device
-def collect(batch, n, begin, end, scale, w, window, opacity_map):
+def collect(work, n, begin, end, scale, w, window, opacity_map):
     """Add the splats of a segment to a batch of n; return how many it holds then. A full batch is added to the map.
 
-    Splats stand at most `SHORT` apart along the segment's greatest extent, depth included. batch: rows (ROWS * BATCH,)
-    and places as in `add`; begin, end: x and y, texels, and depth, metres; scale: texels a metre; w: width, texels.
+    One splat for each texel of the segment's greatest extent, depth included, or one at its centre if that is at most
+    `SHORT`. work (ROWS * BATCH,); begin, end: x and y, texels, and depth, metres; scale: texels a metre; w: width,
+    texels.
     """
-    work = batch[0]
     x, y, d = begin
     dx, dy, rise = end[0] - x, end[1] - y, end[2] - d
-    spots = count_spots(dx, dy, rise, scale, window.width, SHORT)
-    per = ONE / np.float32(max(spots, 1))
+    length = max(max(abs(dx), abs(dy)), abs(rise) * scale)
+    if not length <= np.float32(4 * window.width):  # the light is so near that a segment is longer than its map
+        return n
+    spots = np.int64(length) + 1 if length > SHORT else np.int64(1)
+    per = ONE / np.float32(spots)
     share = w * math.sqrt(dx * dx + dy * dy) * per
     dx *= per
     dy *= per
     rise *= per
     for spot in range(spots):
         if n == BATCH:
-            add(work, batch[1], n, window, opacity_map)
+            add(work, n, window, opacity_map)
             n = np.int64(0)
         t = np.float32(spot) + HALF
         work[U + n] = x + t * dx - HALF
@@ -90,10 +81,9 @@ def collect(batch, n, begin, end, scale, w, window, opacity_map):
 
 
 @function
-def add(work, places, n, window, opacity_map):
+def add(work, n, window, opacity_map):
     """Distribute the areas of the first n splats of a batch bilinearly to the four texels around each, in their layers;
-    texels outside of the window are skipped. places (TEXELS * BATCH,) int64: scratch, where in the map each one adds:
-    all are fetched from memory before the first one is needed."""
+    texels outside of the window are skipped."""
     rows = pointer(work)
     for k in range(n, -(-n // lane_count(rows)) * lane_count(rows)):
         work[U + k] = OUTSIDE
@@ -103,16 +93,11 @@ def add(work, places, n, window, opacity_map):
     stacks = opacity_map.stacks
     cells = np.int64((window.width >> 1) ** 2)
     stride = np.int64(HEAD + FIVE * (opacity_map.layers + 1))
-    table = pointer(stacks)
-    for at in range(0, TEXELS * BATCH, BATCH):
-        for k in range(at, at + n):
-            place = np.int64(work[ROW + k]) * stride + np.int64(work[PLACE + k])
-            places[k] = cells + place
-            prefetch(table, cells + place)
     for k in range(n):
         for at in range(k, k + TEXELS * BATCH, BATCH):
-            if work[ROW + at] > ZERO:
-                stacks[np.uint64(places[at])] += work[ADDED + at]
+            row = np.int64(work[ROW + at])
+            if row > 0:
+                stacks[np.uint64(cells + row * stride + np.int64(work[PLACE + at]))] += work[ADDED + at]
 
 
 @device
