@@ -46,8 +46,9 @@ if TYPE_CHECKING:
     from ...scene.model import Material
 
 N_THETA, N_PHI = 64, 257
-LOSS_NODES = 65
-"""Of the table of light that strands keep from what is behind them."""
+LOSS_NODES = 1025
+"""Of the table of light that strands keep from what is behind them: so many that the nearest one is less than .001 of
+the light off."""
 MOST = 0.999
 """Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
 APART = 0.02
@@ -55,8 +56,8 @@ APART = 0.02
 
 
 def loss_table(tables: kernel.DualArrays) -> NDArray[np.float32]:
-    """(65, 3): the share of a light that τ strands keep from what is behind them, in even steps of τ / (τ + 2): 1 less
-    `kernels.dual.through`. The last row is that of no end of strands."""
+    """(`LOSS_NODES`, 3): the share of a light that τ strands keep from what is behind them, in even steps of
+    τ / (τ + 2): 1 less `kernels.dual.through`. The last row is that of no end of strands."""
     streams = streams_of(tables)
     table = np.ones((LOSS_NODES, 3), np.float32)
     for row, share in enumerate(np.linspace(0.0, 1.0, LOSS_NODES)[:-1]):

@@ -59,6 +59,7 @@ from ...shadows.kernels.soft_shadows import soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
 from .ambient import ambient_light
 from .light import toward
+from .lit_vertices import lit_first
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -158,31 +159,40 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
         past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
-        past_strands(work, n, lights, i, shadows, dual)
-        row = np.int64(0)
-        if wide is not None and dual is None and lights.clear.shape[0] > 0:
-            row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width are applied last
-        if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO and row == 0:
-            for k in range(n):
-                work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
-        if wide is not None:
-            width_profiles.save_radiance(work)
-        if dual is not None and rows[i, MAP_LAYERS] > ZERO:
-            dual_scattering(work, n, rows, i, dual)
-        elif diffuse > ZERO:
-            diffuse_light(work, n, rows, i, diffuse)
-        if wide is not None:
-            width_profiles.add_cosine_lobe(work, n, which, wide.slots, wide.profile, row)
-        if tables is not None:
-            highlights(work, n, rows, i, tables)
-            if wide is not None:
-                width_highlights(work, n, which, rows, i, tables, wide, row)
-        if wide is not None and dual is None and row > 0:
-            width_profiles.apply_visibility(work, n, which, wide.slots, wide.profile, row, lights.clear)
+        m = lit_first(work, n, which)
+        if m > 0:
+            add_light(work, m, which, i, diffuse, tables, dual, lights, shadows, wide)
     if wide is not None:
         for k in range(n):
             if wide.slots[which[k]] >= 0:
                 width_profiles.integrate_columns(wide.profile, wide.slots[which[k]])
+
+
+@device
+def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
+    """Add the light of light number i to the first n vertices of a batch; arguments as in `batch`."""
+    rows = lights.rows
+    past_strands(work, n, lights, i, shadows, dual)
+    row = np.int64(0)
+    if wide is not None and dual is None and lights.clear.shape[0] > 0:
+        row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width are applied last
+    if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO and row == 0:
+        for k in range(n):
+            work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
+    if wide is not None:
+        width_profiles.save_radiance(work)
+    if dual is not None and rows[i, MAP_LAYERS] > ZERO:
+        dual_scattering(work, n, rows, i, dual)
+    elif diffuse > ZERO:
+        diffuse_light(work, n, rows, i, diffuse)
+    if wide is not None:
+        width_profiles.add_cosine_lobe(work, n, which, wide.slots, wide.profile, row)
+    if tables is not None:
+        highlights(work, n, rows, i, tables)
+        if wide is not None:
+            width_highlights(work, n, which, rows, i, tables, wide, row)
+    if wide is not None and dual is None and row > 0:
+        width_profiles.apply_visibility(work, n, which, wide.slots, wide.profile, row, lights.clear)
 
 
 @device

@@ -1,4 +1,4 @@
-"""Filter windows of `percentage_closer`: the texels around each point, and their weights. All numbers are vectors.
+"""Filter windows of `percentage_closer`: cells around each point, and weights of texels. All numbers are vectors.
 
 The window of a point has a radius of R texels. Where R exceeds 6 texels only every second texel is read, beyond 12
 every fourth, and so on to every sixteenth beyond 48, so that a window never costs more than one with R = 6. The weights
@@ -40,6 +40,9 @@ class FilterWindows(NamedTuple):
     """1 / R."""
     stride: Any
     """Distance between the texels that are read."""
+    jump: Any
+    """Distance between the cells that are read, of 2 × 2 texels each; where `stride` is more than 1, of each the first
+    texel."""
     fade: Any
     """How far every other texel has faded out, 0 to 1."""
     left: Any
@@ -51,7 +54,7 @@ class FilterWindows(NamedTuple):
 
 @inlined
 def windows_about(u, v, radius, used, step):
-    """Return the windows of points, and the greatest number of columns and of rows of any.
+    """Return the windows of points, and the greatest number of columns and of rows of cells of any.
 
     radius: texels; used: mask of the points that have a window; step: distance between columns and rows, texels, which
     a large radius multiplies by a power of two.
@@ -67,26 +70,43 @@ def windows_about(u, v, radius, used, step):
     right = where(used, floor(u + radius), left - stride)
     bottom = where(used, floor(v + radius), top - stride)
     fade = max((radius / (times * MOST) - FADED) * (ONE / (ONE - FADED)), ZERO)
-    columns = np.int64(reduce_max((right - left) * share + ONE))
-    rows = np.int64(reduce_max((bottom - top) * share + ONE))
-    return FilterWindows(u, v, ONE / radius, stride, fade, left, right, top, bottom), columns, rows
+    jump = max(HALF * stride, ONE)
+    columns = np.int64(reduce_max((floor(HALF * right) - floor(HALF * left)) / jump + ONE))
+    rows = np.int64(reduce_max((floor(HALF * bottom) - floor(HALF * top)) / jump + ONE))
+    return FilterWindows(u, v, ONE / radius, stride, jump, fade, left, right, top, bottom), columns, rows
 
 
 @inlined
-def texel_of(windows, row, column, size):
-    """Return column, −1 outside of the map, row and weight of a texel of each window. row, column: from the window's
-    first, float32; size: texels along a side of the map, float32."""
-    across = windows.left + column * windows.stride
-    down = windows.top + row * windows.stride
-    there = (across <= windows.right) & (down <= windows.bottom)
-    held = there & (across >= ZERO) & (down >= ZERO) & (across < size) & (down < size)
-    share = HALF / windows.stride
-    thin = (ONE - windows.fade * odd(across * share)) * (ONE - windows.fade * odd(down * share))
-    aside = (across - windows.u) * windows.per
+def column_of(windows, number):
+    """Return a column of cells, counted from each window's first (float32), and the weights of its two columns of
+    texels."""
+    cell = floor(HALF * windows.left) + number * windows.jump
+    one, two = weights(windows, cell + cell, windows.u, windows.left, windows.right)
+    return cell, one, two
+
+
+@inlined
+def row_of(windows, number):
+    """Return the same as `column_of` for a row."""
+    cell = floor(HALF * windows.top) + number * windows.jump
+    one, two = weights(windows, cell + cell, windows.v, windows.top, windows.bottom)
+    return cell, one, two
+
+
+@inlined
+def weights(windows, place, middle, first, last):
+    """Return the weights of texels at an even place along an axis, and of those after them: 0 where not read."""
+    one = (ONE - windows.fade * odd(place * (HALF / windows.stride))) * bell(windows, place, middle, first, last)
+    two = (ONE - windows.fade) * bell(windows, place + ONE, middle, first, last)
+    return one, where(windows.stride > ONE, ZERO, two)
+
+
+@inlined
+def bell(windows, place, middle, first, last):
+    """Return the weights of texels along an axis by their distance from the middle; 0 outside of the window."""
+    aside = (place - middle) * windows.per
     aside = ONE - aside * aside
-    above = (down - windows.v) * windows.per
-    above = ONE - above * above
-    return where(held, across, -ONE), down, where(there, thin * above * above * aside * aside, ZERO)
+    return where((place >= first) & (place <= last), aside * aside, ZERO)
 
 
 @inlined

@@ -134,7 +134,8 @@ def share(least, radius):
     """Return the visible share of a light, from the sine of the least angle from its centre to an edge, and the sine of
     its angular radius."""
     side = max(least / radius, -ONE)
-    return HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
+    visible = HALF + (side * math.sqrt(max(ONE - side * side, ZERO)) + asin(side)) * INV_PI
+    return visible if side > -ONE else ZERO
 
 
 @inlined

@@ -35,13 +35,14 @@ from ...common.kernels.loss import HALF_WAY
 from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
-from .filter_window import WIDEST, texel_of, windows_about
+from .filter_window import WIDEST, column_of, row_of, windows_about
 from .minmax import texel_of as project
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
+RED, GREEN, BLUE, THREE = (np.int64(c) for c in range(4))
 LEAST = np.float32(1.5)
 """Least radius of the filter, texels."""
 DISC = np.float32(7.0 / 4.0)
@@ -77,7 +78,8 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
 
     Reads the rows of positions and `ARRIVES` of `surface_batch`, and writes `LEFT`, which is 1 where no light arrives.
     lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 3): from
-    `strandcli.draw.fibre.dual.loss_table`, no rows where strands absorb all colours alike, by 1 − e^-τ.
+    `strandcli.draw.fibre.dual.loss_table`, whose nearest row is taken; no rows where strands absorb all colours
+    alike, by 1 − e^-τ.
     """
     for k in range(W):
         work[INSIDE + k] = ZERO
@@ -136,30 +138,39 @@ def filter_light(rows, k, deep, loss):
     """Store what strands leave, in the rows `LEFT`, of the vector of points from number k on that are inside a
     `DeepMap`. rows: `pointer` to the batch; loss: as in `transmittance`."""
     inside = load(rows, INSIDE + k) > ZERO
-    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    u, v, d = places_of(rows, k, inside)
     cloud = load(rows, CLOUD + k)
-    size = np.float32(deep.size)
     radius = blur_radius(rows, k, deep)
     windows, wide, tall = windows_about(u, v, radius, inside, ONE)
+    texels = opacity.TEXELS if any_lane(windows.stride < TWO) else 1
     total = ZERO * u
     red = green = blue = total
     for row in range(tall):
+        down, above, below = row_of(windows, np.float32(row))
         for column in range(wide):
-            across, down, weight = texel_of(windows, np.float32(row), np.float32(column), size)
-            passed, _, back = in_front(across, down, d, deep)
-            total = total + weight
-            lost = ONE - exp_lanes(-passed)
+            across, left, right = column_of(windows, np.float32(column))
+            total = total + (left + right) * (above + below)
+            number = cell_at(across, down, inside, deep)
+            if not any_lane(number > ZERO):
+                continue
+            layer, part, _, back = layers_of(number, d, deep)
+            grey = lost_r = lost_g = lost_b = ZERO * u
+            for which in range(texels):
+                weight = (right if which & 1 else left) * (below if which & 2 else above)
+                passed = passed_at(number, layer, part, np.float32(which), deep)
+                grey = grey + weight * (ONE - exp_lanes(-passed))
+                if loss.shape[0] > 0:
+                    at = floor(passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1) + HALF)
+                    lost_r = lost_r + weight * gather(pointer(loss), RED, at, THREE, ZERO)
+                    lost_g = lost_g + weight * gather(pointer(loss), GREEN, at, THREE, ZERO)
+                    lost_b = lost_b + weight * gather(pointer(loss), BLUE, at, THREE, ZERO)
             if loss.shape[0] == 0:
-                red = red + weight * lost
+                red = red + grey
             else:
-                near = weight * cloud / (cloud + max(d - back, ZERO))
-                other = (weight - near) * lost
-                at = passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1)
-                j = min(floor(at), np.float32(loss.shape[0] - 2))
-                at = at - j
-                red = red + near * loss_at(loss, j, at, 0) + other
-                green = green + near * loss_at(loss, j, at, 1) + other
-                blue = blue + near * loss_at(loss, j, at, 2) + other
+                near = cloud / (cloud + max(d - back, ZERO))
+                red = red + (near * lost_r + (grey - near * grey))
+                green = green + (near * lost_g + (grey - near * grey))
+                blue = blue + (near * lost_b + (grey - near * grey))
     per = ONE / max(total, DARK)
     if loss.shape[0] == 0:
         green = blue = red
@@ -169,54 +180,79 @@ def filter_light(rows, k, deep, loss):
 
 
 @inlined
-def loss_at(loss, j, part, c):
-    """Return the loss of light in colour c between entries j and j + 1 of the table (m, 3). Vectors."""
-    table = pointer(loss)
-    low = gather(table, c, j, np.int64(3), ZERO)
-    return low + part * (gather(table, c + 3, j, np.int64(3), ZERO) - low)
-
-
-@inlined
 def blur_radius(rows, k, deep):
     """Return the filter radius, texels, from the mean distance of the strands that occlude each point of a vector.
     Points without occluders, and those whose radius is already the least, keep that of `RADIUS`."""
-    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
-    radius, away = load(rows, RADIUS + k), load(rows, AWAY + k)
-    searched = radius > LEAST
-    used = searched & (load(rows, INSIDE + k) > ZERO)
+    inside = load(rows, INSIDE + k) > ZERO
+    u, v, d = places_of(rows, k, inside)
+    radius, away = where(inside, load(rows, RADIUS + k), LEAST), load(rows, AWAY + k)
+    used = radius > LEAST
     windows, wide, tall = windows_about(u, v, radius, used, STEP)
     share = ZERO * u + FEW
     distance = FEW * away
     for row in range(tall):
+        down, above, _ = row_of(windows, np.float32(row))
         for column in range(wide):
-            across, down, weight = texel_of(windows, np.float32(row), np.float32(column), np.float32(deep.size))
-            passed, front, back = in_front(across, down, d, deep)
-            weight = weight * passed / (passed + ONE)
+            across, left, _ = column_of(windows, np.float32(column))
+            number = cell_at(across, down, used, deep)
+            if not any_lane(number > ZERO):
+                continue
+            layer, part, front, back = layers_of(number, d, deep)
+            passed = passed_at(number, layer, part, ZERO, deep)
+            weight = left * above * passed / (passed + ONE)
             share = share + weight
             distance = distance + weight * (d - HALF * (front + min(back, d)))
     blur = load(rows, BLUR + k) * (distance / share)
     found = min(sqrt(max(DISC * blur * blur - TEXEL, LEAST * LEAST)), WIDEST)
-    return where(searched, found, radius)
+    return where(used, found, radius)
 
 
 @inlined
-def in_front(across, down, d, deep):
-    """Return, of the texels of a `DeepMap` in the columns `across` (−1: none) and rows `down`: the optical depth in
-    front of depths d, and the nearest and farthest depth of the cell's strands, metres; 0 without strands. Vectors."""
-    there = across >= ZERO
-    column = where(there, across, ZERO)
-    row = where(there, down, ZERO)
-    left, up = floor(HALF * column), floor(HALF * row)
+def places_of(rows, k, inside):
+    """Return column and row, texels, and depth, metres, of the points from number k on; 0 where not inside. Vectors."""
+    u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
+    return where(inside, u, ZERO), where(inside, v, ZERO), where(inside, d, ZERO)
+
+
+@inlined
+def cell_at(across, down, used, deep):
+    """Return the number of the row of a `DeepMap` for the cells in the columns `across` and rows `down`; 0 without
+    strands, outside of the map, and where the mask `used` is not set. Vectors."""
     half = deep.size >> 1
-    body = deep.start + half * half
-    number = gather(deep.rows, deep.start, up, half, left)
-    layer, part, _, _ = opacity.layers_at(d, deep.rows, body, number, deep.over, deep.layers)
-    which = TWO * (row - (up + up)) + (column - (left + left))
-    passed = where(there, opacity.depth_at(deep.rows, body, number, layer, part, which, deep.layers), ZERO)
-    stride = opacity.HEAD + opacity.FIVE * (deep.layers + 1)
-    front = gather(deep.rows, body, number, stride, np.float32(opacity.START))
-    ended = gather(deep.rows, body, number, stride, np.float32(opacity.SCALE))
+    last = np.float32(half - 1)
+    there = used & (across >= ZERO) & (down >= ZERO) & (across <= last) & (down <= last)
+    number = gather(deep.rows, deep.start, where(there, down, ZERO), half, where(there, across, ZERO))
+    return where(there, number, ZERO)
+
+
+@inlined
+def layers_of(number, d, deep):
+    """Return, in the rows `number` of a `DeepMap`, the layer of depths d and the position within it, and the nearest
+    and farthest depth of strands, metres; both d where there are none. Vectors."""
+    body, stride = rows_of(deep)
     most = np.float32(deep.layers)
-    some = passed > ZERO
-    back = where(some, front + most / ((ended - most) * deep.over), ZERO)
-    return passed, where(some, front, ZERO), back
+    front = gather(deep.rows, body, number, stride, np.float32(opacity.START))
+    scale = gather(deep.rows, body, number, stride, np.float32(opacity.SCALE))
+    some = number > ZERO
+    front, scale = where(some, front, d), where(some, scale, most + ONE)
+    far = max((d - front) * deep.over, ZERO)
+    ended = min(scale * (far / (far + ONE)), most)
+    layer = min(floor(ended), most - ONE)
+    back = where(some, front + most / ((scale - most) * deep.over), d)
+    return layer, ended - layer, front, back
+
+
+@inlined
+def passed_at(number, layer, part, which, deep):
+    """Return the optical depth of the texels `which` of cells, 0 to 3, at a position within a layer; 0 without strands.
+    Vectors."""
+    body, _ = rows_of(deep)
+    passed = opacity.depth_at(deep.rows, body, number, layer, part, which, deep.layers)
+    return where(number > ZERO, passed, ZERO)
+
+
+@inlined
+def rows_of(deep):
+    """Return the index of the first row of a `DeepMap`, and the numbers of a row."""
+    half = deep.size >> 1
+    return deep.start + half * half, opacity.HEAD + opacity.FIVE * (deep.layers + 1)

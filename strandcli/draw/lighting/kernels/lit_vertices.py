@@ -1,0 +1,44 @@
+"""Vertices of a batch that a light reaches past solids: only these need maps, lobes and tables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device
+from ...common.kernels.batch import ARRIVES, COLOUR, EX, EXTRA, LX, RADIANCE, REACH, TX, X
+
+ZERO = np.float32(0.0)
+THREES = (X, TX, EX, COLOUR, EXTRA, RADIANCE, LX)
+"""The first of three rows each that hold what is known of a vertex and the current light."""
+
+
+@device
+def lit_first(work, n, which):
+    """Reorder the first n vertices of a batch so that those where light arrives come first; return how many they are.
+
+    work: rows of `batch`, those before `REACH` and the light's own; which (n,): numbers of the vertices, reordered too.
+    """
+    k = np.int64(0)
+    end = n
+    while True:
+        while k < end and work[ARRIVES + k] > ZERO:
+            k += 1
+        while k < end and not work[ARRIVES + end - 1] > ZERO:
+            end -= 1
+        if k >= end:
+            return k
+        end -= 1
+        swap(work, k, end, which)
+        k += 1
+
+
+@device
+def swap(work, a, b, which):
+    """Swap items a and b of a batch."""
+    which[a], which[b] = which[b], which[a]
+    for first in THREES:
+        for row in range(first, first + 3 * W, W):
+            work[row + a], work[row + b] = work[row + b], work[row + a]
+    for row in (REACH, ARRIVES):
+        work[row + a], work[row + b] = work[row + b], work[row + a]
