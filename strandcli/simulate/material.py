@@ -53,11 +53,17 @@ def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
 
 
+def segments_along(rod: Rod, n: int) -> NDArray[np.float64]:
+    """Return (n,) masses of segments, relative to one at the root."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    return np.asarray(((radius[:-1] + radius[1:]) / 2) ** 2)
+
+
 def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at
     the tip and twice the rigidity at the root make the discretisation second order."""
     radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
-    segments = ((radius[:-1] + radius[1:]) / 2) ** 2
+    segments = segments_along(rod, n)
     mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
     joint = radius[:-1] ** 4
     joint[0] *= 2

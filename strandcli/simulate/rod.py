@@ -18,6 +18,7 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
+from .crowd import Crowd
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
 from .material import TORSION as TORSIONAL_RIGIDITY
@@ -50,7 +51,7 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
-APPLIED = ("emitter_motion", "gravity", "wind", "collision")
+APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
 
@@ -82,7 +83,11 @@ class RodSolver(Solver):
         rest = rest_of(scene, shape, matter, self.pose, self.dtype)
         around = self.surroundings
         deforming = self.deforming is not None
-        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming)
+        between = [use.parameters for use in scene.rules if use.name == "interaction"]
+        self.crowd = Crowd(scene, groom, between[0], self.positions) if between else None
+        flags = Flags(
+            rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
+        )  # fmt: skip
         self.second = flags.second
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
@@ -129,6 +134,8 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, pose if self.carried else None)
+        if self.crowd is not None:
+            self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), dt)
         damping = max(rod.damping, self._least_damping * h)
         self._run(pose, h, *self._gravity, *around.air(time), rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
         if self.state.positions is not self.positions:
@@ -148,6 +155,15 @@ class RodSolver(Solver):
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = _turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
+    def _root_velocity(self, pose: Pose, dt: float) -> NDArray[Any]:
+        """Return (P, 3 S) the velocity of the roots in a step that ends at a pose, m/s."""
+        now, past = (np.array(part, self.dtype) for part in (pose.rotation, self.pose.rotation))
+        moved = np.subtract(pose.translation, self.pose.translation).astype(self.dtype)
+        way = _turned(now - past, self.forcing.roots) + moved[:, None]
+        if len(self.forcing.drift) == len(way):
+            way = way + self.forcing.drift.reshape(way.shape)
+        return np.asarray(way / self.dtype(dt)).reshape(self.forcing.roots.shape)
+
     def _run(self, pose: Pose, *numbers: float) -> None:
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
         self.forcing.numbers[: FRICTION + 1] = numbers
@@ -166,6 +182,7 @@ class RodSolver(Solver):
         tension = state.tension.copy()
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
+        state.crowd[...] = 0
         self._run(self.pose, MOMENT, *[0.0] * FRICTION)
         state.tension[...] = tension
         stop(state.velocity, state.before, state.moved, state.push, state.touching)

@@ -1,0 +1,169 @@
+"""Strands that act on each other through a grid of their density and momentum: the rule `interaction` for rods.
+
+Each step begins with a grid about the strands as they are, which knows nothing of the step before but its pressure.
+Memory follows the box that the strands fill, not the space that they could reach.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UsageError
+from ..groom.record import Groom
+from .kernels import crowd_forces, crowd_grid, crowd_pressure
+from .kernels.crowd_records import BOX, CELL, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Scratch
+from .kernels.records import State
+from .kernels.rod_scratch import PACK
+from .material import matter, segments_along
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+FRICTION_TIME = 0.01
+"""Seconds in which `friction` is the share that is lost."""
+EASE, MOST = 4.0, 0.2
+"""Of the density that there is too much of pressure makes up for this share a second, and in a step, of the greatest
+density: strands that begin inside each other are led apart."""
+CELLS_ACROSS = 32
+"""Cells along the groom's greatest extent, where the preset gives no cell."""
+MOST_CELLS = 4_000_000
+"""Of the box about the strands: 64 MB, and as much again for pressure and targets."""
+MOST_SAMPLES = 64
+"""Samples of a segment."""
+PARTS, SEGMENTS_A_PART = 16, 20_000
+"""Parts that strands are cut into at the most, and segments of each at the least."""
+
+
+class Crowd:
+    """The grid of a scene's strands. Raises `UsageError` for cells that do not fit the groom."""
+
+    def __init__(self, scene: Scene, groom: Groom, parameters: Any, positions: NDArray[Any]) -> None:
+        self.where = f"{scene.label or scene.source or 'scene'}: rule interaction"
+        self.friction = parameters.friction
+        n = scene.emitter.particles - 1
+        stands_for = scene.children.count if scene.children else 1
+        lengths = groom.lengths.astype(np.float64) / n
+        packs = -(-groom.strands // PACK)
+        self.metres = np.zeros((packs, PACK), np.float32)
+        self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
+        self.segments = segments_along(scene.rod, n)
+        self.extent = extent_of(positions, groom.strands)
+        self.cell = self._cell(parameters.cell, scene, lengths)
+        self.samples = max(1, math.ceil(float(lengths.max()) / self.cell * (1 - 1e-6)))
+        if self.samples > MOST_SAMPLES:
+            raise UsageError(
+                f"{self.where}.cell: {self.cell:g} m is less than a {MOST_SAMPLES}th of a segment of "
+                f"{lengths.max():.3g} m; make it larger, or use more emitter.particles"
+            )
+        count = min(PARTS, max(1, groom.strands * n * self.samples // SEGMENTS_A_PART))
+        cuts = [*range(0, packs, -(-packs // count)), packs]
+        self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
+        self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
+        self.scratch = Scratch(
+            np.zeros((len(self.parts), ROWS, PACK), np.float32), np.zeros((len(self.parts), PACK), np.int64)
+        )  # fmt: skip
+        self.memory = np.zeros((0, CELL), np.float32)
+        self.grid, self.targets = self.memory, self.memory
+        self.pressure = np.zeros((0, 0, 0), np.float32)
+        self.density = parameters.density
+        """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
+        self.found = 0.0
+        """The greatest of the last step."""
+
+    def _cell(self, given: float | None, scene: Scene, lengths: NDArray[np.float64]) -> float:
+        if given is None:
+            return max(self.extent / CELLS_ACROSS, float(lengths.max()) / MOST_SAMPLES)
+        thick = 2 * matter(scene.rod)[1]
+        if given < thick:
+            raise UsageError(
+                f"{self.where}.cell: {given:g} m is less than a strand's thickness of {thick:.3g} m; make it larger, "
+                f"such as {self.extent / CELLS_ACROSS:.2g}"
+            )
+        if given > self.extent:
+            raise UsageError(
+                f"{self.where}.cell: {given:g} m is larger than the groom, which is {self.extent:.3g} m wide; make it "
+                f"smaller, such as {self.extent / CELLS_ACROSS:.2g}"
+            )
+        return float(given)
+
+    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], dt: float) -> None:
+        """Set `State.crowd` for a step of ``dt`` seconds. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
+        Where a coordinate is not finite there is no grid, and it is set to zero."""
+        kind = state.velocity.dtype.type
+        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, self.segments.astype(kind), mass)
+        pressed = dt if len(state.push) == len(state.velocity) else 0.0
+        if not self._lay(state.positions):
+            state.crowd[...] = 0
+            return
+        whole = self.boxes[-1]
+        samples = ((np.arange(self.samples) + 0.5) / self.samples).astype(kind)
+        origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
+        lattice = Lattice(
+            samples, kind(1 / self.samples), np.float32(1 / self.cell), origins, kind(1), kind(dt), kind(pressed)
+        )  # fmt: skip
+        crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
+        crowd_grid.merge(self.boxes, self.memory, self.grid)
+        greatest = float(self.grid[:, MASS].max()) / self.cell**3
+        if self.density is None:
+            self.density = greatest
+        self.found = greatest
+        full = np.float32(self.density * self.cell**3)
+        excess = np.empty(len(self.grid), np.float32)
+        ratio, speed = np.float32(dt / (2 * self.cell)), np.float32(self.cell / dt)
+        crowd_pressure.find_excess(whole, self.grid, full, ratio, np.float32(min(EASE * dt, MOST)), excess)
+        pressure = self.pressure.reshape(-1)
+        crowd_pressure.relax(whole, excess, pressure)
+        share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
+        crowd_forces.find_targets(whole, self.grid, full, share, speed, pressure, self.targets)
+        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+
+    def _lay(self, positions: NDArray[Any]) -> bool:
+        """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
+        `UsageError` where they take too many cells."""
+        ends = np.empty((len(self.parts), 6))
+        crowd_grid.find_boxes(positions, self.cell, self.parts, self.scratch, ends)
+        if not np.isfinite(ends).all():
+            return False
+        low, high = np.floor(ends[:, :3] - 0.5), np.floor(ends[:, 3:] - 0.5) + 1
+        low, high = np.vstack([low, low.min(0)]), np.vstack([high, high.max(0)])
+        cells = np.prod(high - low + 1, axis=1)
+        if cells[-1] > MOST_CELLS:
+            least = self.cell * float(cells[-1] / MOST_CELLS) ** (1 / 3)
+            raise UsageError(
+                f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells[-1]:.3g} in the box about the strands, "
+                f"more than {MOST_CELLS:,}; make them at least {1.05 * least:.2g}"
+            )
+        before = self.boxes[-1].copy()
+        self.boxes[:, LOW : LOW + 3], self.boxes[:, SIZE : SIZE + 3] = low, high - low + 1
+        self.boxes[1:, OFFSET] = np.cumsum(cells[:-1])
+        self.boxes[-1, OFFSET] = 0
+        if cells[:-1].sum() > len(self.memory):
+            self.memory = np.empty((int(cells[:-1].sum() * 1.2), CELL), np.float32)
+        whole = self.boxes[-1]
+        if not np.array_equal(before, whole):
+            self.grid = np.empty((int(cells[-1]), CELL), np.float32)
+            self.targets = np.empty_like(self.grid)
+            self.pressure = _moved(self.pressure, before, whole)
+        return True
+
+
+def extent_of(positions: NDArray[Any], strands: int) -> float:
+    """Return the greatest extent along an axis of strands in blocks."""
+    rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
+    return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
+
+
+def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
+    """Return the values of cells in another box, 0 where they had none: (z, y, x)."""
+    found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
+    if values.size:
+        shift = (box[LOW : LOW + 3] - before[LOW : LOW + 3])[::-1]
+        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in zip(shift, found.shape, values.shape, strict=True))
+        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in zip(shift, found.shape, values.shape, strict=True))
+        found[here] = values[there]
+    return found
+

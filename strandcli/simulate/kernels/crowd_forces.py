@@ -1,0 +1,133 @@
+"""What the strands around do to a strand: friction toward the grid's velocity, and pressure.
+
+Both change the velocity that a step begins with, and so take part in its iterations. A strand loses a share of its
+velocity against the cells', an average of velocities: it can gain no energy, however great the share. What it loses
+others gain, for a cell's velocity is its momentum over its mass, by the same weights. The impulse of pressure on the
+face of two cells is shared by their masses. So sums of momentum stay, to rounding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import device, parallel, prange
+from .crowd_grid import locate
+from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SIZE, TARGET, U, X_SHARE, Y_SHARE, Z_SHARE
+from .rod_scratch import PACK
+
+EMPTY = 1e-30
+"""Metres in a cell up to which it is empty."""
+
+
+@parallel
+def find_targets(box, grid, full, share, speed, pressure, targets):
+    """Set ``targets`` (cells, `CELL`). ``share``: of its velocity against a cell that is as dense as allowed that a
+    strand loses in the step; ``speed``: the cell's side over the step, m/s."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    layer = wide * high
+    for o in prange(deep):
+        for n in range(high):
+            row = o * layer + n * wide
+            for i in range(wide):
+                at = row + i
+                m = grid[at, MASS]
+                rate = share * min(m / full, 1.0)
+                f = rate / max(m, EMPTY)
+                x = push_along(at, 1, i, wide, grid, pressure, full)
+                y = push_along(at, wide, n, high, grid, pressure, full)
+                z = push_along(at, layer, o, deep, grid, pressure, full)
+                targets[at, RATE] = rate
+                targets[at, TARGET] = f * grid[at, MOMENTUM] + speed * x
+                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + speed * y
+                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + speed * z
+
+
+@device
+def push_along(at, stride, i, count, grid, pressure, full):
+    """Change of velocity by pressure along an axis, in cells a step."""
+    x = 0.0
+    if i > 0:
+        x += face(pressure[at - stride] - pressure[at], grid[at - stride, MASS] + grid[at, MASS], full)
+    if i < count - 1:
+        x += face(pressure[at] - pressure[at + stride], grid[at, MASS] + grid[at + stride, MASS], full)
+    return x
+
+
+@device
+def face(difference, metres, full):
+    """What a face between two cells adds to the velocity of both, in cells a step."""
+    return difference * full / max(metres, EMPTY)
+
+
+@parallel
+def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S)."""
+    for part in prange(len(parts)):
+        for pack in range(parts[part, FIRST], parts[part, LAST]):
+            accelerate_pack(
+                moving, lattice, pack, box, targets.reshape(-1), scratch.rows[part], scratch.cells[part], crowd[pack]
+            )  # fmt: skip
+
+
+@device
+def accelerate_pack(moving, lattice, pack, box, targets, rows, cells, crowd):
+    """Set the accelerations of a pack's particles, (N, 3 S): each sample's change of momentum goes to the ends of its
+    segment, by their distances. What goes to the root the emitter takes up."""
+    wide = box[SIZE] * CELL
+    layer = wide * box[SIZE + 1]
+    crowd[...] = 0
+    for j in range(len(crowd)):
+        for t in lattice.samples:
+            locate(moving, lattice, pack, j, t, box, lattice.origins[-1], rows, cells)
+            for k in range(PACK):
+                a, c, d = rows[X_SHARE, k], rows[Y_SHARE, k], rows[Z_SHARE, k]
+                r, x, y, z = blend(targets, np.uint64(cells[k]), np.uint64(wide), np.uint64(layer), a, c, d)
+                rows[RESULT, k] = r
+                rows[RESULT + 1, k] = x
+                rows[RESULT + 2, k] = y
+                rows[RESULT + 3, k] = z
+            m = moving.segments[j] * lattice.share / lattice.step
+            rate = rows[RESULT]
+            for c in range(3):
+                lanes = slice(c * PACK, c * PACK + PACK)
+                target, velocity = rows[RESULT + 1 + c], rows[U + c]
+                if j > 0:
+                    add(rate, target, velocity, m * (lattice.one - t) / moving.mass[j - 1], crowd[j - 1, lanes])
+                add(rate, target, velocity, m * t / moving.mass[j], crowd[j, lanes])
+
+
+@device
+def add(rate, target, velocity, f, crowd):
+    """Add f times a sample's change of velocity to accelerations, along an axis."""
+    for k in range(PACK):
+        crowd[k] += f * (target[k] - rate[k] * velocity[k])
+
+
+@device
+def blend(targets, at, wide, layer, a, c, d):
+    """The four columns of ``targets`` interpolated between eight cells, of which ``at`` is the first."""
+    one = np.float32(1)
+    zero = np.float32(0)
+    e, f = one - d, d
+    sums = blend_row(targets, at, a, e * (one - c), (zero, zero, zero, zero))
+    sums = blend_row(targets, at + wide, a, e * c, sums)
+    sums = blend_row(targets, at + layer, a, f * (one - c), sums)
+    return blend_row(targets, at + layer + wide, a, f * c, sums)
+
+
+@device
+def blend_row(targets, at, a, weight, sums):
+    """Sums plus those of two neighbouring cells, of which the second has the share ``a`` of the weight."""
+    f = weight * a
+    e = weight - f
+    next = at + np.uint64(CELL)
+    p, q, r, s = sums
+    return (
+        p + e * targets[at] + f * targets[next],
+        q + e * targets[at + np.uint64(1)] + f * targets[next + np.uint64(1)],
+        r + e * targets[at + np.uint64(2)] + f * targets[next + np.uint64(2)],
+        s + e * targets[at + np.uint64(3)] + f * targets[next + np.uint64(3)],
+    )
+
+
+assert CELL == TARGET + 3

@@ -1,0 +1,80 @@
+"""Arguments of the kernels of interaction, as flat tuples.
+
+Strands are cut into parts, whose number no number of threads changes: one thread works on a part, and parts are added
+up in their order. Cells lie on a lattice through the origin; a box is a window of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+FIRST, LAST = 0, 1
+"""Columns of parts: the first pack and the one after the last."""
+LOW, SIZE, OFFSET = 0, 3, 6
+"""Columns of boxes: number of the lowest cell along x, y and z, cells along each, and place of the first in the
+memory of all parts."""
+BOX = 7
+MASS, MOMENTUM = 0, 1
+"""Columns of a cell: metres of strand; those times their velocity (3), m²/s."""
+RATE, TARGET = 0, 1
+"""Columns of a target: share of its velocity against the cell's that a strand loses in the step, and the rest of what
+its velocity changes by (3), m/s."""
+CELL = 4
+"""Columns of each."""
+
+
+AT, X_SHARE, Y_SHARE, Z_SHARE, U, V, WAY = range(7)
+"""Rows of scratch, one lane a strand of the pack: cell below the sample (kept apart, as an integer); shares of the
+cells beyond along x, y and z; velocity of the sample."""
+RESULT = 7
+"""(`CELL`) Interpolated targets."""
+CARRIED = 11
+"""(3) Impulse that a particle has got of the segment before it."""
+ROWS = 14
+
+
+class Moving(NamedTuple):
+    """Strands as a step finds them. P packs of S strands with N segments, as `records` has them."""
+
+    positions: Any
+    """(blocks, N + 2, 3 W) metres."""
+    velocity: Any
+    """(P, N, 3 S) m/s."""
+    push: Any
+    """(P, N, 3 S) acceleration by contact, m/s²; one row of zeros without solids."""
+    roots: Any
+    """(P, 3 S) velocity of the roots, m/s."""
+    metres: Any
+    """(P, S) what a segment counts for: its length times the strands that it stands for, metres; 0 of padding."""
+    segments: Any
+    """(N,) relative mass of a segment."""
+    mass: Any
+    """(N,) relative mass of a particle."""
+
+
+class Lattice(NamedTuple):
+    """The grid and the step, numbers of the strands' floating type."""
+
+    samples: Any
+    """(samples,) shares of a segment at which it is sampled, no further apart than cells are."""
+    share: Any
+    """Of a segment that a sample counts for."""
+    inverse: Any
+    """1 / cell, 1/m, float32."""
+    origins: Any
+    """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
+    one: Any
+    """1."""
+    step: Any
+    """Length of the step, seconds."""
+    pressed: Any
+    """The step where there are solids, else 0, seconds."""
+
+
+class Scratch(NamedTuple):
+    """Memory of its own for each part."""
+
+    rows: Any
+    """(parts, `ROWS`, S) float32."""
+    cells: Any
+    """(parts, S) int64, row `AT`."""
