@@ -7,15 +7,17 @@ Memory follows the box that the strands fill, not the space that they could reac
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import solids
 from ..errors import UsageError
 from ..groom.record import Groom
-from .kernels import crowd_forces, crowd_grid, crowd_pressure
-from .kernels.crowd_records import BOX, CELL, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Scratch
+from ..scene.touched import touched
+from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room, Scratch
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import matter, segments_along
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 FRICTION_TIME = 0.01
 """Seconds in which `friction` is the share that is lost."""
-EASE, MOST = 4.0, 0.2
+EASE, MOST = 15.0, 0.5
 """Of the density that there is too much of pressure makes up for this share a second, and in a step, of the greatest
 density: strands that begin inside each other are led apart."""
 CELLS_ACROSS = 32
@@ -34,8 +36,19 @@ MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
 MOST_SAMPLES = 64
 """Samples of a segment."""
-PARTS, SEGMENTS_A_PART = 16, 20_000
+PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
+
+
+class Moment(NamedTuple):
+    """The step that strands are prepared for."""
+
+    time: float
+    """At its end, seconds."""
+    step: float
+    """Its length, seconds."""
+    wind: tuple[float, float, float]
+    """Acceleration of strands at rest by the open wind, m/s²."""
 
 
 class Crowd:
@@ -43,6 +56,7 @@ class Crowd:
 
     def __init__(self, scene: Scene, groom: Groom, parameters: Any, positions: NDArray[Any]) -> None:
         self.where = f"{scene.label or scene.source or 'scene'}: rule interaction"
+        self.scene = scene
         self.friction = parameters.friction
         n = scene.emitter.particles - 1
         stands_for = scene.children.count if scene.children else 1
@@ -52,7 +66,8 @@ class Crowd:
         self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
         self.segments = segments_along(scene.rod, n)
         self.extent = extent_of(positions, groom.strands)
-        self.cell = self._cell(parameters.cell, scene, lengths)
+        self._thickness = 2 * matter(scene.rod)[1]
+        self.cell = self._cell(parameters.cell, lengths)
         self.samples = max(1, math.ceil(float(lengths.max()) / self.cell * (1 - 1e-6)))
         if self.samples > MOST_SAMPLES:
             raise UsageError(
@@ -69,15 +84,18 @@ class Crowd:
         self.memory = np.zeros((0, CELL), np.float32)
         self.grid, self.targets = self.memory, self.memory
         self.pressure = np.zeros((0, 0, 0), np.float32)
+        self.room = Room(self.pressure, self.pressure)
+        self.solids = touched(scene)
+        self._shifting = any(one.keys for one in self.solids) or bool(scene.emitter.keys)
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
         """The greatest of the last step."""
 
-    def _cell(self, given: float | None, scene: Scene, lengths: NDArray[np.float64]) -> float:
+    def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
         if given is None:
             return max(self.extent / CELLS_ACROSS, float(lengths.max()) / MOST_SAMPLES)
-        thick = 2 * matter(scene.rod)[1]
+        thick = self._thickness
         if given < thick:
             raise UsageError(
                 f"{self.where}.cell: {given:g} m is less than a strand's thickness of {thick:.3g} m; make it larger, "
@@ -90,10 +108,10 @@ class Crowd:
             )
         return float(given)
 
-    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], dt: float) -> None:
-        """Set `State.crowd` for a step of ``dt`` seconds. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
+    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
+        """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
-        kind = state.velocity.dtype.type
+        dt, kind = moment.step, state.velocity.dtype.type
         moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, self.segments.astype(kind), mass)
         pressed = dt if len(state.push) == len(state.velocity) else 0.0
         if not self._lay(state.positions):
@@ -112,14 +130,39 @@ class Crowd:
             self.density = greatest
         self.found = greatest
         full = np.float32(self.density * self.cell**3)
-        excess = np.empty(len(self.grid), np.float32)
-        ratio, speed = np.float32(dt / (2 * self.cell)), np.float32(self.cell / dt)
-        crowd_pressure.find_excess(whole, self.grid, full, ratio, np.float32(min(EASE * dt, MOST)), excess)
-        pressure = self.pressure.reshape(-1)
-        crowd_pressure.relax(whole, excess, pressure)
+        self._find_room(whole, moment.time)
+        excess, pressure = np.empty(len(self.grid), np.float32), self.pressure.reshape(-1)
+        numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
+        crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
+        crowd_pressure.relax(whole, excess, self.room.faces, pressure)
         share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
-        crowd_forces.find_targets(whole, self.grid, full, share, speed, pressure, self.targets)
+        numbers = full, share, np.float32(self.cell / dt)
+        crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
+        self._shelter(whole, moment)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+
+    def _find_room(self, whole: NDArray[np.int64], time: float) -> None:
+        """Find what solids leave of the cells at a time, where that may have changed."""
+        count = len(self.grid)
+        if len(self.room.open) == count and not self._shifting:
+            return
+        self.room = Room(np.ones(count, np.float32), np.full(count, 1 / 6, np.float32))
+        if self.solids:
+            along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
+            packed = solids.pack_all(self.solids, self.scene.emitter, self.scene.time.pose_time(time))
+            crowd_pressure.find_room(whole, self.cell, packed, along, self.room.open)
+            crowd_pressure.find_faces(whole, *self.room)
+
+    def _shelter(self, whole: NDArray[np.int64], moment: Moment) -> None:
+        """Take from the targets what sheltered strands do not get of the wind."""
+        wind = np.array(moment.wind)
+        speed = float(np.sqrt((wind**2).sum()))
+        if speed == 0:
+            return
+        left = np.empty(len(self.grid), np.float32)
+        stop = self._thickness / self.cell**2
+        crowd_shelter.shelter(whole, self.grid, (wind / speed).astype(np.float32), np.float32(stop), left)
+        crowd_shelter.add_shelter(left, (moment.step * wind).astype(np.float32), self.targets)
 
     def _lay(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
@@ -139,6 +182,8 @@ class Crowd:
             )
         before = self.boxes[-1].copy()
         self.boxes[:, LOW : LOW + 3], self.boxes[:, SIZE : SIZE + 3] = low, high - low + 1
+        self.boxes[-1, SIZE] = -(-self.boxes[-1, SIZE] // LANES) * LANES
+        cells[-1] = self.boxes[-1, SIZE : SIZE + 3].prod()
         self.boxes[1:, OFFSET] = np.cumsum(cells[:-1])
         self.boxes[-1, OFFSET] = 0
         if cells[:-1].sum() > len(self.memory):
@@ -147,6 +192,7 @@ class Crowd:
         if not np.array_equal(before, whole):
             self.grid = np.empty((int(cells[-1]), CELL), np.float32)
             self.targets = np.empty_like(self.grid)
+            self.room = Room(*np.zeros((2, 0), np.float32))
             self.pressure = _moved(self.pressure, before, whole)
         return True
 

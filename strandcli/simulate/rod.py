@@ -18,7 +18,7 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
-from .crowd import Crowd
+from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
 from .material import TORSION as TORSIONAL_RIGIDITY
@@ -134,10 +134,13 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, pose if self.carried else None)
+        air = around.air(time)
         if self.crowd is not None:
-            self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), dt)
+            strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
+            moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
+            self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
         damping = max(rod.damping, self._least_damping * h)
-        self._run(pose, h, *self._gravity, *around.air(time), rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
+        self._run(pose, h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt

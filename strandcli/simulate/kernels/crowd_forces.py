@@ -15,14 +15,16 @@ from .crowd_grid import locate
 from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SIZE, TARGET, U, X_SHARE, Y_SHARE, Z_SHARE
 from .rod_scratch import PACK
 
-EMPTY = 1e-30
+EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
 
 
 @parallel
-def find_targets(box, grid, full, share, speed, pressure, targets):
-    """Set ``targets`` (cells, `CELL`). ``share``: of its velocity against a cell that is as dense as allowed that a
-    strand loses in the step; ``speed``: the cell's side over the step, m/s."""
+def find_targets(box, grid, room, numbers, pressure, targets):
+    """Set ``targets`` (cells, `CELL`). ``numbers``: metres in a cell that is as dense as allowed; the share of its
+    velocity against such a cell that a strand loses in the step; the cell's side over the step, m/s."""
+    full, share, speed = numbers
+    push = speed * full
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for o in prange(deep):
@@ -31,32 +33,28 @@ def find_targets(box, grid, full, share, speed, pressure, targets):
             for i in range(wide):
                 at = row + i
                 m = grid[at, MASS]
-                rate = share * min(m / full, 1.0)
+                rate = share * min(m / full, np.float32(1))
                 f = rate / max(m, EMPTY)
-                x = push_along(at, 1, i, wide, grid, pressure, full)
-                y = push_along(at, wide, n, high, grid, pressure, full)
-                z = push_along(at, layer, o, deep, grid, pressure, full)
+                x = push_along(at, 1, i, wide, grid, pressure, room.open)
+                y = push_along(at, wide, n, high, grid, pressure, room.open)
+                z = push_along(at, layer, o, deep, grid, pressure, room.open)
                 targets[at, RATE] = rate
-                targets[at, TARGET] = f * grid[at, MOMENTUM] + speed * x
-                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + speed * y
-                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + speed * z
+                targets[at, TARGET] = f * grid[at, MOMENTUM] + push * x
+                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * y
+                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * z
 
 
 @device
-def push_along(at, stride, i, count, grid, pressure, full):
-    """Change of velocity by pressure along an axis, in cells a step."""
-    x = 0.0
-    if i > 0:
-        x += face(pressure[at - stride] - pressure[at], grid[at - stride, MASS] + grid[at, MASS], full)
-    if i < count - 1:
-        x += face(pressure[at] - pressure[at + stride], grid[at, MASS] + grid[at + stride, MASS], full)
+def push_along(at, stride, i, count, grid, pressure, open):
+    """Change of velocity by pressure along an axis, in cells a step for each metre in a cell."""
+    x = np.float32(0)
+    if open[at] > 0:
+        own, m = pressure[at], grid[at, MASS]
+        if i > 0 and open[at - stride] > 0:
+            x += (pressure[at - stride] - own) / max(grid[at - stride, MASS] + m, EMPTY)
+        if i < count - 1 and open[at + stride] > 0:
+            x += (own - pressure[at + stride]) / max(m + grid[at + stride, MASS], EMPTY)
     return x
-
-
-@device
-def face(difference, metres, full):
-    """What a face between two cells adds to the velocity of both, in cells a step."""
-    return difference * full / max(metres, EMPTY)
 
 
 @parallel

@@ -78,3 +78,16 @@ class Scratch(NamedTuple):
     """(parts, `ROWS`, S) float32."""
     cells: Any
     """(parts, S) int64, row `AT`."""
+
+
+LANES = 16
+"""Cells along x are a multiple of it."""
+
+
+class Room(NamedTuple):
+    """What solids leave of cells."""
+
+    open: Any
+    """(cells,) share of each that is outside of solids, float32."""
+    faces: Any
+    """(cells,) 1 over the number of its faces that no solid closes, 0 in solids, float32."""
