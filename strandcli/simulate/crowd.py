@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 FRICTION_TIME = 0.01
 """Seconds in which `friction` is the share that is lost."""
 EASE, MOST = 15.0, 0.5
-"""Of the density that there is too much of pressure makes up for this share a second, and in a step, of the greatest
-density: strands that begin inside each other are led apart."""
+"""Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
+other are led apart."""
 CELLS_ACROSS = 32
 """Cells along the groom's greatest extent, where the preset gives no cell."""
 MOST_CELLS = 4_000_000
@@ -90,7 +90,7 @@ class Crowd:
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
-        """The greatest of the last step."""
+        """The greatest at the begin of the last step, strands a square metre."""
 
     def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
         if given is None:
@@ -112,7 +112,8 @@ class Crowd:
         """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
         dt, kind = moment.step, state.velocity.dtype.type
-        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, self.segments.astype(kind), mass)
+        segments = self.segments.astype(kind)
+        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, segments, mass)
         pressed = dt if len(state.push) == len(state.velocity) else 0.0
         if not self._lay(state.positions):
             state.crowd[...] = 0
@@ -208,8 +209,8 @@ def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int6
     found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
     if values.size:
         shift = (box[LOW : LOW + 3] - before[LOW : LOW + 3])[::-1]
-        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in zip(shift, found.shape, values.shape, strict=True))
-        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in zip(shift, found.shape, values.shape, strict=True))
+        ends = list(zip(shift.tolist(), found.shape, values.shape, strict=True))
+        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in ends)
+        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
         found[here] = values[there]
     return found
-

@@ -201,12 +201,15 @@ class RodSolver(Solver):
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
-        precision the last digit is 6e-8 m a metre from the origin."""
+        precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
+        greatest density when the last step began, over the one allowed."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
             square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
             out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
+        if self.crowd is not None and self.crowd.density is not None:
+            out["density_max"] = self.crowd.found / self.crowd.density
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...jit import device, parallel, prange
 from .crowd_grid import locate
-from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SIZE, TARGET, U, X_SHARE, Y_SHARE, Z_SHARE
+from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
 from .rod_scratch import PACK
 
 EMPTY = np.float32(1e-30)
@@ -78,7 +78,7 @@ def accelerate_pack(moving, lattice, pack, box, targets, rows, cells, crowd):
         for t in lattice.samples:
             locate(moving, lattice, pack, j, t, box, lattice.origins[-1], rows, cells)
             for k in range(PACK):
-                a, c, d = rows[X_SHARE, k], rows[Y_SHARE, k], rows[Z_SHARE, k]
+                a, c, d = rows[SHARE, k], rows[SHARE + 1, k], rows[SHARE + 2, k]
                 r, x, y, z = blend(targets, np.uint64(cells[k]), np.uint64(wide), np.uint64(layer), a, c, d)
                 rows[RESULT, k] = r
                 rows[RESULT + 1, k] = x
@@ -88,7 +88,7 @@ def accelerate_pack(moving, lattice, pack, box, targets, rows, cells, crowd):
             rate = rows[RESULT]
             for c in range(3):
                 lanes = slice(c * PACK, c * PACK + PACK)
-                target, velocity = rows[RESULT + 1 + c], rows[U + c]
+                target, velocity = rows[RESULT + 1 + c], rows[VELOCITY + c]
                 if j > 0:
                     add(rate, target, velocity, m * (lattice.one - t) / moving.mass[j - 1], crowd[j - 1, lanes])
                 add(rate, target, velocity, m * t / moving.mass[j], crowd[j, lanes])

@@ -11,21 +11,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
-from .crowd_records import (
-    BOX,
-    CELL,
-    FIRST,
-    LAST,
-    LOW,
-    OFFSET,
-    SIZE,
-    U,
-    V,
-    WAY,
-    X_SHARE,
-    Y_SHARE,
-    Z_SHARE,
-)
+from .crowd_records import BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
 from .rod_scratch import PACK
 
 
@@ -93,8 +79,8 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, rows, cells):
             locate(moving, lattice, pack, j, t, box, origins, rows, cells)
             for k in range(PACK):
                 m = metres[k] * share
-                u, v, w = rows[U, k], rows[V, k], rows[WAY, k]
-                a, c, d = rows[X_SHARE, k], rows[Y_SHARE, k], rows[Z_SHARE, k]
+                u, v, w = rows[VELOCITY, k], rows[VELOCITY + 1, k], rows[VELOCITY + 2, k]
+                a, c, d = rows[SHARE, k], rows[SHARE + 1, k], rows[SHARE + 2, k]
                 at = np.uint64(cells[k])
                 e, f = m - m * d, m * d
                 add_row(grid, at, a, e - e * c, u, v, w)
@@ -116,21 +102,23 @@ def locate(moving, lattice, pack, j, t, box, origins, rows, cells):
         here = positions[at + c * W : at + c * W + PACK]
         there = positions[at + row + c * W : at + row + c * W + PACK]
         origin = origins[c]
-        shares(here, there, t, origin, lattice.inverse, box[SIZE + c] - 2, sides[c], rows[X_SHARE + c], cells)
+        shares(here, there, t, origin, lattice.inverse, box[SIZE + c] - 2, sides[c], rows[SHARE + c], cells)
         lanes = slice(c * PACK, c * PACK + PACK)
         push = moving.push[min(pack, len(moving.push) - 1)]
         if j > 0:
             begin, pushed = moving.velocity[pack, j - 1, lanes], push[j - 1, lanes]
-            velocities(begin, pushed, moving.velocity[pack, j, lanes], push[j, lanes], t, lattice.pressed, rows[U + c])
+            velocities(
+                begin, pushed, moving.velocity[pack, j, lanes], push[j, lanes], t, lattice.pressed, rows[VELOCITY + c]
+            )
         else:
             begin, end = moving.roots[pack, lanes], moving.velocity[pack, j, lanes]
-            velocities_at_root(begin, end, push[j, lanes], t, lattice.pressed, rows[U + c])
+            velocities_at_root(begin, end, push[j, lanes], t, lattice.pressed, rows[VELOCITY + c])
 
 
 @device
 def shares(here, there, t, origin, inverse, most, side, share, cells):
     """Along an axis, set the share of the cell beyond each sample, and add the place of the cell before it to
-    ``cells``. The box begins at ``origin``, the middle of its first cell, and ``side`` is the distance of neighbours."""
+    ``cells``. ``origin``: middle of the box's first cell, metres; ``side``: distance of neighbours in the memory."""
     zero = np.float32(0)
     last = np.float32(most)
     for k in range(PACK):

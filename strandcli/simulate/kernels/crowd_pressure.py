@@ -2,8 +2,8 @@
 
 Density φ is relative to the greatest allowed, and f is the share of a cell that is outside of solids at the end of the
 step. In a step of h with the momentum φ v that cells are going to have the density would be φ* = φ − h ∇·(φ v).
-Pressure p >= 0 accelerates cells along −∇p, so that it becomes φ* + ∇²p (p here times h² over the cell's area); p is the
-least with which that is nowhere more than f, and is 0 wherever there is room:
+Pressure p >= 0 accelerates cells along −∇p, so that it becomes φ* + ∇²p (p here times h² over the cell's area); p is
+the least with which that is nowhere more than f, and is 0 wherever there is room:
 
     Σ (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
 
@@ -34,7 +34,7 @@ ROUNDS = 12
 @parallel
 def find_excess(box, grid, room, numbers, excess):
     """Set e, ``excess`` (cells,). ``room``: `Room`; ``numbers``: metres in a cell that is as dense as allowed, half the
-    step over the cell's side in s/m, and by how much of the density pressure makes up in a step at the most."""
+    step over the cell's side in s/m, and the share of the density that pressure makes up for in a step at the most."""
     full, ratio, most = numbers
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
@@ -46,7 +46,8 @@ def find_excess(box, grid, room, numbers, excess):
                 flow = inflow(at, 1, i, wide, grid, MOMENTUM, room.open)
                 flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, room.open)
                 flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, room.open)
-                excess[at] = min(grid[at, MASS] / full - room.open[at], most) + ratio * flow / full
+                dense = grid[at, MASS] / full
+                excess[at] = min(dense - room.open[at], most * max(dense, np.float32(1))) + ratio * flow / full
 
 
 @device

@@ -23,14 +23,12 @@ CELL = 4
 """Columns of each."""
 
 
-AT, X_SHARE, Y_SHARE, Z_SHARE, U, V, WAY = range(7)
-"""Rows of scratch, one lane a strand of the pack: cell below the sample (kept apart, as an integer); shares of the
-cells beyond along x, y and z; velocity of the sample."""
-RESULT = 7
-"""(`CELL`) Interpolated targets."""
-CARRIED = 11
-"""(3) Impulse that a particle has got of the segment before it."""
-ROWS = 14
+SHARE, VELOCITY = 0, 3
+"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, and
+its velocity (3)."""
+RESULT = 6
+"""(`CELL`) Targets at the sample."""
+ROWS = 10
 
 
 class Moving(NamedTuple):
@@ -77,7 +75,7 @@ class Scratch(NamedTuple):
     rows: Any
     """(parts, `ROWS`, S) float32."""
     cells: Any
-    """(parts, S) int64, row `AT`."""
+    """(parts, S) int64: place of the cell below the sample, in numbers."""
 
 
 LANES = 16
