@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Moment", "Pass", "idle", "passes_of", "register", "registry"]
 
 _registry: dict[str, Any] = {
-    rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, interaction, collision, elasticity)
+    rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, collision, elasticity, interaction)
 }
 _searched = False
 GROUP = "strandcli.rules"
