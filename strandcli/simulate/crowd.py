@@ -65,7 +65,7 @@ class Crowd:
         self.metres = np.zeros((packs, PACK), np.float32)
         self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
         self.segments = segments_along(scene.rod, n)
-        self.extent = extent_of(positions, groom.strands)
+        self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = self._cell(parameters.cell, lengths)
         self.samples = max(1, math.ceil(float(lengths.max()) / self.cell * (1 - 1e-6)))
@@ -198,7 +198,7 @@ class Crowd:
         return True
 
 
-def extent_of(positions: NDArray[Any], strands: int) -> float:
+def extent_of(positions: NDArray[Any]) -> float:
     """Return the greatest extent along an axis of strands in blocks."""
     rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
     return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
