@@ -12,7 +12,7 @@ from ..groom.record import Groom
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other, other_code
-from .material import TORSION, matter_along, stiffness
+from .material import matter_along, stiffness, torsion
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
 from .surroundings import gravity
@@ -132,7 +132,8 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
     own = stiffness(scene.rod, lengths)
     turn = np.array(emitter_pose(scene.emitter, 0.0).rotation)
     pull = turn.T @ gravity(scene) / lengths[:, None]
-    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, TORSION[coiled(edges)], pull)
+    twist = torsion(scene.rod, coiled(edges))
+    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull)
     stiffer = held.stiffness > own
     if not stiffer.any():
         return []

@@ -22,6 +22,9 @@ soon."""
 TORSION = {False: 4.0, True: 0.25}
 """Torsional over bending rigidity; True: of grooms with coils. That of a round rod is about 0.75. Straight strands get
 more, because nothing else resists twist; coils get less, because it limits their step."""
+COIL_STEP = 0.35
+"""Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
+the reaction to rest shapes is that before the step, which is stable up to about 0.4."""
 CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the first
 are a load on the second. Reached by a tip some twenty times as thick as the root."""
@@ -46,6 +49,21 @@ def rigidity(rod: Rod) -> float:
     strand sags."""
     density, radius, young = matter(rod)
     return young * radius**2 / (4 * density)
+
+
+def torsion(rod: Rod, coiled: bool) -> float:
+    """Return torsional over bending rigidity."""
+    return TORSION[coiled] if rod.torsion is None else rod.torsion
+
+
+def coil_rate(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64]) -> float:
+    """Return the greatest angular frequency, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s², and
+    the rest edges (N, strands, 3) stretch as springs do: of N joints that each turn by θ and twist by χ κ θ as one
+    end moves, √(3 χ κ θ²) / N. 0 where the preset does not give their torsion."""
+    if rod.torsion is None or len(edges) < 2:
+        return 0.0
+    square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
+    return float(np.sqrt((3 * rod.torsion * stiffness * square).max()) / len(edges))
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

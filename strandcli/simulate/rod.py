@@ -3,11 +3,12 @@
 See `kernels/rod.py` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
 particles. Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in
 m/s) and collision. Elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
-material. Twist is not represented.
+material, as does the twist of curled strands.
 """
 
 from __future__ import annotations
 
+import math
 from operator import sub
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ from ..scene.motion import Pose, emitter_pose
 from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
-from .material import TORSION as TORSIONAL_RIGIDITY
+from .material import COIL_STEP, coil_rate, torsion
 from .rod_kernel import StepKernel
 from .rod_setup import (
     forcing_of,
@@ -51,6 +52,8 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
+MOST_INNER = 64
+"""Steps that one is cut into at the most, where coils ask for it."""
 APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
@@ -94,7 +97,9 @@ class RodSolver(Solver):
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
-        self.forcing.numbers[TORSION] = TORSIONAL_RIGIDITY[shape.coiled]
+        self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
+        self._coil_rate = coil_rate(rod, rest.stiffness, np.stack(shape.edges)) if shape.curled else 0.0
+        self._check_coils()
         self.mass = self.material.mass.copy()
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
@@ -115,8 +120,31 @@ class RodSolver(Solver):
             return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
         return self._still
 
+    def _check_coils(self) -> None:
+        """Raise `UsageError` where coils ask for steps that are too short, or for another integrator."""
+        time = self.scene.time
+        if self._coil_rate > 0 and self.second:
+            # their reaction is that before the step: with Euler's method neither drives nor calms what swings
+            raise UsageError(
+                f"{self.scene.source or 'scene'}: rod.torsion: bdf2 would set coils swinging by themselves; write "
+                "rod.integrator: euler, with which they keep their swing"
+            )
+        dt = 1 / (time.fps * time.substeps)
+        if self._coil_rate * dt > MOST_INNER * COIL_STEP:
+            raise UsageError(
+                f"{self.scene.source or 'scene'}: rod.torsion: these coils stretch {self._coil_rate / 2 / np.pi:.3g} "
+                f"times a second, which takes {math.ceil(self._coil_rate * dt / COIL_STEP):,} steps in each; at most "
+                f"{MOST_INNER} are taken; use a smaller rod.young or rod.radius, more time.substeps, or no rod.torsion"
+            )
+
     def step(self, time: float, dt: float) -> None:
-        """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+        """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
+        count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
+        for left in range(count - 1, -1, -1):
+            self._step(time - left * dt / count, dt / count)
+
+    def _step(self, time: float, dt: float) -> None:
+        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
         if dt <= 0:
             return
         rod, around = self.scene.rod, self.surroundings
