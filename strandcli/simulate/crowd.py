@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
+from ..blocks import aligned
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
 from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room, Scratch
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import matter, segments_along
@@ -51,10 +52,19 @@ class Moment(NamedTuple):
     """Acceleration of strands at rest by the open wind, m/s²."""
 
 
+class Samples(NamedTuple):
+    """Points at which every strand is sampled, as `Lattice` has them."""
+
+    first: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+
 class Crowd:
     """The grid of a scene's strands. Raises `UsageError` for cells that do not fit the groom."""
 
-    def __init__(self, scene: Scene, groom: Groom, parameters: Any, positions: NDArray[Any]) -> None:
+    def __init__(self, scene: Scene, groom: Groom, parameters: Any, positions: NDArray[Any], dtype: Any) -> None:
         self.where = f"{scene.label or scene.source or 'scene'}: rule interaction"
         self.scene = scene
         self.friction = parameters.friction
@@ -64,29 +74,25 @@ class Crowd:
         packs = -(-groom.strands // PACK)
         self.metres = np.zeros((packs, PACK), np.float32)
         self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
-        self.segments = segments_along(scene.rod, n)
         self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = self._cell(parameters.cell, lengths)
-        self.samples = max(1, math.ceil(float(lengths.max()) / self.cell * (1 - 1e-6)))
-        if self.samples > MOST_SAMPLES:
+        self.samples = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell)
+        if len(self.samples.first) > MOST_SAMPLES * n:
             raise UsageError(
                 f"{self.where}.cell: {self.cell:g} m is less than a {MOST_SAMPLES}th of a segment of "
                 f"{lengths.max():.3g} m; make it larger, or use more emitter.particles"
             )
-        count = min(PARTS, max(1, groom.strands * n * self.samples // SEGMENTS_A_PART))
+        count = min(PARTS, max(1, groom.strands * len(self.samples.first) // SEGMENTS_A_PART))
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
-        self.scratch = Scratch(
-            np.zeros((len(self.parts), ROWS, PACK), np.float32), np.zeros((len(self.parts), PACK), np.int64)
-        )  # fmt: skip
+        self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
         self.memory = np.zeros((0, CELL), np.float32)
         self.grid, self.targets = self.memory, self.memory
         self.pressure = np.zeros((0, 0, 0), np.float32)
         self.room = Room(self.pressure, self.pressure)
         self.solids = touched(scene)
-        self._shifting = any(one.keys for one in self.solids) or bool(scene.emitter.keys)
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
@@ -112,18 +118,16 @@ class Crowd:
         """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
         dt, kind = moment.step, state.velocity.dtype.type
-        segments = self.segments.astype(kind)
-        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, segments, mass)
+        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, mass)
         pressed = dt if len(state.push) == len(state.velocity) else 0.0
         if not self._lay(state.positions):
             state.crowd[...] = 0
             return
         whole = self.boxes[-1]
-        samples = ((np.arange(self.samples) + 0.5) / self.samples).astype(kind)
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
-        lattice = Lattice(
-            samples, kind(1 / self.samples), np.float32(1 / self.cell), origins, kind(1), kind(dt), kind(pressed)
-        )  # fmt: skip
+        first, counts, *rest = self.samples
+        numbers = kind(1 / self.cell), origins, kind(dt), kind(pressed)
+        lattice = Lattice(first, counts, *(one.astype(kind) for one in rest), *numbers)
         crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
         crowd_grid.merge(self.boxes, self.memory, self.grid)
         greatest = float(self.grid[:, MASS].max()) / self.cell**3
@@ -131,27 +135,29 @@ class Crowd:
             self.density = greatest
         self.found = greatest
         full = np.float32(self.density * self.cell**3)
-        self._find_room(whole, moment.time)
+        near = _near(self.grid[:, MASS].reshape(whole[SIZE : SIZE + 3][::-1]).max(2) > 0)
+        self._find_room(whole, near, moment.time)
         excess, pressure = np.empty(len(self.grid), np.float32), self.pressure.reshape(-1)
         numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
         crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
-        crowd_pressure.relax(whole, excess, self.room.faces, pressure)
+        self.pressure *= near[:, :, None]
+        crowd_pressure.relax(whole, excess, self.room.faces, near, pressure)
         share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
         numbers = full, share, np.float32(self.cell / dt)
         crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
         self._shelter(whole, moment)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
 
-    def _find_room(self, whole: NDArray[np.int64], time: float) -> None:
-        """Find what solids leave of the cells at a time, where that may have changed."""
+    def _find_room(self, whole: NDArray[np.int64], near: NDArray[np.bool_], time: float) -> None:
+        """Find what solids leave at a time of the rows of cells that strands are ``near``."""
         count = len(self.grid)
-        if len(self.room.open) == count and not self._shifting:
+        if len(self.room.open) == count and not self.solids:
             return
         self.room = Room(np.ones(count, np.float32), np.full(count, 1 / 6, np.float32))
         if self.solids:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             packed = solids.pack_all(self.solids, self.scene.emitter, self.scene.time.pose_time(time))
-            crowd_pressure.find_room(whole, self.cell, packed, along, self.room.open)
+            crowd_pressure.find_room(whole, self.cell, packed, along, near, self.room.open)
             crowd_pressure.find_faces(whole, *self.room)
 
     def _shelter(self, whole: NDArray[np.int64], moment: Moment) -> None:
@@ -169,7 +175,7 @@ class Crowd:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
         ends = np.empty((len(self.parts), 6))
-        crowd_grid.find_boxes(positions, self.cell, self.parts, self.scratch, ends)
+        crowd_grid.find_boxes(positions, self.cell, self.parts, ends)
         if not np.isfinite(ends).all():
             return False
         low, high = np.floor(ends[:, :3] - 0.5), np.floor(ends[:, 3:] - 0.5) + 1
@@ -198,10 +204,39 @@ class Crowd:
         return True
 
 
+def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
+    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
+    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
+    n = len(segments)
+    several = max(1, math.ceil(length * (1 - 1e-6)))
+    if several > 1:
+        t = np.tile((np.arange(several) + 0.5) / several, n)
+        first = np.repeat(np.arange(n), several)
+        weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
+        return Samples(first, np.full(len(first), 2), weights, mass)
+    group = min(max(1, int(1 / length * (1 + 1e-6))), n)
+    first = np.arange(0, n, group)
+    count = np.minimum(first + group, n) - first + 1
+    weights, mass = np.zeros((len(first), group + 1)), np.zeros(len(first))
+    for row, begin, end in zip(range(len(first)), first, first + count - 1, strict=True):
+        mass[row] = segments[begin:end].sum()
+        weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
+        weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
+    return Samples(first, count, weights, mass)
+
+
 def extent_of(positions: NDArray[Any]) -> float:
     """Return the greatest extent along an axis of strands in blocks."""
     rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
     return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
+
+
+def _near(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (z, y) whether a row of cells or one of its neighbours is set."""
+    wide = np.pad(rows, 1)
+    wide[1:-1] |= wide[:-2] | wide[2:]
+    wide[:, 1:-1] |= wide[:, :-2] | wide[:, 2:]
+    return wide[1:-1, 1:-1]
 
 
 def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:

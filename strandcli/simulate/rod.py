@@ -87,7 +87,7 @@ class RodSolver(Solver):
         around = self.surroundings
         deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
-        self.crowd = Crowd(scene, groom, between[0], self.positions) if between else None
+        self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
         flags = Flags(
             rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
         )  # fmt: skip

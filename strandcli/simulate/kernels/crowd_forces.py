@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from .crowd_grid import locate
+from ...simd import lane_count, load, pointer, store
+from .crowd_grid import cell_of, locate, three
 from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
 from .rod_scratch import PACK
 
@@ -62,43 +63,43 @@ def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
     """Set the accelerations of particles, ``crowd`` (P, N, 3 S)."""
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            accelerate_pack(
-                moving, lattice, pack, box, targets.reshape(-1), scratch.rows[part], scratch.cells[part], crowd[pack]
-            )  # fmt: skip
+            crowd[pack] = 0
+            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), scratch[part], crowd)
 
 
 @device
-def accelerate_pack(moving, lattice, pack, box, targets, rows, cells, crowd):
-    """Set the accelerations of a pack's particles, (N, 3 S): each sample's change of momentum goes to the ends of its
-    segment, by their distances. What goes to the root the emitter takes up."""
+def accelerate_pack(moving, lattice, pack, box, targets, rows, crowd):
+    """Add the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
+    is a mean, by their shares. What goes to the root the emitter takes up."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
-    crowd[...] = 0
-    for j in range(len(crowd)):
-        for t in lattice.samples:
-            locate(moving, lattice, pack, j, t, box, lattice.origins[-1], rows, cells)
-            for k in range(PACK):
-                a, c, d = rows[SHARE, k], rows[SHARE + 1, k], rows[SHARE + 2, k]
-                r, x, y, z = blend(targets, np.uint64(cells[k]), np.uint64(wide), np.uint64(layer), a, c, d)
-                rows[RESULT, k] = r
-                rows[RESULT + 1, k] = x
-                rows[RESULT + 2, k] = y
-                rows[RESULT + 3, k] = z
-            m = moving.segments[j] * lattice.share / lattice.step
-            rate = rows[RESULT]
-            for c in range(3):
-                lanes = slice(c * PACK, c * PACK + PACK)
-                target, velocity = rows[RESULT + 1 + c], rows[VELOCITY + c]
-                if j > 0:
-                    add(rate, target, velocity, m * (lattice.one - t) / moving.mass[j - 1], crowd[j - 1, lanes])
-                add(rate, target, velocity, m * t / moving.mass[j], crowd[j, lanes])
+    for sample in range(len(lattice.first)):
+        locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
+        for k in range(PACK):
+            a, c, d = three(rows, SHARE, k)
+            at = cell_of(rows, k, wide, layer)
+            r, x, y, z = blend(targets, at, np.uint64(wide), np.uint64(layer), a, c, d)
+            rows[RESULT, k] = r
+            rows[RESULT + 1, k] = x
+            rows[RESULT + 2, k] = y
+            rows[RESULT + 3, k] = z
+        share_out(moving, lattice, pack, sample, rows, crowd)
 
 
 @device
-def add(rate, target, velocity, f, crowd):
-    """Add f times a sample's change of velocity to accelerations, along an axis."""
-    for k in range(PACK):
-        crowd[k] += f * (target[k] - rate[k] * velocity[k])
+def share_out(moving, lattice, pack, sample, rows, crowd):
+    """Add what a sample's velocity changes by to the accelerations of its particles."""
+    read, out = pointer(rows), pointer(crowd)
+    n = crowd.shape[1]
+    first, m = lattice.first[sample], lattice.mass[sample] / lattice.step
+    for lane in range(0, PACK, lane_count(read)):
+        rate = load(read, RESULT * PACK + lane)
+        for c in range(3):
+            change = load(read, (RESULT + 1 + c) * PACK + lane) - rate * load(read, (VELOCITY + c) * PACK + lane)
+            for i in range(max(1 - first, 0), lattice.counts[sample]):
+                j = first + i - 1
+                at = ((pack * n + j) * 3 + c) * PACK + lane
+                store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
 
 
 @device

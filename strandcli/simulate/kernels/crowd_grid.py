@@ -1,56 +1,55 @@
 """Metres and momentum of strands in the cells of a grid.
 
-A segment is spread, and not its particles, so that gaps between particles do not show: it is sampled at points no more
-than a cell apart, each of which counts for its share of the segment and goes to the eight cells around it by trilinear
-weights. The velocity of a sample is interpolated between those of the segment's ends, as contact will change them.
+Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
+more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
+weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for several. Its
+place and velocity are means over the particles that it stands between, the velocity as contact will change it.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
-from .crowd_records import BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
+from ...simd import any_lane, broadcast, floor, lane_count, load, pointer, reduce_max, store
+from .crowd_records import BELOW, BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
 from .rod_scratch import PACK
+
+ROW = 3 * W
+"""Numbers of a row of positions."""
 
 
 @parallel
-def find_boxes(positions, cell, parts, scratch, boxes):
+def find_boxes(positions, cell, parts, boxes):
     """Set the lowest and the greatest coordinates in cells, ``boxes`` (parts, 6) float64, of the strands of each of
     ``parts``; NaN where a coordinate is not finite. ``positions`` (blocks, N + 2, 3 W)."""
     for part in prange(len(parts)):
         for axis in range(3):
-            low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis, scratch.rows[part])
+            low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis)
             boxes[part, axis] = low / cell
             boxes[part, 3 + axis] = high / cell
 
 
 @device
-def extent(positions, first, last, axis, scratch):
+def extent(positions, first, last, axis):
     """Least and greatest coordinate along an axis of the particles of strands; NaN where one is not finite."""
-    low, high, total = scratch[0], scratch[1], scratch[2]
-    low[...], high[...], total[...] = np.inf, -np.inf, 0
-    flat = positions.reshape(-1)
+    x = pointer(positions)
     rows = positions.shape[1]
-    for strand in range(first, last, PACK):
-        at = strand // W * rows * 3 * W + axis * W + strand % W
+    high = load(x, first // W * rows * ROW + ROW + axis * W + first % W)
+    low = -high
+    wrong = high - high
+    for strand in range(first, last, lane_count(x)):
+        at = strand // W * rows * ROW + axis * W + strand % W
         for row in range(1, rows):
-            fold(flat[at + row * 3 * W : at + row * 3 * W + PACK], low, high, total)
-    for k in range(1, PACK):
-        low[0], high[0] = min(low[0], low[k]), max(high[0], high[k])
-        total[0] += total[k]
-    return low[0] + total[0], high[0] + total[0]
-
-
-@device
-def fold(values, low, high, total):
-    """Take values into the least, the greatest, and what is not 0 where some value was not finite, lane by lane."""
-    for k in range(PACK):
-        x = np.float32(values[k])
-        low[k] = x if x < low[k] else low[k]
-        high[k] = x if x > high[k] else high[k]
-        total[k] += x - x
+            value = load(x, at + row * ROW)
+            high, low = max(high, value), max(low, -value)
+            wrong += value - value
+    if any_lane(wrong != 0.0):
+        return math.nan, math.nan
+    return -reduce_max(low), reduce_max(high)
 
 
 @parallel
@@ -61,88 +60,76 @@ def deposit(moving, lattice, parts, boxes, memory, scratch):
         grid = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
         grid[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            deposit_pack(
-                moving, lattice, pack, box, lattice.origins[part], grid.reshape(-1), scratch.rows[part],
-                scratch.cells[part],
-            )  # fmt: skip
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], grid.reshape(-1), scratch[part])
 
 
 @device
-def deposit_pack(moving, lattice, pack, box, origins, grid, rows, cells):
+def deposit_pack(moving, lattice, pack, box, origins, grid, rows):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
     metres = moving.metres[pack]
-    for j in range(moving.velocity.shape[1]):
-        share = np.float32(moving.segments[j] * lattice.share)
-        for t in lattice.samples:
-            locate(moving, lattice, pack, j, t, box, origins, rows, cells)
-            for k in range(PACK):
-                m = metres[k] * share
-                u, v, w = rows[VELOCITY, k], rows[VELOCITY + 1, k], rows[VELOCITY + 2, k]
-                a, c, d = rows[SHARE, k], rows[SHARE + 1, k], rows[SHARE + 2, k]
-                at = np.uint64(cells[k])
-                e, f = m - m * d, m * d
-                add_row(grid, at, a, e - e * c, u, v, w)
-                add_row(grid, at + np.uint64(wide), a, e * c, u, v, w)
-                add_row(grid, at + np.uint64(layer), a, f - f * c, u, v, w)
-                add_row(grid, at + np.uint64(layer + wide), a, f * c, u, v, w)
-
-
-@device
-def locate(moving, lattice, pack, j, t, box, origins, rows, cells):
-    """Set the rows of scratch for a sample at the share t of segment j of a pack's strands: cells, shares, velocity."""
-    n = moving.velocity.shape[1]
-    row = 3 * W
-    at = pack * PACK // W * (n + 2) * row + (j + 1) * row + pack * PACK % W
-    positions = moving.positions.reshape(-1)
-    sides = 1, box[SIZE], box[SIZE] * box[SIZE + 1]
-    cells[...] = 0
-    for c in range(3):
-        here = positions[at + c * W : at + c * W + PACK]
-        there = positions[at + row + c * W : at + row + c * W + PACK]
-        origin = origins[c]
-        shares(here, there, t, origin, lattice.inverse, box[SIZE + c] - 2, sides[c], rows[SHARE + c], cells)
-        lanes = slice(c * PACK, c * PACK + PACK)
-        push = moving.push[min(pack, len(moving.push) - 1)]
-        if j > 0:
-            begin, pushed = moving.velocity[pack, j - 1, lanes], push[j - 1, lanes]
-            velocities(
-                begin, pushed, moving.velocity[pack, j, lanes], push[j, lanes], t, lattice.pressed, rows[VELOCITY + c]
+    for sample in range(len(lattice.first)):
+        share = np.float32(lattice.mass[sample])
+        locate(moving, lattice, pack, sample, box, origins, rows)
+        for k in range(PACK):
+            m = metres[k] * share
+            u, v, w = (
+                np.float32(rows[VELOCITY, k]),
+                np.float32(rows[VELOCITY + 1, k]),
+                np.float32(rows[VELOCITY + 2, k]),
             )
-        else:
-            begin, end = moving.roots[pack, lanes], moving.velocity[pack, j, lanes]
-            velocities_at_root(begin, end, push[j, lanes], t, lattice.pressed, rows[VELOCITY + c])
+            a, c, d = np.float32(rows[SHARE, k]), np.float32(rows[SHARE + 1, k]), np.float32(rows[SHARE + 2, k])
+            at = cell_of(rows, k, wide, layer)
+            e, f = m - m * d, m * d
+            add_row(grid, at, a, e - e * c, u, v, w)
+            add_row(grid, at + np.uint64(wide), a, e * c, u, v, w)
+            add_row(grid, at + np.uint64(layer), a, f - f * c, u, v, w)
+            add_row(grid, at + np.uint64(layer + wide), a, f * c, u, v, w)
 
 
 @device
-def shares(here, there, t, origin, inverse, most, side, share, cells):
-    """Along an axis, set the share of the cell beyond each sample, and add the place of the cell before it to
-    ``cells``. ``origin``: middle of the box's first cell, metres; ``side``: distance of neighbours in the memory."""
-    zero = np.float32(0)
-    last = np.float32(most)
-    for k in range(PACK):
-        x = here[k]
-        f = np.float32(x + t * (there[k] - x) - origin) * inverse
-        i = min(max(np.floor(f), zero), last)
-        share[k] = f - i
-        cells[k] += np.int64(np.int32(i)) * side * CELL
+def three(rows, row, k):
+    """Three rows of lane k in single precision."""
+    return np.float32(rows[row, k]), np.float32(rows[row + 1, k]), np.float32(rows[row + 2, k])
 
 
 @device
-def velocities(begin, pushed, end, push, t, pressed, out):
-    """Set velocities interpolated between the ends of segments, along an axis."""
-    for k in range(PACK):
-        u = begin[k] + pressed * pushed[k]
-        out[k] = u + t * (end[k] + pressed * push[k] - u)
+def cell_of(rows, k, wide, layer):
+    """Place of the cell before the sample of lane k."""
+    x, y, z = np.int32(rows[BELOW, k]), np.int32(rows[BELOW + 1, k]), np.int32(rows[BELOW + 2, k])
+    return np.uint64(x * CELL + y * wide + z * layer)
 
 
 @device
-def velocities_at_root(begin, end, push, t, pressed, out):
-    """Set velocities interpolated between roots and first particles, along an axis."""
-    for k in range(PACK):
-        u = begin[k]
-        out[k] = u + t * (end[k] + pressed * push[k] - u)
+def locate(moving, lattice, pack, sample, box, origins, rows):
+    """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
+    metres."""
+    positions, velocity, push = pointer(moving.positions), pointer(moving.velocity), pointer(moving.push)
+    roots, out = pointer(moving.roots), pointer(rows)
+    n = moving.velocity.shape[1]
+    block = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
+    pushes = 0 if lattice.pressed == 0 else pack * n
+    first, count = lattice.first[sample], lattice.counts[sample]
+    for lane in range(0, PACK, lane_count(positions)):
+        for c in range(3):
+            x = broadcast(positions, 0.0)
+            u = x
+            for i in range(count):
+                j = first + i
+                weight = lattice.weights[sample, i]
+                x += weight * (load(positions, block + j * ROW + c * W + lane) - origins[c])
+                if j == 0:
+                    u += weight * load(roots, (pack * 3 + c) * PACK + lane)
+                else:
+                    u += weight * load(velocity, ((pack * n + j - 1) * 3 + c) * PACK + lane)
+                    if lattice.pressed > 0:
+                        u += weight * lattice.pressed * load(push, ((pushes + j - 1) * 3 + c) * PACK + lane)
+            x *= lattice.inverse
+            below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
+            store(out, (SHARE + c) * PACK + lane, x - below)
+            store(out, (BELOW + c) * PACK + lane, below)
+            store(out, (VELOCITY + c) * PACK + lane, u)
 
 
 @device

@@ -67,14 +67,16 @@ def inflow(at, stride, i, count, grid, column, open):
 
 
 @function
-def relax(box, excess, faces, pressure):
+def relax(box, excess, faces, near, pressure):
     """Sweep over the cells `ROUNDS` times, rows of one colour after those of the other. ``faces`` (cells,): 1 over the
-    number of a cell's faces that no solid closes, 0 in solids."""
+    number of a cell's faces that no solid closes, 0 in solids; ``near`` (cells along z, along y): whether strands are
+    near that row of cells, in others pressure stays 0."""
     high, deep = box[SIZE + 1], box[SIZE + 2]
     for round in range(2 * ROUNDS):
         for o in range(deep):
             for n in range((o + round) % 2, high, 2):
-                relax_row(o, n, box, excess, faces, pressure)
+                if near[o, n]:
+                    relax_row(o, n, box, excess, faces, pressure)
 
 
 @device
@@ -105,14 +107,17 @@ def relax_row(o, n, box, excess, faces, pressure):
 
 
 @parallel
-def find_room(box, cell, solids, along, open):
+def find_room(box, cell, solids, along, near, open):
     """Set the share of each cell that is outside of ``solids``, ``open`` (cells,): of what trilinear weights reach, if
     the nearest surface were a plane across an axis; 0 of cells whose middle is deeper than half a cell. ``along``:
-    (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32."""
+    (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32; ``near`` (cells along z,
+    along y): whether strands are near that row of cells, others stay as they are."""
     wide, high = box[SIZE], box[SIZE + 1]
     for o in prange(box[SIZE + 2]):
         z = np.float32(cell * (o + box[LOW + 2] + 0.5))
         for n in range(high):
+            if not near[o, n]:
+                continue
             y = np.float32(cell * (n + box[LOW + 1] + 0.5))
             find_room_of_row(wide, y, z, solids, np.float32(1 / cell), along, open[(o * high + n) * wide :])
 

@@ -23,12 +23,12 @@ CELL = 4
 """Columns of each."""
 
 
-SHARE, VELOCITY = 0, 3
-"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, and
-its velocity (3)."""
-RESULT = 6
+SHARE, BELOW, VELOCITY = 0, 3, 6
+"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z,
+numbers (3) of the cells before it, and its velocity (3), m/s."""
+RESULT = 9
 """(`CELL`) Targets at the sample."""
-ROWS = 10
+ROWS = 13
 
 
 class Moving(NamedTuple):
@@ -43,39 +43,31 @@ class Moving(NamedTuple):
     roots: Any
     """(P, 3 S) velocity of the roots, m/s."""
     metres: Any
-    """(P, S) what a segment counts for: its length times the strands that it stands for, metres; 0 of padding."""
-    segments: Any
-    """(N,) relative mass of a segment."""
+    """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
+    of padding."""
     mass: Any
     """(N,) relative mass of a particle."""
 
 
 class Lattice(NamedTuple):
-    """The grid and the step, numbers of the strands' floating type."""
+    """How strands are sampled, where cells are, and the step, numbers of the strands' floating type."""
 
-    samples: Any
-    """(samples,) shares of a segment at which it is sampled, no further apart than cells are."""
-    share: Any
-    """Of a segment that a sample counts for."""
+    first: Any
+    """(samples,) number of the first particle of which each is a mean, 0 that of the root; int64."""
+    counts: Any
+    """(samples,) of how many."""
+    weights: Any
+    """(samples, greatest count) the particles' shares."""
+    mass: Any
+    """(samples,) metres that each counts for, by those of a segment at the root."""
     inverse: Any
-    """1 / cell, 1/m, float32."""
+    """1 / cell, 1/m."""
     origins: Any
     """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
-    one: Any
-    """1."""
     step: Any
     """Length of the step, seconds."""
     pressed: Any
     """The step where there are solids, else 0, seconds."""
-
-
-class Scratch(NamedTuple):
-    """Memory of its own for each part."""
-
-    rows: Any
-    """(parts, `ROWS`, S) float32."""
-    cells: Any
-    """(parts, S) int64: place of the cell below the sample, in numbers."""
 
 
 LANES = 16
@@ -86,6 +78,6 @@ class Room(NamedTuple):
     """What solids leave of cells."""
 
     open: Any
-    """(cells,) share of each that is outside of solids, float32."""
+    """(cells,) share of each that is outside of solids."""
     faces: Any
-    """(cells,) 1 over the number of its faces that no solid closes, 0 in solids, float32."""
+    """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""

@@ -5,6 +5,7 @@ The matrix itself batches single strands, which interaction would make one groom
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -53,7 +54,7 @@ def check_crowd(solver: str, *, labels: dict[str, str]) -> Metrics:
         density=DENSITY[labels["density"]], friction=FRICTION[labels["friction"]], cell=CELL[labels["cell"]]
     )
     # the matrix has strands of 2 L radius, which no cell could be smaller than
-    rod = replace(scene.rod, radius=0.02, young=scene.rod.young * 1e4, integrator=labels["integrator"])
+    rod = replace(scene.rod, radius=0.02, young=(scene.rod.young or 0.0) * 1e4, integrator=labels["integrator"])
     scene = replace(scene, rules=(*scene.rules, RuleUse("interaction", rule, "interaction")), rod=rod)
     meter = Meter(scene, groom.lengths.astype(float) / case.value("n"), 1.0, touching=labels["contact"] != "none")
     one: Any = solver_of(scene)(scene, groom)
@@ -70,4 +71,4 @@ def _name(row: dict[str, str]) -> str:
     return "/".join(("check=crowd", *given))
 
 
-CHECKS = {_name(row): partial(check_crowd, labels=row) for row in covering(AXES)}
+CHECKS: dict[str, Callable[[str], Metrics]] = {_name(row): partial(check_crowd, labels=row) for row in covering(AXES)}
