@@ -126,8 +126,8 @@ class Crowd:
         whole = self.boxes[-1]
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
-        numbers = kind(1 / self.cell), origins, kind(dt), kind(pressed)
-        lattice = Lattice(first, counts, *(one.astype(kind) for one in rest), *numbers)
+        weights, masses = (one.astype(kind) for one in rest)
+        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
         crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
         crowd_grid.merge(self.boxes, self.memory, self.grid)
         greatest = float(self.grid[:, MASS].max()) / self.cell**3

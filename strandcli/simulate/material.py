@@ -25,6 +25,9 @@ more, because nothing else resists twist; coils get less, because it limits thei
 COIL_STEP = 0.35
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
 the reaction to rest shapes is that before the step, which is stable up to about 0.4."""
+MOST_INNER = 16
+"""Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
+times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
 CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the first
 are a load on the second. Reached by a tip some twenty times as thick as the root."""
@@ -56,14 +59,21 @@ def torsion(rod: Rod, coiled: bool) -> float:
     return TORSION[coiled] if rod.torsion is None else rod.torsion
 
 
-def coil_rate(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64]) -> float:
-    """Return the greatest angular frequency, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s², and
-    the rest edges (N, strands, 3) stretch as springs do: of N joints that each turn by θ and twist by χ κ θ as one
+def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (strands,) the angular frequencies, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s²,
+    and the rest edges (N, strands, 3) stretch as springs do: of N joints that each turn by θ and twist by χ κ θ as one
     end moves, √(3 χ κ θ²) / N. 0 where the preset does not give their torsion."""
     if rod.torsion is None or len(edges) < 2:
-        return 0.0
+        return np.zeros(len(stiffness))
     square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
-    return float(np.sqrt((3 * rod.torsion * stiffness * square).max()) / len(edges))
+    return np.asarray(np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
+
+
+def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Return (strands,) the factor of stiffness with which coils of the angular frequencies ``rates`` stretch no faster
+    than `MOST_INNER` steps in one of ``step`` seconds can follow."""
+    most = MOST_INNER * COIL_STEP / step
+    return np.asarray(np.minimum(1.0, most / np.maximum(rates, most)) ** 2)
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

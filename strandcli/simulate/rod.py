@@ -22,9 +22,11 @@ from ..scene.motion import Pose, emitter_pose
 from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
-from .material import COIL_STEP, coil_rate, torsion
+from .material import COIL_STEP, MOST_INNER, coil_rates, softened, torsion
 from .rod_kernel import StepKernel
 from .rod_setup import (
+    Rest,
+    Shape,
     forcing_of,
     material_of,
     matter_of,
@@ -52,8 +54,6 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
-MOST_INNER = 64
-"""Steps that one is cut into at the most, where coils ask for it."""
 APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
@@ -92,14 +92,14 @@ class RodSolver(Solver):
             rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
         )  # fmt: skip
         self.second = flags.second
+        self._coil_rate = 0.0
+        rest = self._with_coils(rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
-        self._coil_rate = coil_rate(rod, rest.stiffness, np.stack(shape.edges)) if shape.curled else 0.0
-        self._check_coils()
         self.mass = self.material.mass.copy()
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
@@ -120,22 +120,28 @@ class RodSolver(Solver):
             return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
         return self._still
 
-    def _check_coils(self) -> None:
-        """Raise `UsageError` where coils ask for steps that are too short, or for another integrator."""
-        time = self.scene.time
-        if self._coil_rate > 0 and self.second:
+    def _with_coils(self, rest: Rest, shape: Shape) -> Rest:
+        """Set how fast coils stretch; return the rest shapes with the stiffness that the steps can follow. Raises
+        `UsageError` where coils ask for another integrator, or may not become softer."""
+        scene, time = self.scene, self.scene.time
+        if scene.rod.torsion is None or not shape.curled:
+            return rest
+        name = f"{scene.source or 'scene'}: rod.torsion"
+        if self.second:
             # their reaction is that before the step: with Euler's method neither drives nor calms what swings
             raise UsageError(
-                f"{self.scene.source or 'scene'}: rod.torsion: bdf2 would set coils swinging by themselves; write "
-                "rod.integrator: euler, with which they keep their swing"
+                f"{name}: bdf2 would set coils swinging by themselves; write rod.integrator: euler, with which they "
+                "keep their swing"
             )
-        dt = 1 / (time.fps * time.substeps)
-        if self._coil_rate * dt > MOST_INNER * COIL_STEP:
+        rates = coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges))
+        factors = softened(rates, 1 / (time.fps * time.substeps))
+        if scene.rod.rest == "sag_free" and factors.min() < 1:
             raise UsageError(
-                f"{self.scene.source or 'scene'}: rod.torsion: these coils stretch {self._coil_rate / 2 / np.pi:.3g} "
-                f"times a second, which takes {math.ceil(self._coil_rate * dt / COIL_STEP):,} steps in each; at most "
-                f"{MOST_INNER} are taken; use a smaller rod.young or rod.radius, more time.substeps, or no rod.torsion"
+                f"{name}: some coils stretch {rates.max() / 2 / np.pi:.3g} times a second, too fast for the steps, and "
+                "a sag-free start cannot make them softer; use rest: shape, more time.substeps, or no rod.torsion"
             )
+        self._coil_rate = float((rates * np.sqrt(factors)).max())
+        return rest._replace(stiffness=rest.stiffness * factors)
 
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""

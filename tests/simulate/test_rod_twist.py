@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
+from strandcli.simulate.advice import warnings
 from strandcli.simulate.material import COIL_STEP
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.exactness import scene_of as reference_scene
@@ -42,9 +43,9 @@ def test_the_stiffness_is_that_of_torsion() -> None:
     assert stretched(len(spring.coil(3)), torsion=2 * spring.TORSION) > 0.6
 
 
-def ringlet(fps: int, more: str = "torsion: 0.7") -> RodSolver:
+def ringlet(fps: int, more: str = "torsion: 0.7", rest: str = "shape") -> RodSolver:
     scene = scene_of(
-        f"solver: rod\nrod: {{rest: shape, radius: 2.5e-5, damping: 0.0002, {more}}}\ntime: {{fps: {fps}}}\n"
+        f"solver: rod\nrod: {{rest: {rest}, radius: 2.5e-5, damping: 0.0002, {more}}}\ntime: {{fps: {fps}}}\n"
         "emitter: {shape: {kind: disc, radius: 0.01}, strands: 16, particles: 60, length: 0.2, curl_turns: 5, "
         "curl_angle: 60, rotation: [180, 0, 0]}\nrules: [gravity]\n"
     )
@@ -77,8 +78,19 @@ def test_steps_are_cut_only_where_coils_ask_for_it() -> None:
     assert RodSolver(straight, emit(straight.emitter, 0))._coil_rate == 0
 
 
+def test_coils_too_fast_for_the_steps_become_softer_and_say_so() -> None:
+    """They give way by no more than a millimetre, and the strand stays where it is."""
+    stiff = ringlet(24, "torsion: 0.7, young: 1.0e+13")
+    heights = bounce(stiff, 1)
+    assert stiff._coil_rate == pytest.approx(16 * 24 * COIL_STEP)
+    assert np.ptp(heights) < 1e-3
+    (line,) = warnings(stiff.scene, stiff.groom)
+    assert "16 of 16 coils stretch up to" in line
+    assert warnings(ringlet(24).scene, ringlet(24).groom) == []
+
+
 def test_what_coils_cannot_have_is_refused_by_name() -> None:
-    with pytest.raises(UsageError, match=r"which takes .* steps in each; at most 64 are taken"):
-        ringlet(24, "torsion: 0.7, young: 1.0e+13, density: 0.1")
+    with pytest.raises(UsageError, match="too fast for the steps, and a sag-free start cannot make them softer"):
+        ringlet(24, "torsion: 0.7, young: 1.0e+13", "sag_free")
     with pytest.raises(UsageError, match="bdf2 would set coils swinging by themselves"):
         ringlet(24, "torsion: 0.7, integrator: bdf2")

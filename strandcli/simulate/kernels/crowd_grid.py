@@ -2,8 +2,9 @@
 
 Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
 more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
-weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for several. Its
-place and velocity are means over the particles that it stands between, the velocity as contact will change it.
+weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for
+several. Its place and velocity are means over the particles that it stands between, the velocity as contact will change
+it.
 """
 
 from __future__ import annotations
