@@ -142,6 +142,8 @@ def key_of(scene: Scene) -> str:
 
     values = {name: value for name, value in scene_values(scene).items() if name not in ONLY_DRAWN}
     values["period"] = scene.time.period
+    if any(use.name == "interaction" for use in scene.rules):  # strands stand for their children
+        values["children"] = scene.children.count if scene.children else 1
     rules = sorted(
         {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
     )

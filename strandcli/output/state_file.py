@@ -23,6 +23,8 @@ from .files import atomic
 MAGIC = b"strandcli state 1\n"
 LONGEST_HEAD = 1 << 16
 """Bytes of the line of JSON."""
+FREE = "free "
+"""Begin of the names of arrays along one axis whose length the file tells."""
 DIGEST = hashlib.sha256().digest_size
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -48,12 +50,11 @@ def write_state(path: Path, key: str, arrays: Arrays) -> None:
 
 
 def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a file, with the names, types and shapes of ``arrays``.
+    """Return the arrays of a file, with the names, types and shapes of ``arrays``; those `FREE` have any length.
 
     Raises `ForeignError` where it has another key or other arrays, `DamagedError` where it is not what was written, and
     ``OSError`` where it cannot be read.
     """
-    head = _head(key, arrays)
     with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
         found = os.fstat(file.fileno())
         if not stat.S_ISREG(found.st_mode):
@@ -62,6 +63,8 @@ def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
         line = file.readline(LONGEST_HEAD)
         if magic != MAGIC or not line.endswith(b"\n"):
             raise DamagedError("it does not begin as one")
+        arrays = _sized(arrays, line, found.st_size)
+        head = _head(key, arrays)
         if line != head:
             raise ForeignError if _is_head(line) else DamagedError("its head is damaged")
         if found.st_size != len(MAGIC) + len(head) + sum(one.nbytes for one in arrays.values()) + DIGEST:
@@ -86,6 +89,22 @@ def _bytes(array: NDArray[Any]) -> memoryview:
 def _head(key: str, arrays: Arrays) -> bytes:
     kinds = [[name, one.dtype.newbyteorder("<").str, list(one.shape)] for name, one in arrays.items()]
     return json.dumps({"key": key, "arrays": kinds}, ensure_ascii=True).encode() + b"\n"
+
+
+def _sized(arrays: Arrays, line: bytes, most: int) -> Arrays:
+    """Return ``arrays``, those that are `FREE` as long as a head tells, up to ``most`` bytes."""
+    try:
+        shapes = {name: shape for name, _, shape in json.loads(line)["arrays"]}
+    except (ValueError, RecursionError, TypeError, KeyError):
+        return arrays
+    out = dict(arrays)
+    for name, one in arrays.items():
+        shape = shapes.get(name) if name.startswith(FREE) else None
+        if not isinstance(shape, list) or len(shape) != 1 or type(shape[0]) is not int:
+            continue
+        if 0 <= shape[0] * one.itemsize <= most:
+            out[name] = np.empty(shape[0], one.dtype)
+    return out
 
 
 def _is_head(line: bytes) -> bool:

@@ -12,14 +12,21 @@ Check = Callable[[Any, "Scene"], Iterable[tuple[str, str]]]
 """(parameters, scene) -> (path inside the parameters, message) of everything that does not fit the scene."""
 
 
-APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "collision")}
+APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "interaction", "collision")}
 """Rules that a solver applies, where it does not apply all."""
+ONLY_BY = {"interaction": "rod"}
+"""Rules that a single solver applies."""
 OWN_OF = {"rod": ("elasticity", "stiffness")}
 """Rules in whose place a solver has something better of its own: they may stand in a preset, and are left out."""
 
 
 def refusal(name: str, solver: str) -> str:
     """Why a solver cannot have a rule; "" where it can, or leaves it out."""
+    if ONLY_BY.get(name, solver) != solver:
+        return (
+            f"the solver {solver} does not apply this rule, for its strands have no velocity; take it out, or use "
+            f"solver: {ONLY_BY[name]}"
+        )
     if solver not in APPLIED_BY or name in APPLIED_BY[solver] + OWN_OF[solver]:
         return ""
     return (

@@ -22,6 +22,12 @@ soon."""
 TORSION = {False: 4.0, True: 0.25}
 """Torsional over bending rigidity; True: of grooms with coils. That of a round rod is about 0.75. Straight strands get
 more, because nothing else resists twist; coils get less, because it limits their step."""
+COIL_STEP = 0.35
+"""Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
+the reaction to rest shapes is that before the step, which is stable up to about 0.4."""
+MOST_INNER = 16
+"""Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
+times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
 CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the first
 are a load on the second. Reached by a tip some twenty times as thick as the root."""
@@ -48,16 +54,44 @@ def rigidity(rod: Rod) -> float:
     return young * radius**2 / (4 * density)
 
 
+def torsion(rod: Rod, coiled: bool) -> float:
+    """Return torsional over bending rigidity."""
+    return TORSION[coiled] if rod.torsion is None else rod.torsion
+
+
+def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (strands,) the angular frequencies, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s²,
+    and the rest edges (N, strands, 3) stretch as springs do: of N joints that each turn by θ and twist by χ κ θ as one
+    end moves, √(3 χ κ θ²) / N. 0 where the preset does not give their torsion."""
+    if rod.torsion is None or len(edges) < 2:
+        return np.zeros(len(stiffness))
+    square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
+    return np.asarray(np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
+
+
+def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Return (strands,) the factor of stiffness with which coils of the angular frequencies ``rates`` stretch no faster
+    than `MOST_INNER` steps in one of ``step`` seconds can follow."""
+    most = MOST_INNER * COIL_STEP / step
+    return np.asarray(np.minimum(1.0, most / np.maximum(rates, most)) ** 2)
+
+
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (strands,) B / (ρ A ℓ⁴), 1/s², the rigidity of a joint at the root, for segment lengths in metres."""
     return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
+
+
+def segments_along(rod: Rod, n: int) -> NDArray[np.float64]:
+    """Return (n,) masses of segments, relative to one at the root."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    return np.asarray(((radius[:-1] + radius[1:]) / 2) ** 2)
 
 
 def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at
     the tip and twice the rigidity at the root make the discretisation second order."""
     radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
-    segments = ((radius[:-1] + radius[1:]) / 2) ** 2
+    segments = segments_along(rod, n)
     mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
     joint = radius[:-1] ** 4
     joint[0] *= 2

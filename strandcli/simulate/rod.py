@@ -3,11 +3,12 @@
 See `kernels/rod.py` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
 particles. Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in
 m/s) and collision. Elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
-material. Twist is not represented.
+material, as does the twist of curled strands.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from operator import sub
 from typing import TYPE_CHECKING, Any
@@ -19,11 +20,14 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
+from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
-from .material import TORSION as TORSIONAL_RIGIDITY
+from .material import COIL_STEP, MOST_INNER, coil_rates, softened, torsion
 from .rod_kernel import StepKernel
 from .rod_setup import (
+    Rest,
+    Shape,
     forcing_of,
     material_of,
     matter_of,
@@ -51,7 +55,7 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
-APPLIED = ("emitter_motion", "gravity", "wind", "collision")
+APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
 
@@ -83,14 +87,20 @@ class RodSolver(Solver):
         rest = rest_of(scene, shape, matter, self.pose, self.dtype)
         around = self.surroundings
         deforming = self.deforming is not None
-        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming)
+        between = [use.parameters for use in scene.rules if use.name == "interaction"]
+        self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
+        flags = Flags(
+            rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
+        )  # fmt: skip
         self.second = flags.second
+        self._coil_rate = 0.0
+        rest = self._with_coils(rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
-        self.forcing.numbers[TORSION] = TORSIONAL_RIGIDITY[shape.coiled]
+        self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
@@ -109,7 +119,8 @@ class RodSolver(Solver):
         """Return the rods' state, where their roots are, and the poses of the last step."""
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
-        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last}
+        crowd = {} if self.crowd is None else self.crowd.state_arrays()
+        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -121,6 +132,8 @@ class RodSolver(Solver):
         last = state["last"].tolist()
         self._last_step, self.pose = last[0], pose_of(last[1:])
         self.surroundings.set_last_poses(state["poses"])
+        if self.crowd is not None:
+            self.crowd.restore(state)
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -128,8 +141,37 @@ class RodSolver(Solver):
             return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
         return self._still
 
+    def _with_coils(self, rest: Rest, shape: Shape) -> Rest:
+        """Set how fast coils stretch; return the rest shapes with the stiffness that the steps can follow. Raises
+        `UsageError` where coils ask for another integrator, or may not become softer."""
+        scene, time = self.scene, self.scene.time
+        if scene.rod.torsion is None or not shape.curled:
+            return rest
+        name = f"{scene.source or 'scene'}: rod.torsion"
+        if self.second:
+            # their reaction is that before the step: with Euler's method neither drives nor calms what swings
+            raise UsageError(
+                f"{name}: bdf2 would set coils swinging by themselves; write rod.integrator: euler, with which they "
+                "keep their swing"
+            )
+        rates = coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges))
+        factors = softened(rates, 1 / (time.fps * time.substeps))
+        if scene.rod.rest == "sag_free" and factors.min() < 1:
+            raise UsageError(
+                f"{name}: some coils stretch {rates.max() / 2 / np.pi:.3g} times a second, too fast for the steps, and "
+                "a sag-free start cannot make them softer; use rest: shape, more time.substeps, or no rod.torsion"
+            )
+        self._coil_rate = float((rates * np.sqrt(factors)).max())
+        return rest._replace(stiffness=rest.stiffness * factors)
+
     def step(self, time: float, dt: float) -> None:
-        """One step of length ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+        """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
+        count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
+        for left in range(count - 1, -1, -1):
+            self._step(time - left * dt / count, dt / count)
+
+    def _step(self, time: float, dt: float) -> None:
+        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
         if dt <= 0:
             return
         rod, around = self.scene.rod, self.surroundings
@@ -147,8 +189,13 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, pose if self.carried else None)
+        air = around.air(time)
+        if self.crowd is not None:
+            strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
+            moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
+            self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
         damping = max(rod.damping, self._least_damping * h)
-        self._run(pose, h, *self._gravity, *around.air(time), rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
+        self._run(pose, h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt
@@ -165,6 +212,15 @@ class RodSolver(Solver):
             self.material.bends[:, 0] = packed(across, self.dtype)
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = _turned(past, forcing.roots - before).reshape(forcing.drift.shape)
+
+    def _root_velocity(self, pose: Pose, dt: float) -> NDArray[Any]:
+        """Return (P, 3 S) the velocity of the roots in a step that ends at a pose, m/s."""
+        now, past = (np.array(part, self.dtype) for part in (pose.rotation, self.pose.rotation))
+        moved = np.subtract(pose.translation, self.pose.translation).astype(self.dtype)
+        way = _turned(now - past, self.forcing.roots) + moved[:, None]
+        if len(self.forcing.drift) == len(way):
+            way = way + self.forcing.drift.reshape(way.shape)
+        return np.asarray(way / self.dtype(dt)).reshape(self.forcing.roots.shape)
 
     def _run(self, pose: Pose, *numbers: float) -> None:
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
@@ -184,6 +240,7 @@ class RodSolver(Solver):
         tension = state.tension.copy()
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
+        state.crowd[...] = 0
         self._run(self.pose, MOMENT, *[0.0] * FRICTION)
         state.tension[...] = tension
         stop(state.velocity, state.before, state.moved, state.push, state.touching)
@@ -199,12 +256,15 @@ class RodSolver(Solver):
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
-        precision the last digit is 6e-8 m a metre from the origin."""
+        precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
+        greatest density when the last step began, over the one allowed."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
             square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
             out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
+        if self.crowd is not None and self.crowd.density is not None:
+            out["density_max"] = self.crowd.found / self.crowd.density
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:

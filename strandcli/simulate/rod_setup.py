@@ -16,7 +16,7 @@ from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .material import TORSION, matter_along, needs_double, stiffness
+from .material import matter_along, needs_double, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
 from .surroundings import gravity
@@ -123,7 +123,7 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
         pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
         # masses as the kernel reads them: what they are rounded by would be a load
         mass, joint = (row.astype(dtype).astype(np.float64) for row in (matter.mass, matter.joint))
-        held = hold(shape.axes, edges, mass, joint, matter.stiffness, TORSION[shape.coiled], pull)
+        held = hold(shape.axes, edges, mass, joint, matter.stiffness, torsion(scene.rod, shape.coiled), pull)
         targets, angles, stiffer = targets - held.bends, held.twist, held.stiffness
         for j, force in enumerate(held.tension):
             tension[:, j] = packed(force[:, None], dtype)
@@ -159,6 +159,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         push=zeros(flags.solids),
         touching=aligned((packs if flags.solids else 1, PACK), dtype),
         twist=rest.twist,
+        crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
     )

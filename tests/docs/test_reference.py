@@ -6,7 +6,15 @@ from pages import ROOT
 from strandcli.scene.reference import markdown
 from strandcli.simulate import rules
 
-SHIPPED = (rules.emitter_motion, rules.gravity, rules.wind, rules.stiffness, rules.collision, rules.elasticity)
+SHIPPED = (
+    rules.emitter_motion,
+    rules.gravity,
+    rules.wind,
+    rules.stiffness,
+    rules.collision,
+    rules.elasticity,
+    rules.interaction,
+)
 
 
 def test_the_reference_is_that_of_the_schema() -> None:

@@ -140,7 +140,7 @@ def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
         ("lights.key.intensity=3", "no entry of this list has the name 'key'"),
         ("solids.hed.radius=3", "no entry of this list has the name 'hed'; did you mean 'head'?"),
         ("solids.head.size=[1, 1, 1]", "unknown key; the keys are kind, name, position"),
-        ("rod.twist=1", "twist is not represented"),
+        ("rod.twist=1", "an angle of twist is not represented"),
         ("rod.young=1e308", "above 0 and of at most 1e+13 (Pa), not '1e308'"),
         ("panels.0.label=a", "single panels are changed in the preset itself"),
         ("extends=hair", "unknown key"),

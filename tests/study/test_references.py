@@ -18,6 +18,7 @@ from strandcli.study.references import (
     catenary,
     chain,
     pendulum,
+    spring,
     swing,
     tip_load,
 )
@@ -260,3 +261,28 @@ def test_a_catenary_has_no_error_and_a_moved_particle_has_its_own() -> None:
     assert catenary.measure(still([strand]))["shape"] == pytest.approx(0.02)
     strand[:, 1] *= 1.1
     assert catenary.measure(still([strand]))["sag"] == pytest.approx(0.1)
+
+
+def test_a_slender_coil_has_the_stiffness_of_the_textbooks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """G d⁴ / (8 n D³), its climb and its arm added; the wire's weight is nothing."""
+    monkeypatch.setattr(spring, "MASS", 1e9)
+    climb = math.atan(spring.CLIMB / (2 * math.pi))
+    for arm in spring.ARM:
+        turns = -spring.coil(arm)[-1, 1] / (spring.CLIMB * spring.R)
+        d, g = 2e-3, 1.0
+        slender = g * d**4 / (8 * turns * (2 * spring.R) ** 3)
+        twisting = g * math.pi * d**4 / 32
+        rigid = twisting / spring.TORSION
+        length = 2 * math.pi * turns * spring.R / math.cos(climb)
+        way = spring.R**2 * length * (math.cos(climb) ** 2 / twisting + math.sin(climb) ** 2 / rigid)
+        way += spring.R**3 / (3 * rigid)
+        # `bending` is chosen so that a slender coil stretches by `STRETCH` R
+        assert spring.way(arm) / (spring.STRETCH * spring.R) == pytest.approx(way * slender, rel=1e-5)
+        assert way * slender == pytest.approx(1, abs=0.03)
+
+
+def test_corners_of_a_coil_are_equally_far_apart() -> None:
+    for arm in spring.ARM:
+        sides = np.linalg.norm(np.diff(spring.coil(arm), axis=0), axis=1)
+        np.testing.assert_allclose(sides, spring.R / arm, rtol=1e-12)
+        assert spring.arm_of(len(spring.coil(arm))) == arm

@@ -10,14 +10,13 @@ from ..fields import choice, integer, number
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Rod:
-    """The strands' matter and how the solver `rod` moves them. Twist is not represented.
+    """The strands' matter and how the solver `rod` moves them. Strands whose rest shape is curved twist; others do not.
 
     A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
     """
 
     ABSENT: ClassVar[dict[str, str]] = {
-        "twist": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
-        "torsion": "twist is not represented: rods bend and do not resist torsion; curls are held by rest: shape",
+        "twist": "how much strands resist it is torsion, with rest: shape; an angle of twist is not represented",
         "mass": "mass follows from density and radius; write those",
         "stiffness": "bending stiffness follows from young and radius; write those",
         "stretch": "rods do not stretch",
@@ -36,6 +35,11 @@ class Rod:
         doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still "
         "under gravity, for which strands that are too soft are made stiffer",
     )
+    torsion: float | None = number(
+        None, above=0, high=10,
+        doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
+        "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.25, at the usual steps",
+    )  # fmt: skip
     drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")

@@ -44,6 +44,8 @@ class State(NamedTuple):
     """(P, S) 1 for strands with forces of contact; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
+    crowd: Any
+    """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
     positions: Any
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
@@ -96,6 +98,8 @@ class Flags(NamedTuple):
     """Whether solids keep whole segments out, and not only particles."""
     deforming: Any
     """Whether roots move in the emitter's frame."""
+    crowded: Any
+    """Whether strands interact."""
 
 
 class Place(NamedTuple):
@@ -124,6 +128,8 @@ class Scheme(NamedTuple):
     """Whether the state one step before is to be read."""
     pressed: Any
     """Whether some strand of the vector has forces of contact of the step before."""
+    crowded: Any
+    """Whether the strands around accelerate particles."""
 
 
 class Contact(NamedTuple):

@@ -73,8 +73,8 @@ def fill_scratch(s, at, state, material, forcing, scheme):
 
 @inlined
 def predict(s, row, state, scheme):
-    """u* of a particle in segments: its free displacement, at most `FARTHEST`, and that by the forces of contact of the
-    step before. ``row``: place of its x in (P, N, 3 S).
+    """u* of a particle in segments: its free displacement, at most `FARTHEST`, that by the forces of contact of the
+    step before, and that by the strands around. ``row``: place of its x in (P, N, 3 S).
 
     BDF2 is an Euler step of h = 2/3 Δt from extrapolated values: x̂ = x_n + (x_n − x_{n−1}) / 3, v̂ likewise.
     """
@@ -99,4 +99,6 @@ def predict_along(s, row, c, state, scheme):
     u = min(max(u, -FARTHEST), FARTHEST)
     if scheme.pressed:
         u += load(s, ACCELERATION_SCALE) * load(state.push, place)
+    if scheme.crowded:
+        u += load(s, ACCELERATION_SCALE) * load(state.crowd, place)
     return u

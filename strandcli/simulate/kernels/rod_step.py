@@ -42,7 +42,8 @@ from .work_queue import TASKS, take
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
 # own, and the address and shape of each array of their data
-SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING, SCRATCH, SCRATCH_BYTES, STATE = range(2, 12)
+SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING, CROWDED = range(2, 10)
+SCRATCH, SCRATCH_BYTES, STATE = range(10, 13)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -83,6 +84,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
+        pointer_at(kind, descriptor[STATE + 10]),
     )  # fmt: skip
 
 
@@ -111,7 +113,7 @@ def flags_of(descriptor):
     """`Flags` as booleans."""
     return Flags(
         descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0,
+        descriptor[DEFORMING] != 0, descriptor[CROWDED] != 0,
     )  # fmt: skip
 
 
@@ -176,7 +178,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        scheme = Scheme(numbers[THIRD], flags.second, touched)
+        scheme = Scheme(numbers[THIRD], flags.second, touched, flags.crowded)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         if flags.curled:
             rod_curl.add_rest(scratch, at, state, material, forcing)

@@ -1,6 +1,7 @@
 """Twist: a straight rod, clamped at both ends, coils when one end is turned hard enough (Greenhill 1883).
 
-No solver here has a material frame, so that none can be measured: every one of them reads "not represented".
+No solver here holds a strand at both ends and turns one of them, so that none can be measured: every one of them reads
+"not represented". `spring` measures twist.
 """
 
 from __future__ import annotations

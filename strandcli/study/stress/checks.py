@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from . import films, kept, physics, sameness, shaking
+from . import crowds, films, kept, physics, sameness, shaking
 from .strand import Metrics
 
 Check = Callable[[str], Metrics]
@@ -82,7 +82,7 @@ KEPT: dict[str, Check] = {
     for contact in kept.CONTACTS
     for n in (3, 10)
 }
-CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **KEPT, **FILMS}
+CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **KEPT, **FILMS, **crowds.CHECKS}
 """By the name that follows the solver's."""
 
 QUICK = (

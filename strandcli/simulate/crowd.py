@@ -1,0 +1,270 @@
+"""Strands that act on each other through a grid of their density and momentum: the rule `interaction` for rods.
+
+Each step begins with a grid about the strands as they are, which knows nothing of the step before but its pressure.
+Memory follows the box that the strands fill, not the space that they could reach.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import solids
+from ..blocks import aligned
+from ..errors import UsageError
+from ..groom.record import Groom
+from ..scene.touched import touched
+from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .kernels.records import State
+from .kernels.rod_scratch import PACK
+from .material import matter, segments_along
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+FRICTION_TIME = 0.01
+"""Seconds in which `friction` is the share that is lost."""
+EASE, MOST = 15.0, 0.5
+"""Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
+other are led apart."""
+CELLS_ACROSS = 32
+"""Cells along the groom's greatest extent, where the preset gives no cell."""
+MOST_CELLS = 4_000_000
+"""Of the box about the strands: 64 MB, and as much again for pressure and targets."""
+MOST_SAMPLES = 64
+"""Samples of a segment."""
+PARTS, SEGMENTS_A_PART = 16, 4_000
+"""Parts that strands are cut into at the most, and segments of each at the least."""
+
+
+class Moment(NamedTuple):
+    """The step that strands are prepared for."""
+
+    time: float
+    """At its end, seconds."""
+    step: float
+    """Its length, seconds."""
+    wind: tuple[float, float, float]
+    """Acceleration of strands at rest by the open wind, m/s²."""
+
+
+class Samples(NamedTuple):
+    """Points at which every strand is sampled, as `Lattice` has them."""
+
+    first: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+
+class Crowd:
+    """The grid of a scene's strands. Raises `UsageError` for cells that do not fit the groom."""
+
+    def __init__(self, scene: Scene, groom: Groom, parameters: Any, positions: NDArray[Any], dtype: Any) -> None:
+        self.where = f"{scene.label or scene.source or 'scene'}: rule interaction"
+        self.scene = scene
+        self.friction = parameters.friction
+        n = scene.emitter.particles - 1
+        stands_for = scene.children.count if scene.children else 1
+        lengths = groom.lengths.astype(np.float64) / n
+        packs = -(-groom.strands // PACK)
+        self.metres = np.zeros((packs, PACK), np.float32)
+        self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
+        self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
+        self._thickness = 2 * matter(scene.rod)[1]
+        self.cell = self._cell(parameters.cell, lengths)
+        self.samples = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell)
+        if len(self.samples.first) > MOST_SAMPLES * n:
+            raise UsageError(
+                f"{self.where}.cell: {self.cell:g} m is less than a {MOST_SAMPLES}th of a segment of "
+                f"{lengths.max():.3g} m; make it larger, or use more emitter.particles"
+            )
+        count = min(PARTS, max(1, groom.strands * len(self.samples.first) // SEGMENTS_A_PART))
+        cuts = [*range(0, packs, -(-packs // count)), packs]
+        self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
+        self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
+        self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
+        self.memory = np.zeros((0, CELL), np.float32)
+        self.grid, self.targets = self.memory, self.memory
+        self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
+        self.room = Room(self.pressure, self.pressure)
+        self.solids = touched(scene)
+        self.density = parameters.density
+        """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
+        self.found = 0.0
+        """The greatest at the begin of the last step, strands a square metre."""
+
+    def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
+        if given is None:
+            return max(self.extent / CELLS_ACROSS, float(lengths.max()) / MOST_SAMPLES)
+        thick = self._thickness
+        if given < thick:
+            raise UsageError(
+                f"{self.where}.cell: {given:g} m is less than a strand's thickness of {thick:.3g} m; make it larger, "
+                f"such as {self.extent / CELLS_ACROSS:.2g}"
+            )
+        if given > self.extent:
+            raise UsageError(
+                f"{self.where}.cell: {given:g} m is larger than the groom, which is {self.extent:.3g} m wide; make it "
+                f"smaller, such as {self.extent / CELLS_ACROSS:.2g}"
+            )
+        return float(given)
+
+    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
+        """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
+        Where a coordinate is not finite there is no grid, and it is set to zero."""
+        dt, kind = moment.step, state.velocity.dtype.type
+        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, mass)
+        pressed = dt if len(state.push) == len(state.velocity) else 0.0
+        if not self._lay(state.positions):
+            state.crowd[...] = 0
+            return
+        whole = self.boxes[-1]
+        origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
+        first, counts, *rest = self.samples
+        weights, masses = (one.astype(kind) for one in rest)
+        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
+        crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
+        crowd_grid.merge(self.boxes, self.memory, self.grid)
+        greatest = float(self.grid[:, MASS].max()) / self.cell**3
+        if self.density is None:
+            self.density = greatest
+        self.found = greatest
+        full = np.float32(self.density * self.cell**3)
+        near = _near(self.grid[:, MASS].reshape(whole[SIZE : SIZE + 3][::-1]).max(2) > 0)
+        self._find_room(whole, near, moment.time)
+        excess, pressure = np.empty(len(self.grid), np.float32), self.pressure.reshape(-1)
+        numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
+        crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
+        self.pressure *= near[:, :, None]
+        crowd_pressure.relax(whole, excess, self.room.faces, near, pressure)
+        share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
+        numbers = full, share, np.float32(self.cell / dt)
+        crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
+        self._shelter(whole, moment)
+        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
+        densities = np.array([math.nan if self.density is None else self.density, self.found])
+        return {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1], "densities": densities}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from such a state."""
+        box = state["box"]
+        self.boxes[-1] = box
+        self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
+        self._empty_grid()
+        density, self.found = state["densities"].tolist()
+        self.density = None if math.isnan(density) else density
+
+    def _empty_grid(self) -> None:
+        """Make arrays for the box of all."""
+        self.grid = np.empty((int(self.boxes[-1, SIZE : SIZE + 3].prod()), CELL), np.float32)
+        self.targets = np.empty_like(self.grid)
+        self.room = Room(*np.zeros((2, 0), np.float32))
+
+    def _find_room(self, whole: NDArray[np.int64], near: NDArray[np.bool_], time: float) -> None:
+        """Find what solids leave at a time of the rows of cells that strands are ``near``."""
+        count = len(self.grid)
+        if len(self.room.open) == count and not self.solids:
+            return
+        self.room = Room(np.ones(count, np.float32), np.full(count, 1 / 6, np.float32))
+        if self.solids:
+            along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
+            packed = solids.pack_all(self.solids, self.scene.emitter, self.scene.time.pose_time(time))
+            crowd_pressure.find_room(whole, self.cell, packed, along, near, self.room.open)
+            crowd_pressure.find_faces(whole, *self.room)
+
+    def _shelter(self, whole: NDArray[np.int64], moment: Moment) -> None:
+        """Take from the targets what sheltered strands do not get of the wind."""
+        wind = np.array(moment.wind)
+        speed = float(np.sqrt((wind**2).sum()))
+        if speed == 0:
+            return
+        left = np.empty(len(self.grid), np.float32)
+        stop = self._thickness / self.cell**2
+        crowd_shelter.shelter(whole, self.grid, (wind / speed).astype(np.float32), np.float32(stop), left)
+        crowd_shelter.add_shelter(left, (moment.step * wind).astype(np.float32), self.targets)
+
+    def _lay(self, positions: NDArray[Any]) -> bool:
+        """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
+        `UsageError` where they take too many cells."""
+        ends = np.empty((len(self.parts), 6))
+        crowd_grid.find_boxes(positions, self.cell, self.parts, ends)
+        if not np.isfinite(ends).all():
+            return False
+        low, high = np.floor(ends[:, :3] - 0.5), np.floor(ends[:, 3:] - 0.5) + 1
+        low, high = np.vstack([low, low.min(0)]), np.vstack([high, high.max(0)])
+        cells = np.prod(high - low + 1, axis=1)
+        if cells[-1] > MOST_CELLS:
+            least = self.cell * float(cells[-1] / MOST_CELLS) ** (1 / 3)
+            raise UsageError(
+                f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells[-1]:.3g} in the box about the strands, "
+                f"more than {MOST_CELLS:,}; make them at least {1.05 * least:.2g}"
+            )
+        before = self.boxes[-1].copy()
+        self.boxes[:, LOW : LOW + 3], self.boxes[:, SIZE : SIZE + 3] = low, high - low + 1
+        self.boxes[-1, SIZE] = -(-self.boxes[-1, SIZE] // LANES) * LANES
+        cells[-1] = self.boxes[-1, SIZE : SIZE + 3].prod()
+        self.boxes[1:, OFFSET] = np.cumsum(cells[:-1])
+        self.boxes[-1, OFFSET] = 0
+        if cells[:-1].sum() > len(self.memory):
+            self.memory = np.empty((int(cells[:-1].sum() * 1.2), CELL), np.float32)
+        whole = self.boxes[-1]
+        if not np.array_equal(before, whole):
+            self._empty_grid()
+            self.pressure = _moved(self.pressure, before, whole)
+        return True
+
+
+def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
+    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
+    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
+    n = len(segments)
+    several = max(1, math.ceil(length * (1 - 1e-6)))
+    if several > 1:
+        t = np.tile((np.arange(several) + 0.5) / several, n)
+        first = np.repeat(np.arange(n), several)
+        weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
+        return Samples(first, np.full(len(first), 2), weights, mass)
+    group = min(max(1, int(1 / length * (1 + 1e-6))), n)
+    first = np.arange(0, n, group)
+    count = np.minimum(first + group, n) - first + 1
+    weights, mass = np.zeros((len(first), group + 1)), np.zeros(len(first))
+    for row, begin, end in zip(range(len(first)), first, first + count - 1, strict=True):
+        mass[row] = segments[begin:end].sum()
+        weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
+        weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
+    return Samples(first, count, weights, mass)
+
+
+def extent_of(positions: NDArray[Any]) -> float:
+    """Return the greatest extent along an axis of strands in blocks."""
+    rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
+    return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
+
+
+def _near(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (z, y) whether a row of cells or one of its neighbours is set."""
+    wide = np.pad(rows, 1)
+    wide[1:-1] |= wide[:-2] | wide[2:]
+    wide[:, 1:-1] |= wide[:, :-2] | wide[:, 2:]
+    return wide[1:-1, 1:-1]
+
+
+def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
+    """Return the values of cells in another box, 0 where they had none: (z, y, x)."""
+    found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
+    if values.size:
+        shift = (box[LOW : LOW + 3] - before[LOW : LOW + 3])[::-1]
+        ends = list(zip(shift.tolist(), found.shape, values.shape, strict=True))
+        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in ends)
+        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
+        found[here] = values[there]
+    return found

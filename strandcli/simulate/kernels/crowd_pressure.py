@@ -1,0 +1,161 @@
+"""Pressure where strands are too dense, by one-sided projection on the grid.
+
+Density φ is relative to the greatest allowed, and f is the share of a cell that is outside of solids at the end of the
+step. In a step of h with the momentum φ v that cells are going to have the density would be φ* = φ − h ∇·(φ v).
+Pressure p >= 0 accelerates cells along −∇p, so that it becomes φ* + ∇²p (p here times h² over the cell's area); p is
+the least with which that is nowhere more than f, and is 0 wherever there is room:
+
+    Σ (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
+
+with the sum over the faces that no solid closes. This linear complementarity problem is solved by projected
+overrelaxation (Cryer 1971), which begins with the pressure of the step before. Narain et al. 2009 push granular matter
+apart in the same way.
+
+Stability. Interpolated by trilinear weights and central differences, and held by their roots, strands give way by no
+more than the Laplacian foretells: no step makes up for more than what there is too much of, however long it is. At rest
+forces of contact, which take part in v, balance the pressure where φ = f: the density then depends neither on the load
+nor on the step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import device, function, parallel, prange
+from ...simd import broadcast, lane_count, load, pointer, store, where
+from ...solids.kernels.any_depth import any_depth
+from .crowd_records import LOW, MASS, MOMENTUM, SIZE
+
+RELAXATION = np.float32(1.5)
+ROUNDS = 12
+"""Sweeps of a step: the pressure of the step before is nearly right already."""
+
+
+@parallel
+def find_excess(box, grid, room, numbers, excess):
+    """Set e, ``excess`` (cells,). ``room``: `Room`; ``numbers``: metres in a cell that is as dense as allowed, half the
+    step over the cell's side in s/m, and the share of the density that pressure makes up for in a step at the most."""
+    full, ratio, most = numbers
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    layer = wide * high
+    for o in prange(deep):
+        for n in range(high):
+            row = o * layer + n * wide
+            for i in range(wide):
+                at = row + i
+                flow = inflow(at, 1, i, wide, grid, MOMENTUM, room.open)
+                flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, room.open)
+                flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, room.open)
+                dense = grid[at, MASS] / full
+                excess[at] = min(dense - room.open[at], most * max(dense, np.float32(1))) + ratio * flow / full
+
+
+@device
+def inflow(at, stride, i, count, grid, column, open):
+    """Twice the momentum that comes in through the faces of a cell along an axis, where no solid closes them."""
+    own = grid[at, column]
+    flow = own - own
+    if i == 0:
+        flow += own
+    elif open[at - stride] > 0:
+        flow += own + grid[at - stride, column]
+    if i == count - 1:
+        flow -= own
+    elif open[at + stride] > 0:
+        flow -= own + grid[at + stride, column]
+    return flow
+
+
+@function
+def relax(box, excess, faces, near, pressure):
+    """Sweep over the cells `ROUNDS` times, rows of one colour after those of the other. ``faces`` (cells,): 1 over the
+    number of a cell's faces that no solid closes, 0 in solids; ``near`` (cells along z, along y): whether strands are
+    near that row of cells, in others pressure stays 0."""
+    high, deep = box[SIZE + 1], box[SIZE + 2]
+    for round in range(2 * ROUNDS):
+        for o in range(deep):
+            for n in range((o + round) % 2, high, 2):
+                if near[o, n]:
+                    relax_row(o, n, box, excess, faces, pressure)
+
+
+@device
+def relax_row(o, n, box, excess, faces, pressure):
+    """Relax the cells of a row, from one end to the other."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    layer = wide * high
+    row = o * layer + n * wide
+    for i in range(wide):
+        at = row + i
+        around = np.float32(0)
+        if i > 0:
+            around += pressure[at - 1]
+        if i < wide - 1:
+            around += pressure[at + 1]
+        if n > 0:
+            around += pressure[at - wide]
+        if n < high - 1:
+            around += pressure[at + wide]
+        if o > 0:
+            around += pressure[at - layer]
+        if o < deep - 1:
+            around += pressure[at + layer]
+        p = pressure[at]
+        share = faces[at]
+        wanted = p + RELAXATION * ((excess[at] + around) * share - p)
+        pressure[at] = max(wanted, np.float32(0)) if share > 0 else np.float32(0)
+
+
+@parallel
+def find_room(box, cell, solids, along, near, open):
+    """Set the share of each cell that is outside of ``solids``, ``open`` (cells,): of what trilinear weights reach, if
+    the nearest surface were a plane across an axis; 0 of cells whose middle is deeper than half a cell. ``along``:
+    (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32; ``near`` (cells along z,
+    along y): whether strands are near that row of cells, others stay as they are."""
+    wide, high = box[SIZE], box[SIZE + 1]
+    for o in prange(box[SIZE + 2]):
+        z = np.float32(cell * (o + box[LOW + 2] + 0.5))
+        for n in range(high):
+            if not near[o, n]:
+                continue
+            y = np.float32(cell * (n + box[LOW + 1] + 0.5))
+            find_room_of_row(wide, y, z, solids, np.float32(1 / cell), along, open[(o * high + n) * wide :])
+
+
+@device
+def find_room_of_row(wide, y, z, solids, inverse, along, open):
+    """Set the open shares of a row of cells."""
+    x, out = pointer(along), pointer(open)
+    for i in range(0, wide, lane_count(x)):
+        here = load(x, i)
+        s = any_depth(solids, here, broadcast(x, y), broadcast(x, z)) * -inverse
+        beyond = max(1.0 - abs(s), 0.0)
+        beyond = 0.5 * beyond * beyond
+        store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, 0.0)))
+
+
+@parallel
+def find_faces(box, open, faces):
+    """Set ``faces`` (cells,) as `relax` takes them."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    layer = wide * high
+    for o in prange(deep):
+        for n in range(high):
+            for i in range(wide):
+                at = o * layer + n * wide + i
+                count = np.float32(6)
+                count -= closed(at, 1, i, wide, open)
+                count -= closed(at, wide, n, high, open)
+                count -= closed(at, layer, o, deep, open)
+                faces[at] = 1 / count if open[at] > 0 and count > 0 else np.float32(0)
+
+
+@device
+def closed(at, stride, i, count, open):
+    """The number of a cell's faces along an axis that solids close."""
+    found = np.float32(0)
+    if i > 0 and open[at - stride] == 0:
+        found += np.float32(1)
+    if i < count - 1 and open[at + stride] == 0:
+        found += np.float32(1)
+    return found

@@ -1,0 +1,83 @@
+"""Arguments of the kernels of interaction, as flat tuples.
+
+Strands are cut into parts, whose number no number of threads changes: one thread works on a part, and parts are added
+up in their order. Cells lie on a lattice through the origin; a box is a window of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+FIRST, LAST = 0, 1
+"""Columns of parts: the first pack and the one after the last."""
+LOW, SIZE, OFFSET = 0, 3, 6
+"""Columns of boxes: number of the lowest cell along x, y and z, cells along each, and place of the first in the
+memory of all parts."""
+BOX = 7
+MASS, MOMENTUM = 0, 1
+"""Columns of a cell: metres of strand; those times their velocity (3), m²/s."""
+RATE, TARGET = 0, 1
+"""Columns of a target: share of its velocity against the cell's that a strand loses in the step, and the rest of what
+its velocity changes by (3), m/s."""
+CELL = 4
+"""Columns of each."""
+
+
+SHARE, BELOW, VELOCITY = 0, 3, 6
+"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z,
+numbers (3) of the cells before it, and its velocity (3), m/s."""
+RESULT = 9
+"""(`CELL`) Targets at the sample."""
+ROWS = 13
+
+
+class Moving(NamedTuple):
+    """Strands as a step finds them. P packs of S strands with N segments, as `records` has them."""
+
+    positions: Any
+    """(blocks, N + 2, 3 W) metres."""
+    velocity: Any
+    """(P, N, 3 S) m/s."""
+    push: Any
+    """(P, N, 3 S) acceleration by contact, m/s²; one row of zeros without solids."""
+    roots: Any
+    """(P, 3 S) velocity of the roots, m/s."""
+    metres: Any
+    """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
+    of padding."""
+    mass: Any
+    """(N,) relative mass of a particle."""
+
+
+class Lattice(NamedTuple):
+    """How strands are sampled, where cells are, and the step, numbers of the strands' floating type."""
+
+    first: Any
+    """(samples,) number of the first particle of which each is a mean, 0 that of the root; int64."""
+    counts: Any
+    """(samples,) of how many."""
+    weights: Any
+    """(samples, greatest count) the particles' shares."""
+    mass: Any
+    """(samples,) metres that each counts for, by those of a segment at the root."""
+    inverse: Any
+    """1 / cell, 1/m."""
+    origins: Any
+    """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
+    step: Any
+    """Length of the step, seconds."""
+    pressed: Any
+    """The step where there are solids, else 0, seconds."""
+
+
+LANES = 16
+"""Cells along x are a multiple of it."""
+
+
+class Room(NamedTuple):
+    """What solids leave of cells."""
+
+    open: Any
+    """(cells,) share of each that is outside of solids."""
+    faces: Any
+    """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""

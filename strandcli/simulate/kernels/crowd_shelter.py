@@ -1,0 +1,78 @@
+"""Wind that strands take from those behind them.
+
+Air that goes through strands of density n (metres in a cubic metre) and thickness d is left with exp(−n d s) of its
+velocity after a way s: each strand stops what it meets. The share T that is left follows downwind, layer by layer of
+cells, from the cells upwind: T_c = T_u / (1 + τ + τ² / 2) with τ = n_u d s, a rational form of the exponential that has
+the same bits on every machine.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import device, function
+from .crowd_records import CELL, MASS, SIZE, TARGET
+
+
+@function
+def shelter(box, grid, way, stop, left):
+    """Set the share of the wind that is left in each cell, ``left`` (cells,) float32.
+
+    way (3,): the wind's unit direction, float32; stop: τ of a cell that holds a metre of strand, for a way as long as a
+    cell's side, 1/m.
+    """
+    sides = box[SIZE : SIZE + 3]
+    strides = (1, box[SIZE], box[SIZE] * box[SIZE + 1])
+    main = 0
+    for axis in range(1, 3):
+        if abs(way[axis]) > abs(way[main]):
+            main = axis
+    first, second = (main + 1) % 3, (main + 2) % 3
+    slopes = way[first] / way[main], way[second] / way[main]
+    forward = 1 if way[main] > 0 else -1
+    stop = np.float32(stop / abs(way[main]))
+    for layer in range(sides[main]):
+        o = layer if forward > 0 else sides[main] - 1 - layer
+        for n in range(sides[second]):
+            for i in range(sides[first]):
+                at = o * strides[main] + n * strides[second] + i * strides[first]
+                if layer == 0:
+                    left[at] = 1
+                    continue
+                x, y = i - forward * slopes[0], n - forward * slopes[1]
+                upwind = (o - forward) * strides[main]
+                passed, met = between(
+                    left, grid, upwind, (strides[first], strides[second]), (sides[first], sides[second]), x, y
+                )  # fmt: skip
+                depth = stop * met
+                left[at] = passed / (1 + depth + np.float32(0.5) * depth * depth)
+
+
+@device
+def between(left, grid, at, strides, sides, x, y):
+    """Interpolate the share that is left, and the metres in a cell, at (x, y) of the layer that begins at ``at``;
+    beside the box there is no strand."""
+    i, n = np.int64(np.floor(x)), np.int64(np.floor(y))
+    a, c = np.float32(x - i), np.float32(y - n)
+    one = np.float32(1)
+    passed, met = np.float32(0), np.float32(0)
+    for k in range(4):
+        p, q = i + (k & 1), n + (k >> 1)
+        share = (a if k & 1 else one - a) * (c if k >> 1 else one - c)
+        if p < 0 or q < 0 or p >= sides[0] or q >= sides[1]:
+            passed += share
+        else:
+            place = at + p * strides[0] + q * strides[1]
+            passed += share * left[place]
+            met += share * grid[place, MASS]
+    return passed, met
+
+
+@function
+def add_shelter(left, change, targets):
+    """Add to ``targets`` (cells, `CELL`) what sheltered strands do not take of ``change`` (3,), the change of velocity
+    by the open wind in the step, m/s."""
+    for at in range(len(left)):
+        lost = left[at] - np.float32(1)
+        for c in range(CELL - TARGET):
+            targets[at, TARGET + c] += lost * change[c]

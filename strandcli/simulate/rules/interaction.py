@@ -1,0 +1,51 @@
+"""Interaction: strands push each other apart where they are too dense, and take on the velocity of those around them.
+
+The source names loosely connected particles as the way on (Bando et al. 2003; thesis §5). Here a grid about the strands
+holds their density and momentum (Petrovic et al. 2005; McAdams et al. 2009). It needs velocities and forces, which the
+source's solver does not have, so the solver `rod` alone applies it; `strandcli.simulate.volume` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...scene.fields import number
+from .rule import Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+name = "interaction"
+order = 35.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """A grid of density and velocity about the strands; with children, a strand stands for as many as are drawn."""
+
+    density: float | None = number(
+        None, above=0, unit="1/m²",
+        doc="strands that a square metre across them holds at the most; absent: the most that it holds as emitted",
+    )  # fmt: skip
+    friction: float = number(
+        0.05, low=0, high=1,
+        doc="share of its velocity against the strands about it that a strand loses in a hundredth of a second, where "
+        "they are as dense as density",
+    )  # fmt: skip
+    cell: float | None = number(
+        None, above=0, unit="m", doc="side of a cell of the grid; absent: a 32nd of the groom's greatest extent"
+    )
+
+
+def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:
+    """Faults that only the whole scene shows."""
+    mine = [use for use in scene.rules if use.name == name]
+    if len(mine) > 1 and parameters is not mine[0].parameters:
+        yield "", "strands have one grid: list interaction once"
+
+
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
+    """None: rods apply this rule in their own step."""
+    return []

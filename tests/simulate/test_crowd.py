@@ -1,0 +1,312 @@
+"""Strands that interact: density, pressure, friction and shelter, against twins, closed forms and sums that stay."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
+from strandcli.scene import SceneError
+from strandcli.simulate.crowd import Moment
+from strandcli.simulate.kernels import crowd_pressure, crowd_shelter
+from strandcli.simulate.kernels.crowd_records import LOW, MASS, SIZE
+from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod import RodSolver
+
+BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40"
+CALM = (0.0, 0.0, 0.0)
+
+
+def solver_of(text: str, groom: Groom | None = None) -> RodSolver:
+    one = scene_of("solver: rod\n" + text)
+    return RodSolver(one, groom or emit(one.emitter, one.seed))
+
+
+def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
+    """(strands, N, 3) of what lies in packs."""
+    wide = packed.reshape(*packed.shape[:2], 3, PACK).transpose(0, 3, 1, 2).astype(np.float64)
+    return wide.reshape(-1, packed.shape[1], 3)[:strands]
+
+
+def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, float] = CALM) -> None:
+    assert solver.crowd is not None
+    solver.crowd.prepare(solver.state, solver.mass, np.zeros_like(solver.forcing.roots), Moment(dt, dt, wind))
+
+
+def spread(solver: RodSolver) -> dict[tuple[int, ...], NDArray[np.float64]]:
+    """Metres and momentum of cells by their numbers: a twin of the grid in plain Python."""
+    crowd = solver.crowd
+    assert crowd is not None
+    x = np.concatenate([solver.positions[:, 1:].reshape(len(solver.positions), -1, 3, 128)], 0).astype(np.float64)
+    x = x.transpose(0, 3, 1, 2).reshape(-1, x.shape[1], 3)[: solver.strands]
+    v = np.concatenate([np.zeros((solver.strands, 1, 3)), rows(solver.state.velocity, solver.strands)], 1)
+    lengths = np.linalg.norm(np.diff(x, axis=1), axis=2)
+    several = len(crowd.samples.first) // lengths.shape[1]
+    found: dict[tuple[int, ...], NDArray[np.float64]] = {}
+    for strand in range(solver.strands):
+        for j in range(lengths.shape[1]):
+            for t in (np.arange(several) + 0.5) / several:
+                at = (x[strand, j] + t * (x[strand, j + 1] - x[strand, j])) / crowd.cell - 0.5
+                u = v[strand, j] + t * (v[strand, j + 1] - v[strand, j])
+                low = np.floor(at)
+                for corner in np.ndindex(2, 2, 2):
+                    share = np.prod(np.where(corner, at - low, 1 - (at - low)))
+                    mass = share * lengths[strand, j] / several
+                    key = tuple((low + corner).astype(int).tolist())
+                    found[key] = found.get(key, np.zeros(4)) + mass * np.append(1, u)
+    return found
+
+
+@pytest.mark.parametrize("cell", [0.03, 0.015])
+def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
+    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: {cell}}}]")
+    assert solver.crowd is not None
+    solver.state.velocity[...] = np.random.default_rng(0).normal(size=solver.state.velocity.shape)
+    prepare(solver)
+    assert len(solver.crowd.samples.first) == 5 * np.ceil(0.04 / cell)
+    box, grid = solver.crowd.boxes[-1], solver.crowd.grid
+    twin = np.zeros((*box[SIZE : SIZE + 3], 4))
+    for key, values in spread(solver).items():
+        twin[tuple(np.array(key) - box[LOW : LOW + 3])] = values
+    np.testing.assert_allclose(grid, twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
+    assert grid[:, MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
+
+
+def test_free_flight_keeps_momentum_and_gains_no_energy() -> None:
+    """Particles that nothing else holds, for a second: friction and pressure are between them alone."""
+    solver = solver_of(
+        f"emitter: {{{BALL}, strands: 300}}\nrules: [interaction: {{friction: 0.3, cell: 0.03, density: 2000}}]"
+    )
+    crowd, state, dt = solver.crowd, solver.state, 1 / 60
+    assert crowd is not None
+    crowd.samples.mass[crowd.samples.first == 0] = 0
+    solver.mass[0] = 0.5  # the emitter would take up what goes to the roots
+    state.velocity[...] = np.random.default_rng(1).normal(scale=0.1, size=state.velocity.shape)
+    mass = solver.mass[None, :, None].astype(float)
+
+    def momentum() -> NDArray[np.float64]:
+        return np.asarray((mass * rows(state.velocity, 300)).sum((0, 1)))
+
+    begin, size = momentum(), float((mass * np.abs(rows(state.velocity, 300))).sum())
+    energies, greatest = [], 0.0
+    for _ in range(60):
+        prepare(solver, dt)
+        greatest = max(greatest, crowd.found / 2000)
+        state.velocity[...] += dt * state.crowd
+        energies.append((mass * rows(state.velocity, 300) ** 2).sum())
+        moved = (dt * rows(state.velocity, 300)).astype(np.float32)
+        for strand in range(300):
+            solver.positions[strand // 128, 2:].reshape(-1, 3, 128)[:, :, strand % 128] += moved[strand]
+    assert np.abs(momentum() - begin).max() < 1e-5 * size
+    assert greatest > 1.5, "pressure had nothing to do"
+    assert energies[-1] < 0.5 * energies[0]
+
+
+def test_friction_alone_never_adds_energy() -> None:
+    """However long the step; of a velocity that all share nothing is lost."""
+    solver = solver_of(f"emitter: {{{BALL}, strands: 200}}\nrules: [interaction: {{friction: 1, cell: 0.05}}]")
+    crowd, state, mass = solver.crowd, solver.state, solver.mass[None, :, None]
+    assert crowd is not None
+    crowd.samples.mass[crowd.samples.first == 0] = 0
+    solver.mass[0] = 0.5
+    state.velocity[...] = np.random.default_rng(2).normal(size=state.velocity.shape)
+    prepare(solver, 1.0)
+    crowd.density = 1.01 * crowd.found  # no pressure
+    before = rows(state.velocity, 200)
+    prepare(solver, 1.0)
+    after = before + rows(state.crowd, 200)
+    assert (mass * after**2).sum() <= (mass * before**2).sum()
+
+
+def test_any_number_of_threads_gives_the_same_bits() -> None:
+    text = (
+        "emitter: {shape: {kind: sphere, radius: 0.1}, strands: 800, particles: 9, length: 0.2, jitter: 20, "
+        "keys: [{time: 0}, {time: 1, rotation: [0, 180, 0]}]}\nsolids: [{kind: sphere, radius: 0.1, follow: emitter}]\n"
+        "rules: [emitter_motion, gravity, wind: {strength: 3}, interaction: {friction: 0.2, cell: 0.02}, collision]"
+    )
+    found = []
+    for threads in {1, min(2, numba.config.NUMBA_NUM_THREADS)}:
+        numba.set_num_threads(threads)
+        solver = solver_of(text)
+        solver.advance(8)
+        found.append(solver.particles())
+    assert solver.crowd is not None
+    assert len(solver.crowd.parts) == 3
+    for one in found:
+        np.testing.assert_array_equal(one, found[0])
+
+
+PLATE = """
+rod: {rest: straight, radius: 1.0e-4, young: 1.0e+5, drag: 5, friction: 0}
+time: {fps: 30}
+emitter: {shape: {kind: plane, width: 0.1, depth: 0.1}, strands: 1600, particles: 9, length: 0.1}
+solids:
+- {kind: box, size: [0.02, 0.3, 0.3], position: [0.07, 0.17, 0],
+   keys: [{time: 0, position: [0.07, 0.17, 0]}, {time: 1, position: [0.035, 0.17, 0]}]}
+rules: [collision%s]
+"""
+
+
+def test_a_pressed_layer_holds_as_many_strands_a_square_metre_as_allowed() -> None:
+    """Without pressure they pile up before the plate, twice as dense and more."""
+    solver = solver_of(PLATE % ", interaction: {density: 240000, cell: 0.01}")
+    solver.advance(91)
+    assert solver.errors(91)["density_max"] < 1.05  # type: ignore[operator]
+    assert solver.errors(91)["penetration_max"] < 1e-6  # type: ignore[operator]
+    alone = solver_of(PLATE % ", interaction: {density: 1.0e+9, friction: 0, cell: 0.01}")
+    alone.advance(91)
+    assert alone.errors(91)["density_max"] * 1e9 > 1.4 * 240000  # type: ignore[operator]
+
+
+def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:
+    count, cell = 600, 0.005
+    way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
+    groom = Groom(
+        np.zeros((count, 3), np.float32), (way / np.linalg.norm(way, axis=1)[:, None]).astype(np.float32),
+        np.full(count, 0.2, np.float32), np.zeros(count, np.float32),
+    )  # fmt: skip
+    text = "emitter: {strands: 600, particles: 9, length: 0.2}\ntime: {fps: 24}\nrules: [gravity%s]"
+    solver = solver_of(text % f", interaction: {{density: 1.0e+6, cell: {cell}}}", groom)
+    alone = solver_of(text % "", groom)
+    past = solver.particles()
+    for frame in range(2, 26):
+        solver.advance(frame)
+        now = solver.particles()
+        assert np.abs(now - past).max() < 2 * cell
+        past = now
+    alone.advance(25)
+    assert solver.errors(25)["nonfinite"] == 0
+    assert past[:, 4, 0].std() > 4 * alone.particles()[:, 4, 0].std()
+
+
+def test_pressure_solves_the_complementarity_problem() -> None:
+    box = np.array([0, 0, 0, 16, 9, 7, 0])
+    rng = np.random.default_rng(3)
+    excess = rng.normal(scale=0.3, size=16 * 9 * 7).astype(np.float32)
+    open_ = (rng.random(len(excess)) > 0.2).astype(np.float32)
+    faces, pressure = np.empty_like(open_), np.zeros_like(open_)
+    crowd_pressure.find_faces(box, open_, faces)
+    for _ in range(20):
+        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure)
+    p = np.pad(pressure.reshape(7, 9, 16), 1)
+    free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
+    left = np.zeros((7, 9, 16))
+    for axis in range(3):
+        for shift in (-1, 1):
+            there = np.roll(p, shift, axis)[1:-1, 1:-1, 1:-1]
+            passes = np.roll(free, shift, axis)[1:-1, 1:-1, 1:-1]
+            left += np.where(passes, p[1:-1, 1:-1, 1:-1] - there, 0)
+    left -= excess.reshape(left.shape)
+    inner, mine = free[1:-1, 1:-1, 1:-1], pressure.reshape(left.shape)
+    assert (mine >= 0).all()
+    assert (mine[~inner] == 0).all()
+    assert (mine > 0).sum() > 100
+    held = inner & (faces.reshape(left.shape) > 0)
+    assert left[held].min() > -1e-4
+    assert np.abs(left[held & (mine > 0)]).max() < 1e-4
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.6, -0.8, 0.0)])
+def test_wind_fades_exponentially_in_an_even_layer(way: tuple[float, float, float]) -> None:
+    """exp(−n d s) after a way s, from where it has entered."""
+    side, stop = 24, 0.05
+    box = np.array([0, 0, 0, side, side, side, 0])
+    grid, left = np.zeros((side**3, 4), np.float32), np.empty(side**3, np.float32)
+    grid[:, MASS] = 1
+    crowd_shelter.shelter(box, grid, np.array(way, np.float32), np.float32(stop), left)
+    middle = left.reshape(side, side, side)[:: -1 if way[2] < 0 else 1][12, 12]
+    at = np.arange(side)
+    if way[2] < 0:
+        assert left.reshape(side, side, side)[side - 1 - 10, 3, 4] == pytest.approx(np.exp(-stop * 10), rel=1e-3)
+    elif way[1] == 0:
+        np.testing.assert_allclose(middle, np.exp(-stop * at), rtol=2e-3)
+    else:  # enters through the top where that is nearer
+        ways = np.minimum(at / 0.6, (side - 1 - 12) / 0.8)
+        np.testing.assert_allclose(middle, np.exp(-stop * ways), rtol=0.05)
+
+
+def test_a_strand_in_the_lee_bends_less() -> None:
+    """Of a row of tufts along the wind the first takes the most of it."""
+    text = (
+        "rod: {rest: straight, drag: 5}\nemitter: {shape: {kind: plane, width: 0.4, depth: 0.02}, strands: 900, "
+        "particles: 7, length: 0.15}\nchildren: {count: 100}\n"
+        "rules: [gravity, wind: {strength: 2}%s]"
+    )
+    bent = {}
+    for rule in ("", ", interaction: {friction: 0, cell: 0.02, density: 1.0e+9}"):
+        solver = solver_of(text % rule)
+        solver.advance(12)
+        x = solver.particles()
+        lean = x[:, -1, 0] - x[:, 0, 0]
+        bent[rule] = (lean[x[:, 0, 0] < -0.19].mean(), lean[x[:, 0, 0] > 0.1].mean())
+    (first, last), (fresh, lee) = bent.values()
+    assert last == pytest.approx(first, rel=0.05)
+    assert fresh > 0.7 * first
+    assert lee < 0.6 * last
+
+
+def test_double_precision_moves_strands_alike() -> None:
+    found = []
+    for precision in ("single", "double"):
+        solver = solver_of(
+            f"emitter: {{{BALL}, strands: 40}}\nrod: {{precision: {precision}}}\n"
+            "solids: [{kind: sphere, radius: 0.1}]\n"
+            "rules: [gravity, wind: {strength: 1}, collision, interaction: {friction: 0.3, cell: 0.03, density: 300}]"
+        )
+        solver.advance(8)
+        found.append(solver.particles())
+    assert solver.errors(8)["density_max"] > 1  # type: ignore[operator]
+    np.testing.assert_allclose(*found, atol=2e-3)
+
+
+def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
+    solver = solver_of(
+        "emitter: {shape: {kind: disc, radius: 1.0e+6}, strands: 1, particles: 5, length: 1000}\n"
+        "rules: [gravity, interaction: {}]"
+    )
+    solver.advance(3)
+    assert solver.errors(3)["nonfinite"] == 0
+
+
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        ("cell: 1.0e-5", "less than a strand's thickness of 7e-05 m"),
+        ("cell: 3", "larger than the groom, which is 0.588 m wide"),
+        ("cell: 5.0e-4", "less than a 64th of a segment of 0.05 m"),
+        ("cell: 0.001", "more than 4,000,000; make them at least 0.00"),
+        ("density: 0", "density: must be a number above 0"),
+        ("friction: 1.5", "friction: must be a number of at least 0 and of at most 1"),
+    ],
+)
+def test_bad_input_is_refused_by_name(rule: str, message: str) -> None:
+    def start() -> None:
+        solver_of(
+            "emitter: {shape: {kind: sphere, radius: 0.1}, strands: 64, particles: 5, length: 0.2}\n"
+            f"rules: [interaction: {{{rule}}}]"
+        ).advance(2)
+
+    with pytest.raises((UsageError, SceneError), match=message) as raised:
+        start()
+    assert "\n" not in str(raised.value)
+
+
+def test_it_is_refused_twice_and_by_the_source_s_solver() -> None:
+    with pytest.raises(SceneError, match="list interaction once"):
+        scene_of("solver: rod\nrules: [interaction: {}, interaction: {}]")
+    with pytest.raises(SceneError, match="does not apply this rule, for its strands have no velocity"):
+        scene_of("rules: [interaction: {}]")
+
+
+def test_nothing_of_it_is_there_where_it_is_not_listed() -> None:
+    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [gravity]")
+    assert solver.crowd is None
+    assert len(solver.state.crowd) == 1
+    assert "density_max" not in solver.errors(1)

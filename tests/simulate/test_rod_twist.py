@@ -1,0 +1,96 @@
+"""Coils whose torsion a preset gives: springs, their bounce at any step, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.simulate.advice import warnings
+from strandcli.simulate.material import COIL_STEP
+from strandcli.simulate.rod import RodSolver
+from strandcli.study.exactness import scene_of as reference_scene
+from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
+from strandcli.study.references import spring
+
+
+def stretched(particles: int, **rod: Any) -> float:
+    """Relative error of the spring's stiffness."""
+    case = spring.case(particles)
+    case.settings["rod"].update(rod)
+    scene = reference_scene(case, CONTESTANTS["rod"], {})
+    track, _ = follow(lambda: prepare(CONTESTANTS["rod"], scene, case), 1 / 480, spring.REFERENCE.span, False)
+    error = spring.measure(track)["stiffness"]
+    assert error is not None
+    return error
+
+
+def test_a_coil_has_a_spring_s_stiffness_ever_nearer_with_more_segments() -> None:
+    few, _, many = (len(spring.coil(arm)) for arm in spring.ARM)
+    coarse, fine = stretched(few), stretched(many)
+    assert fine < 0.02
+    assert math.log(coarse / fine) / math.log((many - 1) / (few - 1)) > 1.7
+
+
+def test_the_stiffness_is_that_of_torsion() -> None:
+    """With twice the torsion it would be another spring."""
+    assert stretched(len(spring.coil(3)), torsion=2 * spring.TORSION) > 0.6
+
+
+def ringlet(fps: int, more: str = "torsion: 0.7", rest: str = "shape") -> RodSolver:
+    scene = scene_of(
+        f"solver: rod\nrod: {{rest: {rest}, radius: 2.5e-5, damping: 0.0002, {more}}}\ntime: {{fps: {fps}}}\n"
+        "emitter: {shape: {kind: disc, radius: 0.01}, strands: 16, particles: 60, length: 0.2, curl_turns: 5, "
+        "curl_angle: 60, rotation: [180, 0, 0]}\nrules: [gravity]\n"
+    )
+    return RodSolver(scene, emit(scene.emitter, scene.seed))
+
+
+def bounce(solver: RodSolver, seconds: float) -> NDArray[np.float64]:
+    """(frames,) height of the first tip under its root."""
+    fps = solver.scene.time.fps
+    found = []
+    for frame in range(2, round(fps * seconds) + 2):
+        solver.advance(frame)
+        x = solver.particles()[0]
+        found.append(float(x[0, 1] - x[-1, 1]))
+    return np.array(found)
+
+
+def test_a_ringlet_bounces_and_comes_to_rest_in_one_place_at_every_step() -> None:
+    coarse, fine = bounce(ringlet(24), 3), bounce(ringlet(96), 3)
+    assert coarse.max() > 1.03 * coarse[-1], "it does not bounce"
+    assert coarse.max() == pytest.approx(fine.max(), rel=0.05)
+    assert coarse[-1] == pytest.approx(fine[-1], rel=1e-3)
+    assert np.ptp(coarse[-6:]) < 1e-3 * coarse[-1]
+
+
+def test_steps_are_cut_only_where_coils_ask_for_it() -> None:
+    assert ringlet(24)._coil_rate > 24 * COIL_STEP
+    assert ringlet(24, "material: hair")._coil_rate == 0
+    straight = scene_of("solver: rod\nrod: {torsion: 0.7}\nemitter: {strands: 4}\nrules: [gravity]")
+    assert RodSolver(straight, emit(straight.emitter, 0))._coil_rate == 0
+
+
+def test_coils_too_fast_for_the_steps_become_softer_and_say_so() -> None:
+    """They give way by no more than a millimetre, and the strand stays where it is."""
+    stiff = ringlet(24, "torsion: 0.7, young: 1.0e+13")
+    heights = bounce(stiff, 1)
+    assert stiff._coil_rate == pytest.approx(16 * 24 * COIL_STEP)
+    assert np.ptp(heights) < 1e-3
+    (line,) = warnings(stiff.scene, stiff.groom)
+    assert "16 of 16 coils stretch up to" in line
+    assert warnings(ringlet(24).scene, ringlet(24).groom) == []
+
+
+def test_what_coils_cannot_have_is_refused_by_name() -> None:
+    with pytest.raises(UsageError, match="too fast for the steps, and a sag-free start cannot make them softer"):
+        ringlet(24, "torsion: 0.7, young: 1.0e+13", "sag_free")
+    with pytest.raises(UsageError, match="bdf2 would set coils swinging by themselves"):
+        ringlet(24, "torsion: 0.7, integrator: bdf2")
