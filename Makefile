@@ -9,11 +9,12 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all wheel unwritable faults kills demo fuzz reading dense mesh-distances test test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all wheel unwritable faults kills demo fuzz reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
+	@echo "make test-long  run the tests that `make test` leaves out, for they repeat at length what others show"
 	@echo "make test-oldest   kernels with the oldest Numba that is supported, in an environment of its own"
 	@echo "make all        what a release has to pass: check, oldest Numba, wheel installed elsewhere, no home, docs"
 	@echo "make check      lint, types and tests, as CI does"
@@ -43,6 +44,9 @@ demo: $(READY)
 test: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest $(or $(ARGS),-n 2 --dist loadfile)
 
+test-long: $(READY)
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -m long $(or $(ARGS),-n 2 --dist loadfile)
+
 OLDEST := .venv-oldest
 OLDEST_NUMBA := $(shell sed -n 's/.*"numba>=\([0-9.]*\)".*/\1/p' pyproject.toml)
 
@@ -65,7 +69,7 @@ types: $(READY)
 
 check: lint types test
 
-all: lint types test test-oldest wheel unwritable docs
+all: lint types test test-long test-oldest wheel unwritable docs
 
 WHEEL := out/wheel
 

@@ -37,6 +37,7 @@ def drawn(scene: Scene, kind: type[Renderer]) -> Any:
     return FrameRenderer(moved, kind)(moved.begin(1))
 
 
+@pytest.mark.long
 def test_counts_of_sorted_strands_are_those_of_the_fragments_blended(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_of(HAIRY % ("sorted", 2, "opacity"))
     lit, blended, lines = set(), 0, []

@@ -120,6 +120,7 @@ def test_slurm_draws_the_frames_of_a_plain_run_and_again_what_is_missing(run: Ru
     assert Path("job/frames/frame_0001.png").stat().st_mtime_ns == kept
 
 
+@pytest.mark.long
 def test_parallel_draws_the_frames_of_a_plain_run(run: Runner) -> None:
     if shutil.which("sh") is None:
         pytest.skip("no POSIX shell")

@@ -106,8 +106,8 @@ def test_a_head_alone_grows_hair_where_its_attribute_or_its_height_says(run: Run
     assert scene.emitter.shape.above > 0  # type: ignore[union-attr]
     assert "size: 0.28" in Path("grown.yaml").read_text(), "a head of 1.9 has no usual unit"
     mesh = make_mesh(vertices, triangles)
-    mesh.attributes["scalp"] = (mesh.vertices[:, 1] > 0).astype(np.float32)  # type: ignore[index]
-    Path("head.ply").write_bytes(mesh_kit.ply(mesh))
+    scalp = (mesh.vertices[:, 1] > 0).astype(np.float32)
+    Path("head.ply").write_bytes(mesh_kit.ply(mesh, more={"scalp": scalp}))
     assert run("new", "spread", "--head", "head.ply", "-q").code == 0
     assert strandcli.load("spread.yaml").emitter.shape.density == "scalp"  # type: ignore[union-attr]
 

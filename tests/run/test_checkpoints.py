@@ -26,20 +26,8 @@ from strandcli.simulate.solver import Solver
 from strandcli.simulate.thesis import ThesisSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
-PRESETS = (
-    "hair",
-    "bob",
-    "curly",
-    "fox",
-    "fur",
-    "grass",
-    "groom",
-    "headline",
-    "minimal",
-    "ponytail",
-    "portrait",
-    "solvers",
-)
+PRESETS = ("curly", "hair", "headline", "minimal", "ponytail", "solvers")
+MORE = [pytest.param(name, marks=pytest.mark.long) for name in ("bob", "fox", "fur", "grass", "groom", "portrait")]
 SMALL = {"emitter.strands": 70, "emitter.particles": 6, "image.size": [24, 20], "time.preroll": 0.1}
 KEYS = [{"time": 0}, {"time": 0.5, "position": [0.3, 0.1, 0], "rotation": [10, 60, 20]}]
 ROD = {"solver": "rod", "rules": ["emitter_motion", "gravity", "wind", {"collision": {"segments": True}}]}
@@ -106,7 +94,7 @@ def goes_on(scene: Scene, folder: Path) -> None:
     assert steps.count == 3 * scene.time.substeps
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", [*PRESETS, *MORE])
 def test_presets_go_on_to_the_bit(name: str, tmp_path: Path) -> None:
     scene = small(name)
     if scene.panels:

@@ -121,7 +121,9 @@ def errors(scene: Scene) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize(("solver", "elasticity"), [("rod", ""), ("thesis", "first"), ("thesis", "last")])
+@pytest.mark.parametrize(("solver", "elasticity"), [
+    ("rod", ""), ("thesis", "first"), pytest.param("thesis", "last", marks=pytest.mark.long),
+])  # fmt: skip
 def test_nothing_is_deeper_for_having_its_segments_caught(solver: str, elasticity: str) -> None:
     """Neither particles nor segments, in the worst frame of a scene; particles in no frame at all."""
     for seed in range(SCENES):
@@ -164,7 +166,7 @@ time: {frames: 6, fps: 24}
 """A ball in a cone, which has no kernel of its own: turns of contact and exact lengths leave tips 2 cm inside."""
 
 
-@pytest.mark.parametrize("later", ["", ", elasticity"])
+@pytest.mark.parametrize("later", ["", pytest.param(", elasticity", marks=pytest.mark.long)])
 def test_particles_are_led_out_of_a_ball_and_a_solid_by_its_distance(later: str) -> None:
     scene = loads(CREASE % ("true", later), rules=registry(), name="crease.yaml")
     assert errors(scene)[:, 0].max() <= LITTLE
